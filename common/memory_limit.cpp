@@ -64,8 +64,8 @@ uint64_t softLimit(int resource) noexcept {
 }  // namespace
 
 uint64_t memoryLimitBytes(const std::filesystem::path& root) {
-  return std::min({physicalMemoryBytes(), softLimit(RLIMIT_AS), softLimit(RLIMIT_DATA),
-                   controlGroupMemoryBytes(root)});
+  return std::min(
+      {physicalMemoryBytes(), softLimit(RLIMIT_AS), softLimit(RLIMIT_DATA), controlGroupMemoryBytes(root)});
 }
 
 uint64_t controlGroupMemoryBytes(const std::filesystem::path& root) {

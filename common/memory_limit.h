@@ -5,8 +5,8 @@
 
 namespace lode {
 
-/// Returns the number of bytes of memory that this process may use: the least of physical RAM, the soft limits
-/// RLIMIT_AS and RLIMIT_DATA, and the limits of its control groups. Thread safe.
+/// Returns the number of bytes of memory that this process may use: the least of physical RAM, the soft
+/// limits RLIMIT_AS and RLIMIT_DATA, and the limits of its control groups. Thread safe.
 /// @param root  folder that holds proc/self/cgroup and sys/fs/cgroup; tests pass their own.
 uint64_t memoryLimitBytes(const std::filesystem::path& root = "/");
 

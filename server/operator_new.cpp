@@ -1,5 +1,5 @@
-// What new and delete are made of in the server: malloc, and where the system gives nothing the reserve. A
-// new-handler would not do, as it is not told how much is wanted: a few who want much would empty it.
+// The server's operator new: malloc, then the MemoryReserve. A new-handler does not know the size, so a few
+// large requests would empty the reserve.
 
 #include <cstdlib>
 #include <new>

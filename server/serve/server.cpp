@@ -12,27 +12,24 @@
 
 #include "common/error.h"
 #include "server/serve/memory/memory_reserve.h"
-#include "server/serve/memory/trim_watch.h"
 #include "server/serve/net/acceptor.h"
 #include "server/serve/net/admission.h"
 #include "server/serve/net/listener.h"
-#include "server/serve/net/open_files.h"
-#include "server/serve/net/tls.h"
 #include "server/serve/ops/health_endpoint.h"
 #include "server/serve/ops/metrics.h"
-#include "server/serve/session/reader_threads.h"
 #include "server/serve/worker.h"
 
 namespace lode::serve {
 
 namespace {
 
-constexpr size_t kReaderThreads = 4;                           ///< that may wait for the disk
-constexpr uint64_t kOtherDescriptors = 64;                     ///< beside connections, stores and refusals
-constexpr auto kMemoryEvery = std::chrono::milliseconds(100);  ///< it is looked after
+constexpr size_t kReaderThreads = 4;        ///< threads that wait for the disk
+constexpr uint64_t kOtherDescriptors = 64;  ///< descriptors beside those of connections, stores and refusals
+constexpr auto kMaintainMemoryEvery = std::chrono::milliseconds(100);
+constexpr uint64_t kTrimBytes = 4u << 20;  ///< freed bytes that are worth a malloc_trim()
 
-/// A message as it may stand in a log, which others may read than those who know the machine's folders: of
-/// the paths that were named, and of what is in them, it leaves the last name.
+/// Removes the folders of all configured paths from a message. Readers of the log may not know the machine's
+/// folders.
 std::string withoutFolders(std::string message, const ServeOptions& options) {
   std::vector<std::filesystem::path> named = options.stores;
   named.insert(named.end(), {options.token_file, options.tls_certificate, options.tls_key});
@@ -44,21 +41,27 @@ std::string withoutFolders(std::string message, const ServeOptions& options) {
   return message;
 }
 
+/// Returns the bytes that this process has allocated from malloc and not freed.
+uint64_t allocatedBytes() noexcept {
+  const auto info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
+
 unsigned threadsOf(const ServeOptions& options) {
   return options.threads == 0 ? std::max(1u, std::thread::hardware_concurrency()) : options.threads;
 }
 
-/// Who may be let in from beyond loopback, and how.
-void requireCareBeyondLoopback(const ServeOptions& options, const asio::ip::tcp::endpoint& endpoint) {
+/// Requires tokens and TLS, or the options that waive them, for an address beyond loopback.
+void checkAccessBeyondLoopback(const ServeOptions& options, const asio::ip::tcp::endpoint& endpoint) {
   if (endpoint.address().is_loopback()) return;
   const auto refuse = [&](const std::string& remedy) {
-    throw Error(ErrorCode::kUsage, "listening on " + toString(endpoint) + " would let other machines in: " +
-                                       remedy + ", or listen on 127.0.0.1");
+    throw Error(ErrorCode::kUsage, "other machines can connect to " + toString(endpoint) + ": " + remedy +
+                                       ", or listen on 127.0.0.1");
   };
   if (options.token_file.empty() && !options.public_ok)
-    refuse("give --token-file, or --public if everybody may read every model");
+    refuse("give --token-file, or --public to let everybody read every model");
   if (options.tls_certificate.empty() && !options.insecure)
-    refuse("give --tls-cert and --tls-key, or --insecure if everything may be read on its way");
+    refuse("give --tls-cert and --tls-key, or --insecure to send everything unencrypted");
 }
 
 }  // namespace
@@ -78,34 +81,34 @@ struct Server::State {
   void startWorkers();
   void run();
   void reload();
-  void lookOver(const Published& now_served);
+  void inspect(const Published& now_served);
   void warnOfUnknownModels(const ServedSet& served);
   void halt();
-  void lookAfterMemory();
+  void maintainMemory();
   void stopNow();
   void closeAcceptor();
 
   MemoryReserve reserve;
   ServeOptions options;
-  const uint64_t open_files = raiseOpenFileLimit();  ///< before a store is opened
+  const uint64_t open_files = raiseOpenFileLimit();  ///< raised before stores are opened
   Log log;
-  std::mutex reload_mutex;     ///< one at a time, each of which may wait for a disk
-  std::mutex published_mutex;  ///< of the next and of the list of workers; nobody waits under it
-  Published published;         ///< written by construction and reload alone
+  std::mutex reload_mutex;     ///< held for a whole reload, which may wait for a disk
+  std::mutex published_mutex;  ///< guards published and workers; held briefly
+  Published published;         ///< written by the constructor and reload() only
   MemoryBudget budget;
   ByteRate rate;
   Admission admission;
   Metrics metrics;
   std::atomic<bool> stopping{false};
   std::atomic<size_t> models{0};
-  std::atomic<uint64_t> certificate_expires_s{0};  ///< Unix time; 0: no TLS
+  std::atomic<uint64_t> certificate_expires_s{0};  ///< Unix time; 0 without TLS
   std::string address;
   uint16_t port = 0;
-  asio::io_context context{1};  ///< accepts, and answers for health; runs in run()'s thread
+  asio::io_context context{1};  ///< accepts connections and serves the health port, on run()'s thread
   std::unique_ptr<Acceptor> acceptor;
   std::unique_ptr<HealthEndpoint> health;
   asio::steady_timer drain_timer{context}, memory_timer{context};
-  TrimWatch trim_watch;
+  uint64_t peak_bytes = 0;  ///< highest use of the budget since the last trim
   std::vector<std::unique_ptr<Worker>> workers;
   ReaderThreads readers{kReaderThreads};
 };
@@ -118,18 +121,18 @@ Server::State::State(ServeOptions given)
       rate(options.bytes_per_second),
       admission(possibleConnections(), options.max_connections_per_address),
       metrics(threadsOf(options) + 1) {
-  lookOver(published);
+  inspect(published);
   listen();
 }
 
 Server::State::~State() {
   halt();
   for (auto& worker : workers) worker->join();
-  readers.join();  // before the loops go, which own what the readers write into
+  readers.join();  // before the workers' contexts are destroyed, which own the readers' buffers
 }
 
 BlobReaderOptions Server::State::readerOptions() {
-  return {.look_every = options.look_at_stores_every,
+  return {.check_file_every = options.check_stores_every,
           .report = [this](std::string_view line) { log.write(LogKind::kDamagedStore, line); }};
 }
 
@@ -140,17 +143,17 @@ std::shared_ptr<const TokenFile> Server::State::openTokens() const {
 
 std::shared_ptr<asio::ssl::context> Server::State::openCertificate() const {
   if (options.tls_certificate.empty() != options.tls_key.empty())
-    throw Error(ErrorCode::kUsage, "--tls-cert and --tls-key belong together; give both");
+    throw Error(ErrorCode::kUsage, "--tls-cert needs --tls-key and the reverse; give both");
   return options.tls_certificate.empty() ? nullptr : openTls(options.tls_certificate, options.tls_key);
 }
 
-/// As many as were asked for, or as many as the system lets this process have files open for.
+/// Returns --max-connections, or fewer if the limit of open files is too low.
 uint32_t Server::State::possibleConnections() {
   const uint64_t others = kOtherDescriptors + Refusals::kMost + 2 * published.served.catalog->models().size();
   const uint64_t room = open_files > 2 * others ? open_files - others : open_files / 2;
   if (room >= options.max_connections) return options.max_connections;
   log.write(LogKind::kServer,
-            "fewer connections are possible than --max-connections; raise the limit of open files",
+            "the limit of open files allows fewer connections than --max-connections; raise it",
             {{"possible", room}, {"wanted", uint64_t{options.max_connections}}, {"open_files", open_files}});
   return static_cast<uint32_t>(room);
 }
@@ -181,11 +184,11 @@ ServerGauges Server::State::gauges() const {
 asio::ip::tcp::acceptor Server::State::openListeningSocket() {
   if (options.listening_socket) {
     asio::ip::tcp::acceptor given = adoptListener(context, *options.listening_socket);
-    requireCareBeyondLoopback(options, given.local_endpoint());
+    checkAccessBeyondLoopback(options, given.local_endpoint());
     return given;
   }
   const asio::ip::tcp::endpoint endpoint = resolveListen(context, options.listen);
-  requireCareBeyondLoopback(options, endpoint);
+  checkAccessBeyondLoopback(options, endpoint);
   return openListener(context, endpoint, "--listen");
 }
 
@@ -198,9 +201,9 @@ void Server::State::listen() {
       .connection_bytes = published.tls ? kTlsConnectionBytes : kPlainConnectionBytes};
   acceptor = std::make_unique<Acceptor>(
       std::move(listener), acceptor_options, admission, budget, metrics.ofThread(0), log,
-      [this](asio::ip::tcp::socket socket, Place place, MemoryAccount memory, std::string client) {
+      [this](asio::ip::tcp::socket socket, Slot slot, MemoryAccount memory, std::string client) {
         Worker& worker = **std::ranges::min_element(workers, {}, [](const auto& w) { return w->load(); });
-        worker.give(std::move(socket), std::move(place), std::move(memory), std::move(client));
+        worker.give(std::move(socket), std::move(slot), std::move(memory), std::move(client));
       });
   acceptor->setTls(published.tls);
   if (options.metrics.empty()) return;
@@ -232,76 +235,83 @@ void Server::State::run() {
   const auto guard = asio::make_work_guard(context);
   while (true) try {
       acceptor->open();
-      lookAfterMemory();
+      maintainMemory();
       context.run();
       break;
-    } catch (const std::exception& error) {  // out of memory, most likely: the next may be taken again
+    } catch (const std::exception& error) {  // mostly out of memory; continue accepting
       log.write(LogKind::kSystem, reasonOf(error));
     }
   halt();
   for (auto& worker : workers) worker->join();
 }
 
-void Server::State::lookAfterMemory() {
+/// Refills the reserve, and returns freed memory to the system once the use of the budget has halved: malloc
+/// keeps nearly all memory that a flood of requests or answers took.
+void Server::State::maintainMemory() {
   if (reserve.refill() > 0)
-    log.write(LogKind::kSystem, "the system gave no memory, and what is kept for that was used");
-  const auto now = Clock::now();
-  if (trim_watch.due(now) && trim_watch.isTime(anonymousResidentBytes(), budget.used(), now))
+    log.write(LogKind::kSystem, "the system has no memory left; the server used its reserve");
+  const uint64_t used = budget.used();
+  peak_bytes = std::max(peak_bytes, used);
+  if (used < peak_bytes / 2 && peak_bytes - used >= kTrimBytes) {
+    peak_bytes = used;
     asio::post(readers.pool(), [] { malloc_trim(0); });
-  memory_timer.expires_after(kMemoryEvery);
+  }
+  memory_timer.expires_after(kMaintainMemoryEvery);
   memory_timer.async_wait([this](const asio::error_code& cancelled) {
-    if (!cancelled) lookAfterMemory();
+    if (!cancelled) maintainMemory();
   });
 }
 
 void Server::State::reload() {
   const std::lock_guard lock(reload_mutex);
   Published next = published;
-  bool all_is_new = true;
-  const auto keeping = [&](const char* what, const auto& action) {
+  bool complete = true;
+  const auto reloadPart = [&](const char* what, const auto& action) {
     try {
       action();
     } catch (const std::exception& error) {
-      log.write(LogKind::kServer, std::string(what) + " could not be reloaded; what there was stays",
+      log.write(LogKind::kServer, std::string(what) + " could not be reloaded; the previous version stays",
                 {{"why", withoutFolders(error.what(), options)}});
-      all_is_new = false;
+      complete = false;
     }
   };
   size_t refused = 0;
-  keeping("stores", [&] {
+  reloadPart("stores", [&] {
     next.served.catalog = reopenCatalog(*next.served.catalog, options.stores, readerOptions(), &refused);
   });
-  keeping("tokens", [&] { next.served.tokens = openTokens(); });
-  keeping("the certificate", [&] { next.tls = openCertificate(); });
-  keeping("what is offered", [&] { lookOver(next); });
+  reloadPart("tokens", [&] { next.served.tokens = openTokens(); });
+  reloadPart("the certificate", [&] { next.tls = openCertificate(); });
+  reloadPart("the served set", [&] { inspect(next); });
   {
     const std::lock_guard published_lock(published_mutex);
     published = next;
     for (auto& worker : workers) worker->publish(next);
   }
   asio::post(context, [this, now = next.tls] { acceptor->setTls(now); });
-  all_is_new = all_is_new && refused == 0;
-  log.write(LogKind::kServer, all_is_new ? "reloaded" : "reloaded in part", {{"models", uint64_t{models}}});
+  complete = complete && refused == 0;
+  log.write(LogKind::kServer, complete ? "reloaded" : "reloaded partly", {{"models", uint64_t{models}}});
 }
 
-/// Counts what is offered from now on, and says what of it will hardly be meant so.
-void Server::State::lookOver(const Published& now_served) {
+/// Updates the gauges for a served set and logs likely mistakes in it: unknown models, expired tokens, an
+/// expired certificate.
+void Server::State::inspect(const Published& now_served) {
   const auto& [served, tls] = now_served;
   models = served.catalog->models().size();
-  for (const auto& model : served.catalog->models())  // from 0 on: an increase is seen only of what is there
+  for (const auto& model :
+       served.catalog->models())  // export zeros: Prometheus sees an increase only of a known counter
     metrics.ofThread(0).model(model->summary.name);
   warnOfUnknownModels(served);
   const auto now = std::chrono::system_clock::now();
   if (served.tokens && served.tokens->allHaveExpired(now))
     log.write(
         LogKind::kServer,
-        "no token of the token file is valid now, and every client is refused; give new ones and reload");
+        "all tokens of the token file have expired, so every client is refused; add new ones and reload");
   const auto expires = tls ? expiryOf(*tls) : std::nullopt;
   certificate_expires_s =
       expires ? static_cast<uint64_t>(std::max<int64_t>(1, expires->time_since_epoch().count())) : 0;
   if (expires && *expires <= now)
     log.write(LogKind::kServer,
-              "the certificate has expired, and clients refuse it; give a new one and reload");
+              "the certificate has expired, so clients refuse it; install a new one and reload");
 }
 
 void Server::State::warnOfUnknownModels(const ServedSet& served) {
@@ -309,7 +319,7 @@ void Server::State::warnOfUnknownModels(const ServedSet& served) {
   std::vector<std::string> unknown = served.tokens->modelsNamed();
   std::erase_if(unknown, [&](const std::string& name) { return served.catalog->find(name) != nullptr; });
   if (!unknown.empty())
-    log.write(LogKind::kServer, "the token file names models that are not offered",
+    log.write(LogKind::kServer, "the token file names models that are not served",
               {{"first", unknown.front()}, {"count", uint64_t{unknown.size()}}});
 }
 
@@ -321,7 +331,7 @@ void Server::State::halt() {
 
 void Server::State::stopNow() {
   if (stopping.exchange(true)) {
-    drain_timer.cancel();  // which goes on as when the time is over
+    drain_timer.cancel();  // its handler runs as if the time were over
     return;
   }
   log.write(LogKind::kServer, "stopping");

@@ -11,15 +11,34 @@
 #include <asio/redirect_error.hpp>
 #include <asio/use_awaitable.hpp>
 
+#include "common/start_thread.h"
+
 namespace lode::serve {
 
 using asio::ip::tcp;
 
 namespace {
 
-constexpr auto kLookEvery = std::chrono::milliseconds(20);  ///< whether memory is tight
+constexpr const char* kReading = "to read stores";
+constexpr auto kCheckMemoryEvery = std::chrono::milliseconds(20);
 
 }  // namespace
+
+ReaderThreads::ReaderThreads(size_t count)
+    : pool_(withThreads(kReading, [] { return std::make_unique<asio::thread_pool>(1); })) {
+  try {
+    while (others_.size() + 1 < count)
+      others_.push_back(startThread<std::jthread>(kReading, [this] { pool_->attach(); }));
+  } catch (const std::exception&) {
+    join();
+    throw;
+  }
+}
+
+void ReaderThreads::join() {
+  pool_->join();
+  others_.clear();
+}
 
 Worker::Worker(Published published, Log& log, ThreadCounters& counters, asio::thread_pool& readers,
                MemoryBudget& budget, ByteRate& rate, ConnectionLimits limits)
@@ -39,8 +58,7 @@ void Worker::start(Clock::duration sweep_every) {
     while (true) try {
         context_.run();
         return;
-      } catch (
-          const std::exception& error) {  // out of memory, most likely: whom it hit is gone, others go on
+      } catch (const std::exception& error) {  // mostly out of memory; the other connections go on
         host_.log->write(LogKind::kSystem, reasonOf(error));
       }
   });
@@ -50,27 +68,27 @@ void Worker::join() {
   if (thread_.joinable()) thread_.join();
 }
 
-void Worker::give(tcp::socket socket, Place place, MemoryAccount memory, std::string client) {
-  place.countIn(load_);
+void Worker::give(tcp::socket socket, Slot slot, MemoryAccount memory, std::string client) {
+  slot.countIn(load_);
   const auto protocol = socket.local_endpoint().protocol();
   tcp::socket own(context_);
   own.assign(protocol, socket.release());
-  asio::post(context_, [this, own = std::move(own), place = std::move(place), memory = std::move(memory),
+  asio::post(context_, [this, own = std::move(own), slot = std::move(slot), memory = std::move(memory),
                         client = std::move(client)]() mutable {
-    admit(std::move(own), std::move(place), std::move(memory), std::move(client));
+    admit(std::move(own), std::move(slot), std::move(memory), std::move(client));
   });
 }
 
-void Worker::admit(tcp::socket socket, Place place, MemoryAccount memory, std::string client) {
+void Worker::admit(tcp::socket socket, Slot slot, MemoryAccount memory, std::string client) {
   try {
     proto::ByteStream stream =
         host_.tls ? proto::ByteStream(std::move(socket), host_.tls) : proto::ByteStream(std::move(socket));
     const auto connection = std::make_shared<Connection>(
-        std::move(stream), std::move(place), std::move(memory), host_, limits_, std::move(client));
+        std::move(stream), std::move(slot), std::move(memory), host_, limits_, std::move(client));
     connection->start();
     if (!draining_.empty()) connection->drain(draining_);
-  } catch (const std::exception& error) {  // no memory for it; the others go on
-    host_.log->write(LogKind::kSystem, "a connection was given up", {{"why", reasonOf(error)}});
+  } catch (const std::exception& error) {  // out of memory
+    host_.log->write(LogKind::kSystem, "a connection was dropped", {{"why", reasonOf(error)}});
   }
 }
 
@@ -93,7 +111,7 @@ asio::awaitable<void> Worker::sweep(Clock::duration every) {
   auto next = Clock::now() + every;
   while (true) {
     asio::error_code error;
-    tick_.expires_after(std::min<Clock::duration>(every, kLookEvery));
+    tick_.expires_after(std::min<Clock::duration>(every, kCheckMemoryEvery));
     co_await tick_.async_wait(asio::redirect_error(asio::use_awaitable, error));
     const auto now = Clock::now();
     if (now < next && !budget_.tight()) continue;
@@ -104,18 +122,18 @@ asio::awaitable<void> Worker::sweep(Clock::duration every) {
 
 void Worker::sweepNow(Clock::time_point now) {
   for (Connection* connection : host_.connections) connection->sweep(now);
-  if (budget_.pressed()) giveUpTheGreediest();
+  if (budget_.pressed()) closeLargest();
 }
 
-/// Who holds less than the average of the whole server is let be; some thread has one that does not.
-void Worker::giveUpTheGreediest() {
+/// Closes the largest connections, but none below the server's average; some thread always has one above it.
+void Worker::closeLargest() {
   const uint64_t mean = budget_.mean();
-  std::vector<Connection*> greedy;
+  std::vector<Connection*> largest;
   for (Connection* connection : host_.connections)
-    if (connection->heldBytes() >= std::max(mean, kPoliteBytes / 2)) greedy.push_back(connection);
-  std::ranges::sort(greedy, std::ranges::greater(), [](const Connection* c) { return c->heldBytes(); });
-  for (auto next = greedy.begin(); next != greedy.end() && !budget_.relieved(); ++next)
-    (*next)->giveUpForMemory();
+    if (connection->heldBytes() >= std::max(mean, kPoliteBytes / 2)) largest.push_back(connection);
+  std::ranges::sort(largest, std::ranges::greater(), [](const Connection* c) { return c->heldBytes(); });
+  for (auto next = largest.begin(); next != largest.end() && !budget_.relieved(); ++next)
+    (*next)->endForMemory();
 }
 
 }  // namespace lode::serve

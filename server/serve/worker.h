@@ -1,56 +1,77 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <asio/awaitable.hpp>
 #include <asio/executor_work_guard.hpp>
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
 #include <asio/steady_timer.hpp>
+#include <asio/thread_pool.hpp>
 
 #include "server/serve/net/connection.h"
 
 namespace lode::serve {
 
-/// What is swapped whole at a reload.
+/// Threads for reads that wait for the disk.
+class ReaderThreads {
+ public:
+  /// @throws Error kIo if the system cannot start the threads.
+  explicit ReaderThreads(size_t count);
+  ~ReaderThreads() { join(); }
+  ReaderThreads(const ReaderThreads&) = delete;
+  ReaderThreads& operator=(const ReaderThreads&) = delete;
+
+  asio::thread_pool& pool() noexcept { return *pool_; }
+  /// Waits for all work of the pool.
+  void join();
+
+ private:
+  std::unique_ptr<asio::thread_pool> pool_;  ///< one thread: asio hangs if it cannot start all of several
+  std::vector<std::jthread> others_;         ///< further threads of the pool
+};
+
+/// State that a reload replaces at once.
 struct Published {
   ServedSet served;
   std::shared_ptr<asio::ssl::context> tls;
 };
 
-/// One thread of the server: its event loop and the connections that live on it. Functions are thread safe
-/// unless they say otherwise.
+/// One thread of the server with its event loop and connections. Thread safe, except for construction,
+/// start() and join().
 class Worker {
  public:
   Worker(Published published, Log& log, ThreadCounters& counters, asio::thread_pool& readers,
          MemoryBudget& budget, ByteRate& rate, ConnectionLimits limits);
 
-  /// Once. @throws std::system_error.
+  /// Starts the thread. Call it once. @throws std::system_error.
   void start(Clock::duration sweep_every);
   void halt() { context_.stop(); }
   void join();
 
-  /// How many connections it has or was given.
+  /// Number of connections, including those that give() has queued.
   uint32_t load() const noexcept { return load_.load(std::memory_order_relaxed); }
-  /// Takes a connection over. @throws std::bad_alloc; the connection is closed then.
-  void give(asio::ip::tcp::socket socket, Place place, MemoryAccount memory, std::string client);
+  /// Takes over a connection. @throws std::bad_alloc after closing it.
+  void give(asio::ip::tcp::socket socket, Slot slot, MemoryAccount memory, std::string client);
   void publish(const Published& published);
   void drain(const std::string& reason);
 
  private:
   asio::awaitable<void> sweep(Clock::duration every);
   void sweepNow(Clock::time_point now);
-  void giveUpTheGreediest();
-  void admit(asio::ip::tcp::socket socket, Place place, MemoryAccount memory, std::string client);
+  void closeLargest();
+  void admit(asio::ip::tcp::socket socket, Slot slot, MemoryAccount memory, std::string client);
 
   MemoryBudget& budget_;
   ConnectionLimits limits_;
   std::atomic<uint32_t> load_{0};
-  std::string draining_;  ///< the reason; empty: it is not
+  std::string draining_;  ///< reason of the drain; empty while not draining
   ConnectionHost host_;
   asio::io_context context_{1};
   asio::executor_work_guard<asio::io_context::executor_type> guard_;

@@ -43,7 +43,7 @@ class OpenFiles(unittest.TestCase):
     def test_fewer_connections_than_asked_for_are_said_at_the_start_and_are_possible(self):
         with tempfile.TemporaryFile("w+") as log, contextlib.ExitStack() as clients:
             with self.start(log, "--max-connections", "1000") as daemon:
-                eventually(lambda: "fewer connections are possible" in self.said(log))
+                eventually(lambda: "allows fewer connections" in self.said(log))
                 possible = int(re.search(r"possible=(\d+)", self.said(log)).group(1))
                 for _ in range(possible):
                     clients.enter_context(contextlib.closing(daemon.open()[0]))

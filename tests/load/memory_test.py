@@ -166,7 +166,7 @@ class System(unittest.TestCase):
             def it_was_short():
                 log.seek(0)
                 said = log.read()
-                return "the system gave no memory" in said or "reason=memory" in said
+                return "the system has no memory left" in said or "reason=memory" in said
 
             eventually(it_was_short)
 

@@ -48,9 +48,9 @@ MemoryAccount::~MemoryAccount() {
 bool MemoryAccount::tryTake(uint64_t bytes) noexcept {
   if (leaving_) return false;
   if (held_ + bytes > kPoliteBytes) {
-    const uint64_t for_greedy = budget_->limit() / 4 * 3;
-    const uint64_t left = for_greedy - std::min(for_greedy, budget_->used());
-    if (held_ + bytes > left / kGreedyPart) return false;
+    const uint64_t for_large = budget_->limit() / 4 * 3;
+    const uint64_t left = for_large - std::min(for_large, budget_->used());
+    if (held_ + bytes > left / kLargeDivisor) return false;
   }
   const uint64_t limit = budget_->limit();
   if (!budget_->take(bytes, held_ + bytes > kModestBytes ? limit / 16 * 15 : limit)) return false;

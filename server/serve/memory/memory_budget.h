@@ -6,32 +6,31 @@
 
 namespace lode::serve {
 
-/// What a connection may hold as long as the budget has it at all, whatever others hold.
+/// A connection may hold this much if the budget has it left, regardless of other connections.
 constexpr uint64_t kPoliteBytes = 64u << 10;
-/// The last sixteenth of the budget is for those that hold no more than this.
+/// The last 1/16 of the budget is reserved for connections that hold at most this.
 constexpr uint64_t kModestBytes = 16u << 10;
-/// A connection that holds more than kPoliteBytes may hold this part of what is left of three quarters: the
-/// more the greedy have taken, the less each of them may take, and a quarter is the others'.
-constexpr uint64_t kGreedyPart = 64;
+/// Above kPoliteBytes a connection may hold 1/64 of the unused part of the first 3/4: the more large
+/// connections hold, the less each may grow, and 1/4 is left for the others.
+constexpr uint64_t kLargeDivisor = 64;
 
 /// Returns an eighth of the memory that this process may use (memoryLimitBytes()).
 uint64_t defaultMemoryBudget(const std::filesystem::path& root = "/");
 
-/// The memory that all connections of a server together may take, in bytes. Thread safe.
+/// Budget in bytes of the memory of all connections of a server. Thread safe.
 class MemoryBudget {
  public:
   explicit MemoryBudget(uint64_t limit_bytes) noexcept : limit_(limit_bytes) {}
 
   uint64_t limit() const noexcept { return limit_; }
   uint64_t used() const noexcept { return used_.load(std::memory_order_relaxed); }
-  /// So much is used that it is time to look often.
+  /// Above 12/16 of the budget: check often.
   bool tight() const noexcept { return used() > limit_ / 16 * 12; }
-  /// So little is left, or will be when those who leave() have gone, that connections must be closed, those
-  /// that hold the most, until relieved(). It is less than what new ones are refused from, so that they are
-  /// not kept out by who stays.
+  /// Above 13/16 of the budget: close the largest connections until relieved(). Connections that are already
+  /// closing do not count. New connections are admitted up to 14/16, so that closing makes room for them.
   bool pressed() const noexcept { return staying() > limit_ / 16 * 13; }
   bool relieved() const noexcept { return staying() <= limit_ / 16 * 12; }
-  /// What a connection holds on the average, with what it costs by itself.
+  /// Average bytes that a connection holds, including its base cost.
   uint64_t mean() const noexcept;
 
  private:
@@ -41,10 +40,10 @@ class MemoryBudget {
 
   uint64_t limit_;
   std::atomic<uint64_t> used_{0}, accounts_{0};
-  std::atomic<uint64_t> leaving_{0};  ///< of used_
+  std::atomic<uint64_t> leaving_{0};  ///< part of used_ held by closing connections
 };
 
-/// What one connection holds of the budget; all of it goes back at the end. Not thread safe.
+/// Memory that one connection holds of the budget. The destructor returns it. Not thread safe.
 class MemoryAccount {
  public:
   explicit MemoryAccount(MemoryBudget& budget) noexcept : budget_(&budget) {}
@@ -52,14 +51,14 @@ class MemoryAccount {
   MemoryAccount& operator=(MemoryAccount&&) = delete;
   ~MemoryAccount();
 
-  /// What every connection costs, once. @return false: the server has no room for another.
+  /// Takes the base cost of a connection. @return false if the budget has no room for another connection.
   bool admit(uint64_t base_bytes) noexcept;
-  /// @return false if the connection would hold too much for what is left; nothing was taken then.
+  /// Takes bytes. @return false, and takes nothing, if the connection would hold more than it may.
   bool tryTake(uint64_t bytes) noexcept;
-  /// For what must be, as a last word.
+  /// Takes bytes unconditionally, for example for the Error that closes the connection.
   void take(uint64_t bytes) noexcept;
   void give(uint64_t bytes) noexcept;
-  /// The connection has been given up: what it holds comes back soon, and it gets no more. Once.
+  /// Marks the connection as closing: it gets no more memory, and pressed() no longer counts it.
   void leave() noexcept;
   uint64_t held() const noexcept { return base_ + held_; }
 

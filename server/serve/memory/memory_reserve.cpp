@@ -6,11 +6,11 @@
 
 namespace lode::serve {
 
-// NOLINTBEGIN(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory): what operator new is made of
+// NOLINTBEGIN(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory): used by operator new
 namespace {
 
 std::mutex mutex;
-std::array<void*, MemoryReserve::kBlocks> blocks;  ///< behind the mutex, as what follows
+std::array<void*, MemoryReserve::kBlocks> blocks;  ///< guarded by mutex, like in_hand
 size_t in_hand = 0;
 
 }  // namespace

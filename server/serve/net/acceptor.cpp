@@ -6,7 +6,10 @@
 #include <asio/co_spawn.hpp>
 #include <asio/redirect_error.hpp>
 #include <asio/use_awaitable.hpp>
+#include <fcntl.h>
 #include <netinet/tcp.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "common/printable.h"
 
@@ -16,10 +19,10 @@ namespace {
 
 using asio::ip::tcp;
 
-constexpr auto kAcceptPause = std::chrono::milliseconds(100);  ///< after the system refused a connection
+constexpr auto kAcceptPause = std::chrono::milliseconds(100);  ///< after a failed accept()
 constexpr auto kSweepEvery = std::chrono::milliseconds(100);
 constexpr int kNotSentLowBytes =
-    16 << 10;  ///< TCP_NOTSENT_LOWAT: what waits in the kernel cannot be overtaken
+    16 << 10;  ///< TCP_NOTSENT_LOWAT: bytes queued in the kernel cannot be overtaken
 
 void tune(tcp::socket& socket) {
   asio::error_code ignored;
@@ -28,7 +31,7 @@ void tune(tcp::socket& socket) {
   socket.set_option(NotSentLow(kNotSentLowBytes), ignored);
 }
 
-/// When a coroutine ends, by an exception or not: the flag says so, and the exception ends the loop's run().
+/// Completion handler that clears the flag and rethrows an exception, which then leaves run().
 auto ending(bool& running) {
   return [&running](const std::exception_ptr& thrown) {
     running = false;
@@ -38,15 +41,32 @@ auto ending(bool& running) {
 
 }  // namespace
 
+uint64_t raiseOpenFileLimit() noexcept {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
+  rlimit raised = limit;
+  raised.rlim_cur = limit.rlim_max;
+  return setrlimit(RLIMIT_NOFILE, &raised) == 0 ? raised.rlim_cur : limit.rlim_cur;
+}
+
+void ReserveDescriptor::release() noexcept {
+  if (descriptor_ >= 0) close(descriptor_);
+  descriptor_ = -1;
+}
+
+void ReserveDescriptor::acquire() noexcept {
+  if (descriptor_ < 0) descriptor_ = open("/dev/null", O_RDONLY | O_CLOEXEC);
+}
+
 Acceptor::Acceptor(tcp::acceptor acceptor, AcceptorOptions options, Admission& admission,
-                   MemoryBudget& budget, ThreadCounters& counters, Log& log, Hand hand)
+                   MemoryBudget& budget, ThreadCounters& counters, Log& log, Handler handler)
     : acceptor_(std::move(acceptor)),
       options_(options),
       admission_(admission),
       budget_(budget),
       counters_(counters),
       log_(log),
-      hand_(std::move(hand)),
+      handler_(std::move(handler)),
       sweep_(acceptor_.get_executor()) {}
 
 void Acceptor::open() {
@@ -74,7 +94,7 @@ asio::awaitable<void> Acceptor::accept() {
         continue;
       }
       if (outOfDescriptors(error)) refuseForDescriptors();
-    } catch (const std::exception& thrown) {  // no memory for it
+    } catch (const std::exception& thrown) {  // out of memory
       failure = reasonOf(thrown);
     }
     co_await pauseAfter(failure);
@@ -82,7 +102,7 @@ asio::awaitable<void> Acceptor::accept() {
 }
 
 asio::awaitable<void> Acceptor::pauseAfter(const std::string& failure) {
-  log_.write(LogKind::kSystem, "a connection could not be taken", {{"why", failure}});
+  log_.write(LogKind::kSystem, "accepting a connection failed", {{"why", failure}});
   asio::error_code ignored;
   asio::steady_timer pause(acceptor_.get_executor(), kAcceptPause);
   co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
@@ -102,9 +122,9 @@ bool Acceptor::outOfDescriptors(const asio::error_code& error) const noexcept {
   return error == asio::error::no_descriptors || error == asio::error_code(ENFILE, asio::system_category());
 }
 
-/// Gives the descriptor in hand up for a connection, says why it must go, and takes it back.
+/// Uses the spare descriptor to accept one connection and refuse it with a reason.
 void Acceptor::refuseForDescriptors() {
-  reserve_.giveUp();
+  reserve_.release();
   asio::error_code error;
   tcp::socket socket(acceptor_.get_executor());
   acceptor_.non_blocking(true, error);
@@ -112,32 +132,34 @@ void Acceptor::refuseForDescriptors() {
   if (!error) {
     counters_.refused[static_cast<size_t>(RefusalReason::kDescriptors)].add();
     const proto::Bytes word = proto::encode(
-        proto::ErrorMessage{proto::WireError::kLimit, 0, true,
-                            "this server has all the connections it can; try again later, or another"},
+        proto::ErrorMessage{
+            proto::WireError::kLimit, 0, true,
+            "this server has no room for another connection; try again later, or another server"},
         0);
     Refusals::refuseAtOnce(std::move(socket), tls_ ? std::span<const std::byte>() : std::span(word));
   }
-  reserve_.keep();
+  reserve_.acquire();
 }
 
 void Acceptor::take(tcp::socket socket) {
   asio::error_code error;
   const tcp::endpoint client = socket.remote_endpoint(error);
-  if (error) return;  // it has gone already
+  if (error) return;  // the client has gone
   tune(socket);
-  std::optional<Place> place = admission_.enter();
-  if (!place)
+  std::optional<Slot> slot = admission_.enter();
+  if (!slot)
     return refuse(std::move(socket), RefusalReason::kConnections,
                   "this server is full (" + counted(admission_.total(), "connection") +
                       "); try again later, or another server");
-  if (options_.count_addresses && !place->countUnder(client.address()))
+  if (options_.count_addresses && !slot->countUnder(client.address()))
     return refuse(std::move(socket), RefusalReason::kAddress,
-                  "this address has as many connections as it may; close some");
+                  "this address has the maximum number of connections; close some");
   MemoryAccount memory(budget_);
   if (!memory.admit(options_.connection_bytes))
     return refuse(std::move(socket), RefusalReason::kMemory,
                   "this server is short of memory; try again later, or another server");
-  hand_(std::move(socket), std::move(*place), std::move(memory), plainAddress(client.address()).to_string());
+  handler_(std::move(socket), std::move(*slot), std::move(memory),
+           plainAddress(client.address()).to_string());
 }
 
 void Acceptor::refuse(tcp::socket socket, RefusalReason reason, const std::string& why) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -13,32 +14,52 @@
 #include "proto/messages.h"
 #include "server/serve/memory/memory_budget.h"
 #include "server/serve/net/admission.h"
-#include "server/serve/net/open_files.h"
 #include "server/serve/net/refusals.h"
 #include "server/serve/ops/log.h"
 #include "server/serve/ops/metrics.h"
 
 namespace lode::serve {
 
-struct AcceptorOptions {
-  bool count_addresses = true;    ///< false behind a balancer: its header says them later
-  uint64_t connection_bytes = 0;  ///< what each is taken to cost
+/// Raises the soft limit of open files of this process to its hard limit.
+/// @return the new limit.
+uint64_t raiseOpenFileLimit() noexcept;
+
+/// A spare descriptor. When the process has no descriptor left, the acceptor releases it to accept one more
+/// connection and refuse it with a reason. Not thread safe.
+class ReserveDescriptor {
+ public:
+  ReserveDescriptor() noexcept { acquire(); }
+  ~ReserveDescriptor() { release(); }
+  ReserveDescriptor(const ReserveDescriptor&) = delete;
+  ReserveDescriptor& operator=(const ReserveDescriptor&) = delete;
+
+  void release() noexcept;
+  void acquire() noexcept;  ///< reopens it if the system has a descriptor
+
+ private:
+  int descriptor_ = -1;
 };
 
-/// Takes connections in, or says why not. Not thread safe; it lives on the thread of its context.
+struct AcceptorOptions {
+  bool count_addresses = true;    ///< false behind a balancer, whose header names the address later
+  uint64_t connection_bytes = 0;  ///< charged to the memory budget for each connection
+};
+
+/// Accepts connections and refuses those over a limit with a reason. Not thread safe; runs on its context's
+/// thread.
 class Acceptor {
  public:
-  /// What a connection that was let in is handed to.
-  using Hand = std::function<void(asio::ip::tcp::socket, Place, MemoryAccount, std::string client)>;
+  /// Receives each connection that was admitted.
+  using Handler = std::function<void(asio::ip::tcp::socket, Slot, MemoryAccount, std::string client)>;
 
   Acceptor(asio::ip::tcp::acceptor acceptor, AcceptorOptions options, Admission& admission,
-           MemoryBudget& budget, ThreadCounters& counters, Log& log, Hand hand);
+           MemoryBudget& budget, ThreadCounters& counters, Log& log, Handler handler);
 
-  /// Until close(); whatever goes wrong with one connection, the next is taken. Call it again when something
-  /// was thrown out of the context's run().
+  /// Accepts until close(); an error of one connection does not stop it. Call it again after an exception has
+  /// left the context's run().
   void open();
   void close();
-  /// What those who are refused expect to speak; none: nothing, their connections are plain.
+  /// Sets the TLS context in which refusals are sent; null for plain connections.
   void setTls(std::shared_ptr<asio::ssl::context> tls) { tls_ = std::move(tls); }
 
  private:
@@ -56,7 +77,7 @@ class Acceptor {
   MemoryBudget& budget_;
   ThreadCounters& counters_;
   Log& log_;
-  Hand hand_;
+  Handler handler_;
   std::shared_ptr<asio::ssl::context> tls_;
   Refusals refusals_;
   ReserveDescriptor reserve_;

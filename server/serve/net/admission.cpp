@@ -8,13 +8,13 @@ namespace lode::serve {
 
 namespace {
 
-/// An IPv4 address, or the network of an IPv6 address.
+/// Returns the key of an IPv4 address or of the /64 network of an IPv6 address.
 uint64_t keyOf(const asio::ip::address& plain) {
   if (plain.is_v4()) return plain.to_v4().to_uint();
   const auto bytes = plain.to_v6().to_bytes();
   uint64_t network = 0;
   for (size_t i = 0; i < 8; ++i) network = network << 8 | bytes[i];
-  return network | uint64_t{1} << 63;  // no IPv4 address
+  return network | uint64_t{1} << 63;  // differs from every IPv4 key
 }
 
 }  // namespace
@@ -24,22 +24,22 @@ asio::ip::address plainAddress(const asio::ip::address& address) {
   return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
 }
 
-Place::Place(Place&& other) noexcept
+Slot::Slot(Slot&& other) noexcept
     : admission_(std::exchange(other.admission_, nullptr)),
       address_(std::exchange(other.address_, {})),
       load_(std::exchange(other.load_, nullptr)) {}
 
-Place::~Place() {
+Slot::~Slot() {
   if (load_ != nullptr) load_->fetch_sub(1, std::memory_order_relaxed);
   if (admission_ != nullptr) admission_->leave(address_);
 }
 
-void Place::countIn(std::atomic<uint32_t>& load) noexcept {
+void Slot::countIn(std::atomic<uint32_t>& load) noexcept {
   load.fetch_add(1, std::memory_order_relaxed);
   load_ = &load;
 }
 
-bool Place::countUnder(const asio::ip::address& address) {
+bool Slot::countUnder(const asio::ip::address& address) {
   const asio::ip::address plain = plainAddress(address);
   const uint64_t key = keyOf(plain);
   if (!admission_->countUnder(key, plain.is_loopback())) return false;
@@ -50,11 +50,11 @@ bool Place::countUnder(const asio::ip::address& address) {
 Admission::Admission(uint32_t total, std::optional<uint32_t> per_address)
     : total_(total), per_address_(per_address) {}
 
-std::optional<Place> Admission::enter() {
+std::optional<Slot> Admission::enter() {
   const std::lock_guard lock(mutex_);
   if (count_ >= total_) return {};
   ++count_;
-  return Place(*this);
+  return Slot(*this);
 }
 
 uint32_t Admission::count() const {

@@ -13,47 +13,48 @@ namespace lode::serve {
 
 class Admission;
 
-/// The IPv4 address that one in IPv6's form stands for, as a socket of both kinds has it; others as they are.
+/// Returns the IPv4 address of an IPv4-mapped IPv6 address, which dual-stack sockets report, and other
+/// addresses unchanged.
 asio::ip::address plainAddress(const asio::ip::address& address);
 
-/// A connection's place among those that a server takes; given back at the end, wherever that is.
-class Place {
+/// A connection's slot in the limits of Admission. The destructor frees it.
+class Slot {
  public:
-  Place(Place&& other) noexcept;
-  Place& operator=(Place&&) = delete;
-  ~Place();
+  Slot(Slot&& other) noexcept;
+  Slot& operator=(Slot&&) = delete;
+  ~Slot();
 
-  /// Counts it under an address. @return false if that has as many as it may.
+  /// Counts the connection under an address. @return false if the address has the maximum already.
   bool countUnder(const asio::ip::address& address);
-  /// Counts it in the load of the thread that serves it.
+  /// Adds the connection to the load of the thread that serves it.
   void countIn(std::atomic<uint32_t>& load) noexcept;
 
  private:
   friend class Admission;
-  explicit Place(Admission& admission) noexcept : admission_(&admission) {}
+  explicit Slot(Admission& admission) noexcept : admission_(&admission) {}
 
   Admission* admission_;
   std::optional<uint64_t> address_;
   std::atomic<uint32_t>* load_ = nullptr;
 };
 
-/// How many connections there are, in total and by address. Thread safe; it outlives its places.
+/// Limits the connections in total and by address. Thread safe; must outlive its slots.
 class Admission {
  public:
-  /// @param per_address  of IPv6 a network of 64 bits counts as one; none: loopback is not limited, others to
-  /// kMaxConnectionsPerAddress.
+  /// @param per_address  limit of an IPv4 address or an IPv6 /64 network; without it
+  /// kMaxConnectionsPerAddress, and none for loopback.
   Admission(uint32_t total, std::optional<uint32_t> per_address);
 
-  /// @return nothing if there are as many as there may be.
-  std::optional<Place> enter();
+  /// @return a slot, or nothing at the limit.
+  std::optional<Slot> enter();
   uint32_t count() const;
   uint32_t total() const noexcept { return total_; }
 
-  /// Calls `empty` once, when no connection is left; at once if there is none. Called from any thread.
+  /// Calls `empty` once when no connection is left, immediately if there is none, from any thread.
   void whenEmpty(std::function<void()> empty);
 
  private:
-  friend class Place;
+  friend class Slot;
   void leave(const std::optional<uint64_t>& address) noexcept;
   bool countUnder(uint64_t address, bool loopback);
 

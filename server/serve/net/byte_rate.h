@@ -6,20 +6,20 @@
 
 namespace lode::serve {
 
-/// So many bytes a second, of one connection or of all together. Who wants to send takes a turn, waits for
-/// its time, and gives back what it did not need. Turns come in the order in which they were taken, so that
-/// of many that send each has its share. Thread safe.
+/// Limits the bytes a second of one connection or of all connections. A sender takes a turn, waits until its
+/// time and gives back the bytes that it did not send. Turns come in the order in which they were taken,
+/// which shares the rate fairly. Thread safe.
 class ByteRate {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Who is late for a turn by no more than this loses nothing by it.
+  /// A sender that is late by up to this much loses none of its rate.
   static constexpr std::chrono::milliseconds kGrace{20};
 
-  /// @param bytes_per_second  0: without a limit; every turn is now.
+  /// @param bytes_per_second  0: no limit; every turn is now.
   explicit ByteRate(uint64_t bytes_per_second) noexcept;
 
   bool limited() const noexcept { return ns_per_byte_ > 0; }
-  /// @return when so many bytes may be sent.
+  /// @return the time at which this many bytes may be sent.
   Clock::time_point take(uint64_t bytes, Clock::time_point now) noexcept;
   void give(uint64_t bytes) noexcept;
 
@@ -29,7 +29,7 @@ class ByteRate {
   }
 
   double ns_per_byte_;
-  std::atomic<int64_t> next_ns_{0};  ///< when the next turn begins, by the clock
+  std::atomic<int64_t> next_ns_{0};  ///< start of the next turn, time since the epoch of Clock
 };
 
 }  // namespace lode::serve

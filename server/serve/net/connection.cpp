@@ -10,13 +10,13 @@
 
 #include "common/error.h"
 #include "common/release_storage.h"
-#include "server/serve/net/proxy_preamble.h"
+#include "server/serve/net/proxy_header.h"
 
 namespace lode::serve {
 
 namespace {
 
-constexpr size_t kMaxKeptBodyBytes = 4u << 10;  ///< of the last frame, kept for the next
+constexpr size_t kMaxKeptBodyBytes = 4u << 10;  ///< capacity kept for the next frame
 
 LogKind kindOfEnd(EndReason reason, bool unauthorized) {
   if (reason == EndReason::kTls || reason == EndReason::kProxyHeader) return LogKind::kProtocolMistake;
@@ -26,15 +26,15 @@ LogKind kindOfEnd(EndReason reason, bool unauthorized) {
 
 }  // namespace
 
-Connection::Connection(proto::ByteStream stream, Place place, MemoryAccount memory, ConnectionHost& host,
+Connection::Connection(proto::ByteStream stream, Slot slot, MemoryAccount memory, ConnectionHost& host,
                        ConnectionLimits limits, std::string client)
-    : place_(std::move(place)),
+    : slot_(std::move(slot)),
       memory_(std::move(memory)),
       reading_(*host.budget),
       host_(host),
       limits_(limits),
       stream_(std::move(stream), 2048, [this](size_t more) { return memory_.tryTake(more); }),
-      session_({&host.served, &memory_, host.counters, &host.requests}, limits.session, Clock::now()),
+      session_({&host.served, &memory_, host.counters}, limits.session, Clock::now()),
       rate_(limits.bytes_per_second),
       to_write_(stream_.bytes().executor(), asio::steady_timer::time_point::max()),
       to_read_(stream_.bytes().executor(), asio::steady_timer::time_point::max()),
@@ -85,21 +85,21 @@ void Connection::end(EndReason reason) {
 
 void Connection::sweep(Clock::time_point now) {
   session_.checkExpiry(std::chrono::system_clock::now());
-  const bool is_deaf = session_.giveUpHearing(now) && session_.finished();
-  if (is_deaf) end(EndReason::kStopping);
+  const bool is_unresponsive = session_.stopWaitingForPong(now) && session_.finished();
+  if (is_unresponsive) end(EndReason::kStopping);
   if (session_.finished() && !linger_until_) wakeWriter();
   const bool late = now >= session_.deadline();
   const bool stalled = writing_since_ && now >= *writing_since_ + limits_.write;
   if (late) end(session_.greeted() ? EndReason::kIdle : EndReason::kHandshake);
   if (stalled) end(EndReason::kStalled);
-  if (late || stalled || is_deaf || (linger_until_ && now >= *linger_until_)) stream_.close();
+  if (late || stalled || is_unresponsive || (linger_until_ && now >= *linger_until_)) stream_.close();
 }
 
-void Connection::giveUpForMemory() {
+void Connection::endForMemory() {
   end(EndReason::kMemory);
   memory_.leave();
   session_.refuse(proto::WireError::kLimit,
-                  "the server is short of memory, and this connection holds the most of it");
+                  "the server is short of memory, and this connection holds much of it");
   wakeWriter();
   wakeReader();
 }
@@ -129,13 +129,13 @@ asio::awaitable<void> Connection::read() {
     }
   } catch (const Error& error) {
     const bool is_cut_off = error.code() == ErrorCode::kNetwork;
-    broken = is_cut_off && !session_.closing();  // one that has been refused is closed here if it does not go
+    broken = is_cut_off && !session_.closing();  // a refused client may cut the connection
     if (broken) end(EndReason::kBroken);
     if (!is_cut_off)
       session_.refuse(
           error.code() == ErrorCode::kLimit ? proto::WireError::kLimit : proto::WireError::kMalformed,
           error.what());
-  } catch (const std::exception&) {  // out of memory: this connection is given up, the others go on
+  } catch (const std::exception&) {  // out of memory: end this connection only
     end(EndReason::kMemory);
     broken = true;
   }
@@ -143,7 +143,7 @@ asio::awaitable<void> Connection::read() {
     if (!end_) why_ = session_.refusal();
     end(EndReason::kMistake);
     if (session_.unauthorized()) host_.counters->refused[static_cast<size_t>(RefusalReason::kToken)].add();
-    wakeWriter();  // the Error goes out; what the client still sends is dropped
+    wakeWriter();  // sends the Error; discard further frames
     co_await stream_.discard();
   } else {
     end(EndReason::kClient);
@@ -153,7 +153,7 @@ asio::awaitable<void> Connection::read() {
   wakeWriter();
 }
 
-/// What comes before the first frame. @return false if the client closed before it said anything.
+/// Reads the balancer's header and does the TLS handshake. @return false if the client closed first.
 asio::awaitable<bool> Connection::greet() {
   if (limits_.proxy_protocol) {
     std::optional<ProxyHeader> header;
@@ -166,9 +166,10 @@ asio::awaitable<bool> Connection::greet() {
     if (!header) co_return false;
     if (header->client) {
       client_ = plainAddress(*header->client).to_string();
-      if (!place_.countUnder(*header->client)) {
+      if (!slot_.countUnder(*header->client)) {
         host_.counters->refused[static_cast<size_t>(RefusalReason::kAddress)].add();
-        session_.refuse(proto::WireError::kLimit, "this address has as many connections as it may");
+        session_.refuse(proto::WireError::kLimit,
+                        "this address has the maximum number of connections; close some");
       }
     }
   }
@@ -180,7 +181,7 @@ asio::awaitable<bool> Connection::greet() {
   }
 }
 
-/// Unless a deadline has ended it, which is why it failed then.
+/// Records a refusal, unless a deadline ended the connection and caused the failure.
 void Connection::turnAway(RefusalReason refused, EndReason ended, const std::string& why) {
   if (end_) return;
   host_.counters->refused[static_cast<size_t>(refused)].add();
@@ -188,7 +189,7 @@ void Connection::turnAway(RefusalReason refused, EndReason ended, const std::str
   why_ = why;
 }
 
-/// Lets the memory go that a large frame took beyond what is kept for the next, and gives it back.
+/// Frees the memory of a large frame except kMaxKeptBodyBytes and returns it to the budget.
 void Connection::releaseStorageOf(proto::Frame& frame) {
   if (frame.body.capacity() <= kMaxKeptBodyBytes) return;
   memory_.give(frame.body.capacity() - kMaxKeptBodyBytes);

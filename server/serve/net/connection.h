@@ -19,27 +19,24 @@
 #include "server/serve/ops/log.h"
 #include "server/serve/ops/metrics.h"
 #include "server/serve/session/blob_reader.h"
-#include "server/serve/session/request_memory.h"
-#include "server/serve/session/served_set.h"
 #include "server/serve/session/session.h"
 
 namespace lode::serve {
 
-/// Room for what one write sends in chunks: a full one, or several of small blobs. One a connection that is
-/// sending, none one that is not; lent by its thread's pool.
+/// Buffer of one write: a full chunk, or several chunks of small blobs. A connection borrows one from its
+/// thread's pool while it sends.
 struct ChunkBuffer {
-  /// So much goes through the kernel as one (it parts what exceeds 64 KiB with its headers) and wakes a
-  /// receiver once.
+  /// The kernel splits segments above 64 KiB with headers; this size stays whole and wakes the receiver once.
   static constexpr size_t kBytes = 60u << 10;
-  std::unique_ptr<std::byte[]> bytes;  ///< kBytes, or none yet
+  std::unique_ptr<std::byte[]> bytes;  ///< kBytes long, or null
   size_t used = 0;
 };
 
-/// Buffers not in use, of one thread.
+/// Unused buffers of one thread.
 class BufferPool {
  public:
   ChunkBuffer take();
-  void give(ChunkBuffer buffer);  ///< one without bytes is ignored
+  void give(ChunkBuffer buffer);  ///< ignores a buffer without bytes
 
  private:
   std::vector<ChunkBuffer> free_;
@@ -47,37 +44,36 @@ class BufferPool {
 
 class Connection;
 
-/// What the connections of one thread share; it outlives them. Touched on that thread only.
+/// State shared by the connections of one thread; outlives them. Used on that thread only.
 struct ConnectionHost {
   ServedSet served;
-  std::shared_ptr<asio::ssl::context> tls;  ///< of new connections; none: they are plain
+  std::shared_ptr<asio::ssl::context> tls;  ///< for new connections; null: no TLS
   Log* log = nullptr;
   ThreadCounters* counters = nullptr;
-  ByteRate* rate = nullptr;  ///< of all connections of the server
+  ByteRate* rate = nullptr;  ///< shared by all connections of the server
   MemoryBudget* budget = nullptr;
-  asio::thread_pool* readers = nullptr;  ///< threads that may wait for the disk
+  asio::thread_pool* readers = nullptr;  ///< threads for reads that wait for the disk
   BufferPool buffers;
-  RequestMemory requests;
   std::unordered_set<Connection*> connections;
 };
 
 struct ConnectionLimits {
   SessionLimits session;
-  Clock::duration write = proto::kWriteDeadline;              ///< for a write that the client does not take
-  uint64_t bytes_per_second = 0;                              ///< of blobs; 0: no limit
-  size_t queued_answer_bytes = proto::kMaxQueuedAnswerBytes;  ///< above it nothing more is read
-  bool proxy_protocol = false;                                ///< a balancer says first who the client is
+  Clock::duration write = proto::kWriteDeadline;              ///< time in which the client must take a write
+  uint64_t bytes_per_second = 0;                              ///< rate of blobs; 0: no limit
+  size_t queued_answer_bytes = proto::kMaxQueuedAnswerBytes;  ///< above it no frame is read
+  bool proxy_protocol = false;                                ///< expect a balancer's header first
 };
 
-/// What a connection is taken to cost that does nothing.
+/// Memory charged for an idle connection.
 constexpr uint64_t kPlainConnectionBytes = 8u << 10, kTlsConnectionBytes = 80u << 10;
 
-/// A client's connection: a Session, its stream, one coroutine that reads and one that writes, both on the
-/// thread of the socket. It keeps itself alive while either runs. Not thread safe.
+/// A client's connection: a Session, its stream, a reading and a writing coroutine. Both run on the socket's
+/// thread and keep the connection alive. Not thread safe.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  /// @param client  its address, for the log.
-  Connection(proto::ByteStream stream, Place place, MemoryAccount memory, ConnectionHost& host,
+  /// @param client  the client's address, for the log.
+  Connection(proto::ByteStream stream, Slot slot, MemoryAccount memory, ConnectionHost& host,
              ConnectionLimits limits, std::string client);
   ~Connection();
   Connection(const Connection&) = delete;
@@ -86,18 +82,18 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void start();
   void drain(const std::string& reason);
   void servedSetChanged();
-  /// Gives it up if its time has come.
+  /// Closes the connection if a deadline has passed.
   void sweep(Clock::time_point now);
-  /// Gives it up for the memory that it holds.
-  void giveUpForMemory();
+  /// Ends the connection because it holds much of the memory budget.
+  void endForMemory();
   uint64_t heldBytes() const noexcept { return memory_.held(); }
 
  private:
-  /// A chunk that the disk is asked for; its request is parked meanwhile.
+  /// A chunk that is read from disk. Its request is parked meanwhile.
   struct ColdRead {
     Chunk chunk;
     std::vector<std::byte> bytes;
-    ReadResult result = ReadResult::kCold;  ///< kCold: not there yet
+    ReadResult result = ReadResult::kCold;  ///< kCold: not read yet
   };
 
   asio::awaitable<void> read();
@@ -122,28 +118,27 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void wakeWriter();
   void wakeReader();
 
-  Place place_;
+  Slot slot_;
   MemoryAccount memory_;
-  MemoryAccount
-      reading_;  ///< what the disk is asked for: no greed of the client's, who may request and ask on
+  MemoryAccount reading_;  ///< chunks read from disk, apart from memory_: they must not limit requests
   ConnectionHost& host_;
   ConnectionLimits limits_;
   proto::FrameStream stream_;
   Session session_;
   std::vector<std::shared_ptr<ColdRead>> cold_;
   ByteRate rate_;
-  std::optional<Clock::time_point> turn_;  ///< when it may send as much as a slow link is given
-  asio::steady_timer to_write_, to_read_;  ///< cancelled when there is work again
+  std::optional<Clock::time_point> turn_;  ///< when the rates allow the next kSlowWriteBytes
+  asio::steady_timer to_write_, to_read_;  ///< cancelled to wake the coroutine
   bool write_woken_ = false, read_woken_ = false;
-  bool gone_ = false;                               ///< the client has closed, or the connection broke
-  bool slow_ = true;                                ///< more than a little waits in the kernel, or may
-  std::optional<Clock::time_point> linger_until_;   ///< all is said; the client should close before this
-  std::optional<Clock::time_point> writing_since_;  ///< something is to be written
+  bool gone_ = false;                               ///< the client has closed or the connection broke
+  bool slow_ = true;                                ///< unsent bytes may wait in the kernel
+  std::optional<Clock::time_point> linger_until_;   ///< all is sent; the client should close before this time
+  std::optional<Clock::time_point> writing_since_;  ///< set while a write is under way
   std::optional<EndReason> end_;
-  std::string why_;  ///< it was turned away before the first frame, or its session has refused it
+  std::string why_;  ///< reason of a refusal, for the log
   std::string client_;
   Clock::time_point began_ = Clock::now();
-  uint64_t frames_ = 0, sent_bytes_ = 0, blobs_ = 0;  ///< of the connection so far
+  uint64_t frames_ = 0, sent_bytes_ = 0, blobs_ = 0;  ///< totals of this connection
 };
 
 }  // namespace lode::serve

@@ -12,21 +12,21 @@
 #include "common/error.h"
 #include "server/serve/net/connection.h"
 
-/// A connection's writing side: what goes out next, and where its bytes come from.
+/// The writing side of Connection: selects the next chunks and reads their bytes.
 namespace lode::serve {
 
 namespace {
 
 constexpr size_t kChunkFrameHeadBytes = proto::kFrameHeaderBytes + proto::kBlobChunkHeaderBytes;
-constexpr size_t kMaxFreeBuffers = 64;         ///< of a thread; more are given back to the system
-constexpr size_t kMaxColdReads = 8;            ///< of a connection at one time
-constexpr size_t kSlowWriteBytes = 16u << 10;  ///< a write to a link that is slower than the server
-/// A write to a client of which it is not known that it reads: so much goes into its first window, so that
-/// one that does not read has no buffer here. And what says that it does.
+constexpr size_t kMaxFreeBuffers = 64;         ///< of a thread; further buffers are freed
+constexpr size_t kMaxColdReads = 8;            ///< of a connection at a time
+constexpr size_t kSlowWriteBytes = 16u << 10;  ///< size of a write on a slow link
+/// Writes are this small until the client is known to read: they fit into its first TCP window, so that a
+/// client that never reads holds no buffer here. It is known to read after kReadersBytes.
 constexpr size_t kFirstWriteBytes = 48u << 10, kReadersBytes = 256u << 10;
-constexpr int kLittleUnsentBytes = 8 << 10;  ///< in the kernel: the link takes what it is given
+constexpr int kLittleUnsentBytes = 8 << 10;  ///< unsent bytes in the kernel at which the link counts as fast
 constexpr auto kLinger = std::chrono::seconds(2);
-constexpr auto kLingerForMemory = std::chrono::milliseconds(100);  ///< it is needed: others wait for it
+constexpr auto kLingerForMemory = std::chrono::milliseconds(100);  ///< other connections wait for the memory
 
 void append(ChunkBuffer& buffer, const Chunk& chunk) {
   const auto head =
@@ -65,7 +65,7 @@ asio::awaitable<void> Connection::write() {
     linger_until_ = Clock::now() + (end_ == EndReason::kMemory ? Clock::duration(kLingerForMemory) : kLinger);
     stream_.bytes().shutdownSend();
     if (gone_) stream_.close();
-  } catch (const std::exception&) {  // the connection broke, or there is no memory for it
+  } catch (const std::exception&) {  // the connection broke, or memory ran out
     end(EndReason::kBroken);
     gone_ = true;
     stream_.close();
@@ -75,7 +75,7 @@ asio::awaitable<void> Connection::write() {
 
 asio::awaitable<void> Connection::writeFrames() {
   while (!gone_) {
-    if (slow_) {  // what is in the kernel cannot be overtaken: what comes next is decided when it takes more
+    if (slow_) {  // wait until the kernel takes more, so that later urgent requests can go first
       writing_since_ = Clock::now();
       session_.onBackpressure(*writing_since_);
       asio::error_code error;
@@ -117,8 +117,7 @@ bool Connection::linkIsSlow() {
          unsent > kLittleUnsentBytes;
 }
 
-/// Whether blobs may be sent as far as rates go. Where they do not, a turn is taken: the writer comes back
-/// for it.
+/// Returns true if the rates allow sending blobs now; otherwise takes a turn and the writer waits for it.
 bool Connection::isItsTurn() {
   if (!rate_.limited() && !host_.rate->limited()) return true;
   const auto now = Clock::now();
@@ -165,7 +164,7 @@ ReadResult Connection::readChunk(const Chunk& chunk, std::span<std::byte> into) 
   const std::shared_ptr<ColdRead> read = std::move(*cold);
   cold_.erase(cold);
   reading_.give(read->bytes.size());
-  // A window or a write smaller than when it was asked for takes the beginning; the rest is read again.
+  // If the window or the write is smaller than before, use the beginning; the rest is read again.
   if (read->result == ReadResult::kDone) {
     const size_t there = std::min(read->bytes.size(), into.size());
     std::memcpy(into.data(), read->bytes.data(), there);
@@ -178,7 +177,7 @@ bool Connection::startFetching(const Chunk& chunk) {
   if (cold_.size() >= kMaxColdReads) return false;
   if (!reading_.tryTake(chunk.bytes)) {
     if (!cold_.empty()) return false;
-    reading_.take(chunk.bytes);  // one is always read, so that it goes on
+    reading_.take(chunk.bytes);  // one read is always allowed, so that the connection makes progress
   }
   const auto cold = std::make_shared<ColdRead>(ColdRead{chunk, std::vector<std::byte>(chunk.bytes)});
   cold_.push_back(cold);
@@ -197,7 +196,7 @@ asio::awaitable<void> Connection::fetch(std::shared_ptr<ColdRead> cold,
   try {
     cold->result = co_await asio::co_spawn(
         *host_.readers, readOnPool(*blobs, rangeOf(cold->chunk), cold->bytes), asio::use_awaitable);
-  } catch (const std::exception&) {  // no memory to ask the disk
+  } catch (const std::exception&) {  // out of memory
     cold->result = ReadResult::kFailed;
   }
   if (!session_.unpark(cold->chunk) && std::erase(cold_, cold) > 0) reading_.give(cold->bytes.size());
@@ -210,7 +209,7 @@ void Connection::fail(const Chunk& chunk, ReadResult result) {
     session_.failChunk(proto::WireError::kDamagedStore,
                        "blob " + std::to_string(chunk.blob) +
                            " of the store is damaged: copy the store again, or rebuild it; lodestreamd "
-                           "verify says what else is");
+                           "verify lists the damage");
   } else {
     session_.failChunk(proto::WireError::kInternal,
                        "the server could not read blob " + std::to_string(chunk.blob) + "; try again later");

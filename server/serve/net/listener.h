@@ -1,25 +1,49 @@
 #pragma once
 
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
+#include <asio/ssl/context.hpp>
 
 namespace lode::serve {
 
-/// The first address that ADDR:PORT or NAME:PORT stands for. @throws Error kUsage.
+struct ListenAddress {
+  std::string host;
+  uint16_t port = 0;
+};
+
+/// Parses "127.0.0.1:7400", "[::1]:7400" or "localhost:0". The default port is kDefaultPort.
+/// @throws Error kUsage.
+ListenAddress parseListenAddress(std::string_view text);
+
+/// Resolves ADDR:PORT or NAME:PORT to its first address. @throws Error kUsage.
 asio::ip::tcp::endpoint resolveListen(asio::io_context& context, const std::string& listen);
 
-/// An acceptor that listens there. @param option  that named it: "--listen", for the error.
-/// @throws Error kIo: a port in use and the like.
+/// Opens an acceptor that listens on the endpoint. @param option  name for errors, such as "--listen".
+/// @throws Error kIo, for example if the port is in use.
 asio::ip::tcp::acceptor openListener(asio::io_context& context, const asio::ip::tcp::endpoint& endpoint,
                                      const std::string& option);
 
-/// A socket that listens already, as a service manager hands it over. @throws Error kUsage: it is none of
-/// TCP.
+/// Adopts a listening socket from the service manager. @throws Error kUsage if it does not listen on TCP.
 asio::ip::tcp::acceptor adoptListener(asio::io_context& context, int descriptor);
 
-/// "127.0.0.1:7400", "[::1]:7400".
+/// Formats an endpoint as "127.0.0.1:7400" or "[::1]:7400".
 std::string toString(const asio::ip::tcp::endpoint& endpoint);
+
+/// Makes the server's context for TLS 1.3 from a certificate chain and its key in PEM. TLS sessions hold no
+/// buffers while they neither send nor receive.
+/// @throws Error kUsage if a file cannot be read or the key does not match the certificate.
+std::shared_ptr<asio::ssl::context> openTls(const std::filesystem::path& certificate,
+                                            const std::filesystem::path& key);
+
+/// Returns when the context's own certificate expires, or nothing without a certificate.
+std::optional<std::chrono::sys_seconds> expiryOf(asio::ssl::context& context);
 
 }  // namespace lode::serve

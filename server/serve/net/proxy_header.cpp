@@ -7,24 +7,30 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include <asio/redirect_error.hpp>
+#include <asio/use_awaitable.hpp>
 
 #include "common/error.h"
 
 namespace lode::serve {
 
+using asio::ip::tcp;
+
 namespace {
 
 constexpr std::string_view kTextStart = "PROXY ";
 constexpr std::string_view kBinaryStart("\r\n\r\n\0\r\nQUIT\n", 12);
-constexpr size_t kMaxTextBytes = 107;  ///< of version 1, with its line end
+constexpr size_t kMaxTextBytes = 107;  ///< version 1, with its line end
 constexpr size_t kBinaryHeadBytes = 16;
 
 [[noreturn]] void refuse(const std::string& what) {
-  throw Error(ErrorCode::kProtocol, "a connection without a good PROXY header: " + what +
+  throw Error(ErrorCode::kProtocol, "a connection has no valid PROXY header: " + what +
                                         "; with --proxy-protocol connect through a balancer that sends one");
 }
 
-/// Whether the text begins as `start` does, as far as it goes.
+/// Returns true if one of the texts is a prefix of the other.
 bool agrees(std::string_view text, std::string_view start) {
   const size_t common = std::min(text.size(), start.size());
   return text.substr(0, common) == start.substr(0, common);
@@ -40,14 +46,14 @@ std::string_view nextWord(std::string_view& line) {
 asio::ip::address parseAddress(std::string_view text, bool v6) {
   asio::error_code error;
   const asio::ip::address address = asio::ip::make_address(std::string(text), error);
-  if (error || address.is_v6() != v6) refuse("an address in it is none");
+  if (error || address.is_v6() != v6) refuse("an address is malformed");
   return address;
 }
 
 void checkPort(std::string_view text) {
   uint16_t port = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  if (error != std::errc() || end != text.data() + text.size()) refuse("a port in it is none");
+  if (error != std::errc() || end != text.data() + text.size()) refuse("a port is malformed");
 }
 
 /// @param line  without its line end.
@@ -55,13 +61,13 @@ std::optional<asio::ip::address> parseTextLine(std::string_view line) {
   line.remove_prefix(kTextStart.size());
   const std::string_view family = nextWord(line);
   if (family == "UNKNOWN") return {};
-  if (family != "TCP4" && family != "TCP6") refuse("its family is neither TCP4, TCP6 nor UNKNOWN");
+  if (family != "TCP4" && family != "TCP6") refuse("its family is not TCP4, TCP6 or UNKNOWN");
   const bool v6 = family == "TCP6";
   const asio::ip::address client = parseAddress(nextWord(line), v6);
   parseAddress(nextWord(line), v6);
   checkPort(nextWord(line));
   checkPort(nextWord(line));
-  if (!line.empty()) refuse("its line goes on after the ports");
+  if (!line.empty()) refuse("its line has more after the ports");
   return client;
 }
 
@@ -75,7 +81,7 @@ std::optional<ProxyHeader> parseText(std::string_view text) {
   return ProxyHeader{end + 2, parseTextLine(text.substr(0, end))};
 }
 
-/// Addresses of version 2, by family; unix sockets and what else may come have none for us.
+/// Returns the client's address of a version 2 header; other families than TCP have none.
 std::optional<asio::ip::address> binaryClient(uint8_t family, std::string_view addresses) {
   constexpr uint8_t kTcp4 = 0x11, kTcp6 = 0x21;
   const auto read = [&]<typename Bytes>(Bytes bytes, size_t both_and_ports) {
@@ -110,7 +116,38 @@ std::optional<ProxyHeader> parseProxyHeader(std::span<const std::byte> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (agrees(text, kBinaryStart)) return parseBinary(text);
   if (agrees(text, kTextStart)) return parseText(text);
-  refuse("it begins with something else");
+  refuse("it does not begin with one");
+}
+
+asio::awaitable<std::optional<ProxyHeader>> readProxyHeader(tcp::socket& socket) {
+  const auto broken = [](const std::string& why) { return Error(ErrorCode::kNetwork, why); };
+  socket.non_blocking(true);
+  std::vector<std::byte> header;  // bytes taken from the socket
+  while (true) {
+    asio::error_code error;
+    co_await socket.async_wait(tcp::socket::wait_read, asio::redirect_error(asio::use_awaitable, error));
+    if (error) throw broken("the connection broke in the balancer's header: " + error.message());
+    const size_t taken = header.size();
+    header.resize(kMaxProxyHeaderBytes);
+    const size_t seen = socket.receive(asio::buffer(header.data() + taken, header.size() - taken),
+                                       tcp::socket::message_peek, error);
+    header.resize(taken + seen);
+    if (error == asio::error::would_block) continue;
+    if (error == asio::error::eof && taken == 0) co_return std::nullopt;
+    if (error == asio::error::eof) throw broken("the connection ended in the balancer's header");
+    if (error) throw broken("the connection broke in the balancer's header: " + error.message());
+    std::optional<ProxyHeader> parsed;
+    try {
+      parsed = parseProxyHeader(header);
+    } catch (const Error& wrong) {
+      throw broken(wrong.what());
+    }
+    const size_t take = parsed ? parsed->bytes - taken : seen;
+    socket.receive(asio::buffer(header.data() + taken, take), 0,
+                   error);  // cannot block: these bytes were peeked
+    if (error) throw broken("the connection broke in the balancer's header: " + error.message());
+    if (parsed) co_return parsed;
+  }
 }
 
 }  // namespace lode::serve

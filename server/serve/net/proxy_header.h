@@ -4,23 +4,32 @@
 #include <optional>
 #include <span>
 
+#include <asio/awaitable.hpp>
 #include <asio/ip/address.hpp>
+#include <asio/ip/tcp.hpp>
 
 namespace lode::serve {
 
-/// A whole header is at most this long: the addresses take 232 bytes, the rest is what proxies add about TLS.
+/// Longest header: addresses take up to 232 bytes, and proxies add extensions about TLS.
 constexpr size_t kMaxProxyHeaderBytes = 2048;
 
-/// What a balancer says of a connection before the client's own bytes: HAProxy's PROXY protocol, version 1
-/// (a line of text) or 2 (binary).
+/// Header of HAProxy's PROXY protocol, version 1 (a line of text) or 2 (binary). A balancer sends it before
+/// the client's own bytes.
 struct ProxyHeader {
-  size_t bytes = 0;                         ///< of the header; the client's own bytes follow
-  std::optional<asio::ip::address> client;  ///< none where the balancer speaks for itself, as to check health
+  size_t bytes = 0;  ///< length of the header
+  std::optional<asio::ip::address>
+      client;  ///< empty for connections of the balancer itself, such as health checks
 };
 
-/// @param bytes  what has come so far, from the connection's first byte on.
-/// @return nothing while the header is not complete; that is at most kMaxProxyHeaderBytes.
-/// @throws Error kProtocol, kLimit as soon as it cannot be a header any more. Thread safe.
+/// @param bytes  all bytes received so far.
+/// @return nothing until the header is complete, which takes at most kMaxProxyHeaderBytes.
+/// @throws Error kProtocol or kLimit as soon as the bytes cannot be a header. Thread safe.
 std::optional<ProxyHeader> parseProxyHeader(std::span<const std::byte> bytes);
+
+/// Reads the balancer's header and leaves the client's bytes, which may be TLS, in the socket.
+/// @return nothing if the peer closed before the first byte, as health checks do.
+/// @throws Error kNetwork if the header is malformed or the connection ends within it. A peer that sends no
+/// valid header gets no answer.
+asio::awaitable<std::optional<ProxyHeader>> readProxyHeader(asio::ip::tcp::socket& socket);
 
 }  // namespace lode::serve

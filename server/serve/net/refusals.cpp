@@ -13,11 +13,11 @@ namespace {
 
 using asio::ip::tcp;
 
-/// Drops what has come. @return whether the peer has closed its side, or the connection is broken.
+/// Discards received bytes. @return true if the peer has closed its side or the connection is broken.
 bool drop(tcp::socket& socket) {
   std::array<std::byte, 4096> room;
   asio::error_code error;
-  for (int i = 0; i < 16; ++i) {  // a flood is not waited for
+  for (int i = 0; i < 16; ++i) {  // bounded: a flood must not keep it busy
     socket.read_some(asio::buffer(room), error);
     if (error) break;
   }
@@ -28,11 +28,11 @@ void say(tcp::socket& socket, std::span<const std::byte> last_word) {
   asio::error_code ignored;
   socket.non_blocking(true, ignored);
   socket.write_some(asio::buffer(last_word.data(), last_word.size()),
-                    ignored);  // a new socket has room for it
+                    ignored);  // fits into the send buffer of a new socket
   socket.shutdown(tcp::socket::shutdown_send, ignored);
 }
 
-/// Until the client closes, or sweep() does.
+/// Runs until the client or sweep() closes the stream.
 asio::awaitable<void> tell(std::shared_ptr<proto::ByteStream> stream, proto::Bytes last_word) {
   try {
     const bool is_there = co_await stream->acceptHandshake();
@@ -42,7 +42,7 @@ asio::awaitable<void> tell(std::shared_ptr<proto::ByteStream> stream, proto::Byt
     stream->shutdownSend();
     std::array<std::byte, 1024> dropped;
     while (is_there && !error) co_await stream->readSome(asio::buffer(dropped), error);
-  } catch (const std::exception&) {  // it spoke no TLS, or there is no memory for it
+  } catch (const std::exception&) {  // the client speaks no TLS, or memory ran out
   }
   stream->close();
 }

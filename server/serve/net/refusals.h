@@ -13,29 +13,30 @@
 
 namespace lode::serve {
 
-/// Connections that were told to go and are given time to read it: closed at once with bytes unread they
-/// would be reset, and lose it. They take a descriptor and nothing else. Not thread safe.
+/// Refused connections that still read the reason: closing a socket with unread bytes would reset the
+/// connection and lose the reason. Each holds a descriptor and little memory. Not thread safe.
 class Refusals {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr size_t kMost = 512;           ///< beyond it the oldest are closed
-  static constexpr size_t kMostHandshakes = 32;  ///< of TLS at a time: each takes memory and a moment
+  static constexpr size_t kMost = 512;           ///< at a time; one more closes the oldest
+  static constexpr size_t kMostHandshakes = 32;  ///< TLS handshakes at a time; each takes memory and CPU
   static constexpr Clock::duration kLinger = std::chrono::seconds(2);
 
-  /// Says the last word, and lingers.
+  /// Sends the frame, then waits for the client to close.
   void refuse(asio::ip::tcp::socket socket, std::span<const std::byte> last_word, Clock::time_point now);
-  /// The same under TLS, after the handshake; with too many of those at a time nothing is said.
+  /// Does the same under TLS, after the handshake. Sends nothing if too many handshakes are under way.
   void refuseUnderTls(asio::ip::tcp::socket socket, std::shared_ptr<asio::ssl::context> tls,
                       proto::Bytes last_word, Clock::time_point now);
-  /// The same without lingering: there is no descriptor to spare.
+  /// Sends the frame and closes at once, for when there is no descriptor to spare.
   static void refuseAtOnce(asio::ip::tcp::socket socket, std::span<const std::byte> last_word);
-  /// Closes those that have read it or had their time.
+  /// Closes the connections whose client has closed or whose time is over.
   void sweep(Clock::time_point now);
   size_t size() const noexcept { return lingering_.size(); }
 
  private:
   struct Lingering {
-    std::shared_ptr<proto::ByteStream> stream;  ///< under TLS what is told runs by itself, and closes it
+    std::shared_ptr<proto::ByteStream>
+        stream;  ///< under TLS a coroutine sends the frame and closes the stream
     Clock::time_point until;
   };
   void linger(std::shared_ptr<proto::ByteStream> stream, Clock::time_point now);

@@ -18,21 +18,58 @@
 
 #include "common/error.h"
 #include "server/serve/net/listener.h"
-#include "server/serve/ops/health_request.h"
 
 namespace lode::serve {
 
 namespace {
 
+std::string_view reasonOf(int status) {
+  switch (status) {
+    case 200:
+      return "OK";
+    case 404:
+      return "Not Found";
+    case 405:
+      return "Method Not Allowed";
+    default:
+      return "Service Unavailable";
+  }
+}
+
 using asio::ip::tcp;
 
-constexpr size_t kMaxAskers = 16;  ///< at a time; for one more the one that has waited longest must go
-constexpr auto kAnswerWithin = std::chrono::seconds(5);  ///< from accept to the last byte taken
+constexpr size_t kMaxClients = 16;                       ///< at a time; one more closes the oldest
+constexpr auto kAnswerWithin = std::chrono::seconds(5);  ///< from accept to the last byte sent
 constexpr auto kPauseAfterRefusal = std::chrono::milliseconds(100);
 constexpr const char* kMetricsType = "text/plain; version=0.0.4; charset=utf-8";
 constexpr const char* kPlain = "text/plain; charset=utf-8";
 
 }  // namespace
+
+std::optional<HealthRequest> parseHealthRequest(std::string_view text) {
+  if (text.find("\r\n\r\n") == std::string_view::npos) {
+    if (text.size() >= kMaxHealthRequestBytes)
+      throw Error(ErrorCode::kLimit,
+                  "an HTTP request is longer than " + std::to_string(kMaxHealthRequestBytes) + " bytes");
+    return {};
+  }
+  const std::string_view line = text.substr(0, text.find("\r\n"));
+  const size_t first = line.find(' '), last = line.rfind(' ');
+  if (first == std::string_view::npos || first == last || !line.substr(last + 1).starts_with("HTTP/1."))
+    throw Error(ErrorCode::kProtocol, "a client of the metrics port does not speak HTTP");
+  const std::string_view method = line.substr(0, first);
+  const std::string_view target = line.substr(first + 1, last - first - 1);
+  return HealthRequest{std::string(target.substr(0, target.find('?'))), method == "HEAD",
+                       method == "GET" || method == "HEAD"};
+}
+
+std::string healthAnswer(int status, std::string_view content_type, std::string_view body, bool head_only) {
+  std::string answer = "HTTP/1.1 " + std::to_string(status) + ' ' + std::string(reasonOf(status)) +
+                       "\r\nContent-Type: " + std::string(content_type) +
+                       "\r\nContent-Length: " + std::to_string(body.size()) +
+                       "\r\nCache-Control: no-store\r\nConnection: close\r\n\r\n";
+  return head_only ? answer : answer += body;
+}
 
 struct HealthEndpoint::State : std::enable_shared_from_this<State> {
   State(asio::io_context& io, const std::string& listen, HealthAnswers wanted)
@@ -44,7 +81,7 @@ struct HealthEndpoint::State : std::enable_shared_from_this<State> {
   std::string answer(const HealthRequest& request) const;
 
   tcp::acceptor acceptor;
-  std::deque<std::shared_ptr<tcp::socket>> askers;  ///< in the order in which they came
+  std::deque<std::shared_ptr<tcp::socket>> clients;  ///< oldest first
   HealthAnswers answers;
 };
 
@@ -52,12 +89,12 @@ std::string HealthEndpoint::State::answer(const HealthRequest& request) const {
   const auto say = [&](int status, const char* type, const std::string& body) {
     return healthAnswer(status, type, body, request.head_only);
   };
-  if (!request.known_method) return say(405, kPlain, "ask with GET\n");
+  if (!request.known_method) return say(405, kPlain, "use GET\n");
   if (request.path == "/healthz") return say(200, kPlain, "alive\n");
   if (request.path == "/readyz")
     return answers.ready() ? say(200, kPlain, "ready\n") : say(503, kPlain, "stopping\n");
   if (request.path == "/metrics") return say(200, kMetricsType, answers.metrics());
-  return say(404, kPlain, "there are /metrics, /healthz and /readyz\n");
+  return say(404, kPlain, "try /metrics, /healthz or /readyz\n");
 }
 
 asio::awaitable<void> HealthEndpoint::State::converse(tcp::socket& socket) {
@@ -83,10 +120,10 @@ asio::awaitable<void> HealthEndpoint::State::serve(std::shared_ptr<tcp::socket> 
   try {
     co_await converse(*socket);
   } catch (const std::exception&) {
-    // Gone, too slow, no HTTP, or no memory for it: the next asks again.
+    // The client is gone, too slow or does not speak HTTP, or memory ran out: close the connection.
   }
   deadline.cancel();
-  std::erase(askers, socket);
+  std::erase(clients, socket);
 }
 
 asio::awaitable<void> HealthEndpoint::State::accept() {
@@ -99,13 +136,13 @@ asio::awaitable<void> HealthEndpoint::State::accept() {
       if (acceptor.is_open()) co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
       continue;
     }
-    if (askers.size() >= kMaxAskers) {
-      askers.front()->close(error);
-      askers.pop_front();
+    if (clients.size() >= kMaxClients) {
+      clients.front()->close(error);
+      clients.pop_front();
     }
-    askers.push_back(std::make_shared<tcp::socket>(std::move(socket)));
+    clients.push_back(std::make_shared<tcp::socket>(std::move(socket)));
     asio::co_spawn(
-        acceptor.get_executor(), [self, asker = askers.back()] { return self->serve(asker); },
+        acceptor.get_executor(), [self, client = clients.back()] { return self->serve(client); },
         asio::detached);
   }
 }

@@ -1,29 +1,48 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include <asio/io_context.hpp>
 
 namespace lode::serve {
 
-/// What the endpoint says; called on its context's thread, and quick.
-struct HealthAnswers {
-  std::function<std::string()> metrics;  ///< Prometheus' text
-  std::function<bool()> ready;           ///< whether a balancer should send clients here
+constexpr size_t kMaxHealthRequestBytes = 8192;
+
+/// First line of an HTTP request from Prometheus, a balancer or curl; its other lines are ignored.
+struct HealthRequest {
+  std::string path;        ///< without the query after '?'
+  bool head_only = false;  ///< HEAD: send no body
+  bool known_method = true;
 };
 
-/// A second port that speaks just enough HTTP: GET /metrics; /healthz, which is there as long as the
-/// context's loop turns; /readyz, 503 where the server is not ready. A few connections at a time, a short
-/// deadline each.
+/// @param text  bytes received so far. @return nothing until the request's head is complete.
+/// @throws Error kProtocol (not HTTP), kLimit (head too long). Thread safe.
+std::optional<HealthRequest> parseHealthRequest(std::string_view text);
+
+/// Returns a complete HTTP response that closes the connection. @param status  200, 404, 405 or 503.
+std::string healthAnswer(int status, std::string_view content_type, std::string_view body, bool head_only);
+
+/// Functions that produce the responses. They run on the context's thread and must be quick.
+struct HealthAnswers {
+  std::function<std::string()> metrics;  ///< Prometheus' text format
+  std::function<bool()> ready;           ///< true while a balancer should send clients to this server
+};
+
+/// A second port with a minimal HTTP server: GET /metrics; /healthz, which answers 200 while the context
+/// runs; /readyz, which answers 503 while the server is not ready. It serves a few connections at a time and
+/// gives each a short deadline.
 class HealthEndpoint {
  public:
-  /// Listens; answers while the context runs. @param listen  ADDR:PORT, port 0 picks one.
+  /// Starts to listen; answers while the context runs. @param listen  ADDR:PORT; port 0 picks a free one.
   /// @throws Error kUsage, kIo.
   HealthEndpoint(asio::io_context& context, const std::string& listen, HealthAnswers answers);
-  ~HealthEndpoint();  ///< on the context's thread, or after it has stopped
+  ~HealthEndpoint();  ///< call it on the context's thread, or after the context has stopped
   HealthEndpoint(const HealthEndpoint&) = delete;
   HealthEndpoint& operator=(const HealthEndpoint&) = delete;
 

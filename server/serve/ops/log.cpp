@@ -1,24 +1,92 @@
 #include "server/serve/ops/log.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <cstdio>
+#include <ctime>
 #include <mutex>
 #include <new>
 #include <string>
+#include <utility>
 
+#include <fcntl.h>
+#include <nlohmann/json.hpp>
+#include <poll.h>
 #include <spdlog/async_logger.h>
 #include <spdlog/details/null_mutex.h>
 #include <spdlog/details/thread_pool.h>
 #include <spdlog/sinks/base_sink.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-#include "server/serve/ops/log_sink.h"
+#include "common/printable.h"
 
 namespace lode::serve {
 
 namespace {
 
-/// Hands lines that are ready to a LogSink; on the log's own thread alone.
+constexpr size_t kMaxShownBytes = 1024;  ///< of the message and of each field
+
+std::string toIso(std::chrono::system_clock::time_point time) {
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count();
+  const std::time_t seconds = ms / 1000;
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  std::array<char, 32> text{};
+  const size_t length = std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &parts);
+  std::snprintf(text.data() + length, text.size() - length, ".%03dZ", static_cast<int>(ms % 1000));
+  return text.data();
+}
+
+/// Text from clients must neither move a terminal's cursor nor forge a second line.
+std::string printable(std::string_view text) {
+  std::string shown(text.substr(0, kMaxShownBytes));
+  if (isPrintableUtf8(shown)) return shown;
+  for (char& c : shown)
+    if (c < 0x20 || c > 0x7E) c = '?';
+  return shown;
+}
+
+std::string asText(const LogField& field) {
+  if (const auto* count = std::get_if<uint64_t>(&field.value)) return std::to_string(*count);
+  if (const auto* text = std::get_if<std::string_view>(&field.value)) return printable(*text);
+  std::array<char, 32> number{};
+  std::snprintf(number.data(), number.size(), "%.6g", std::get<double>(field.value));
+  return number.data();
+}
+
+nlohmann::ordered_json asJson(const LogField& field) {
+  if (const auto* count = std::get_if<uint64_t>(&field.value)) return *count;
+  if (const auto* text = std::get_if<std::string_view>(&field.value)) return printable(*text);
+  return std::get<double>(field.value);
+}
+
+std::string jsonLine(const std::string& time, LogKind kind, std::string_view message,
+                     std::span<const LogField> fields) {
+  nlohmann::ordered_json json;
+  json["time"] = time;
+  json["kind"] = logKindName(kind);
+  json["message"] = printable(message);
+  for (const LogField& field : fields) json[std::string(field.name)] = asJson(field);
+  return json.dump();
+}
+
+std::string textLine(const std::string& time, LogKind kind, std::string_view message,
+                     std::span<const LogField> fields) {
+  std::string line = time + ' ' + std::string(logKindName(kind)) + ": " + printable(message);
+  std::string_view before = " (";
+  for (const LogField& field : fields) {
+    line += std::string(before) + std::string(field.name) + '=' + asText(field);
+    before = ", ";
+  }
+  if (!fields.empty()) line += ')';
+  return line;
+}
+
+/// Passes formatted lines to a LogSink. Runs on spdlog's thread only.
 class DescriptorSink : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
  public:
   DescriptorSink(int descriptor, bool json, std::atomic<uint64_t>& dropped)
@@ -26,14 +94,14 @@ class DescriptorSink : public spdlog::sinks::base_sink<spdlog::details::null_mut
 
  protected:
   void sink_it_(const spdlog::details::log_msg& message) override {
-    if (unsaid_ > 0) {
-      const LogField lines{"lines", unsaid_};
+    if (unreported_ > 0) {
+      const LogField lines{"lines", unreported_};
       if (sink_.write(logLine(json_, message.time, LogKind::kServer,
-                              "lines of the log were lost: nobody read them", {&lines, 1})))
-        unsaid_ = 0;
+                              "log lines were lost because nobody read them", {&lines, 1})))
+        unreported_ = 0;
     }
     if (sink_.write({message.payload.data(), message.payload.size()})) return;
-    ++unsaid_;
+    ++unreported_;
     dropped_.fetch_add(1, std::memory_order_relaxed);
   }
   void flush_() override {}
@@ -42,11 +110,11 @@ class DescriptorSink : public spdlog::sinks::base_sink<spdlog::details::null_mut
   LogSink sink_;
   bool json_;
   std::atomic<uint64_t>& dropped_;
-  uint64_t unsaid_ = 0;
+  uint64_t unreported_ = 0;
 };
 
-/// A reader that is gone shows in what write() returns, not in a signal that ends the process.
-void takeNoSigpipe() {
+/// Makes write() return EPIPE after the reader has gone; SIGPIPE would end the process.
+void blockSigpipe() {
   sigset_t pipe;
   sigemptyset(&pipe);
   sigaddset(&pipe, SIGPIPE);
@@ -55,16 +123,83 @@ void takeNoSigpipe() {
 
 }  // namespace
 
+LogLimit::Bucket& LogLimit::fill(LogKind kind, TimePoint now) noexcept {
+  Bucket& bucket = buckets_[static_cast<size_t>(kind)];
+  const double seconds = std::chrono::duration<double>(std::max(now, bucket.filled) - bucket.filled).count();
+  bucket.lines = std::min(kBurst, bucket.lines + seconds * kPerSecond);
+  bucket.filled = std::max(now, bucket.filled);
+  return bucket;
+}
+
+bool LogLimit::admit(LogKind kind, TimePoint now) noexcept {
+  Bucket& bucket = fill(kind, now);
+  if (bucket.lines < 1) {
+    ++bucket.left_out;
+    return false;
+  }
+  bucket.lines -= 1;
+  return true;
+}
+
+uint64_t LogLimit::takeLeftOut(LogKind kind, TimePoint now) noexcept {
+  Bucket& bucket = fill(kind, now);
+  return bucket.left_out > 0 && bucket.lines >= 1 ? std::exchange(bucket.left_out, 0) : 0;
+}
+
+std::string_view logKindName(LogKind kind) noexcept {
+  constexpr std::array<std::string_view, kLogKinds> kNames{"server",  "connection", "refused", "unauthorized",
+                                                           "mistake", "damage",     "system"};
+  return kNames[static_cast<size_t>(kind)];
+}
+
+std::string logLine(bool json, std::chrono::system_clock::time_point time, LogKind kind,
+                    std::string_view message, std::span<const LogField> fields) {
+  const auto render = json ? jsonLine : textLine;
+  std::string line = render(toIso(time), kind, message, fields);
+  if (line.size() >= kMaxLogLineBytes) line = render(toIso(time), kind, message, {});
+  return line += '\n';
+}
+
+LogSink::LogSink(int descriptor) noexcept : descriptor_(descriptor) {
+  struct stat about {};
+  if (fstat(descriptor, &about) != 0) return;
+  is_socket_ = S_ISSOCK(about.st_mode);
+  if (!S_ISFIFO(about.st_mode)) return;
+  const std::string path = "/proc/self/fd/" + std::to_string(descriptor);
+  own_ = open(path.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+}
+
+LogSink::~LogSink() {
+  if (own_ >= 0) close(own_);
+}
+
+bool LogSink::ready() const noexcept {
+  pollfd waiting{descriptor_, POLLOUT, 0};
+  return poll(&waiting, 1, 0) == 1 && (waiting.revents & POLLOUT) != 0;
+}
+
+bool LogSink::write(std::string_view line) noexcept {
+  ssize_t taken = -1;
+  if (is_socket_)
+    taken = send(descriptor_, line.data(), line.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  else if (own_ >= 0)
+    taken = ::write(own_, line.data(), line.size());
+  else if (ready())
+    taken = ::write(descriptor_, line.data(), line.size());
+  return taken == static_cast<ssize_t>(line.size());
+}
+
 struct Log::State {
   explicit State(LogOptions wanted)
       : options(std::move(wanted)),
-        pool(std::make_shared<spdlog::details::thread_pool>(options.queue_lines, 1, takeNoSigpipe)),
+        pool(std::make_shared<spdlog::details::thread_pool>(options.queue_lines, 1, blockSigpipe)),
         logger(std::make_shared<spdlog::async_logger>(
             "lodestreamd", std::make_shared<DescriptorSink>(options.descriptor, options.json, dropped), pool,
             spdlog::async_overflow_policy::overrun_oldest)) {
-    logger->set_error_handler([](const std::string&) {});  // its own would write to stderr, and wait
+    logger->set_error_handler(
+        [](const std::string&) {});  // the default handler writes to stderr and may block
   }
-  ~State() { pool.reset(); }  // its thread ends before what it writes to goes
+  ~State() { pool.reset(); }  // joins the thread that uses the sink and the counter
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
@@ -79,14 +214,15 @@ struct Log::State {
 
   const LogOptions options;
   std::atomic<uint64_t> dropped{0}, left_out{0};
-  std::mutex mutex;  ///< of the limit
+  std::mutex mutex;  ///< guards limit
   LogLimit limit;
   std::shared_ptr<spdlog::details::thread_pool> pool;
   std::shared_ptr<spdlog::async_logger> logger;
 };
 
 std::string_view reasonOf(const std::exception& error) noexcept {
-  return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ? "the system gave no memory" : error.what();
+  return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ? "the system has no memory left"
+                                                                : error.what();
 }
 
 Log::Log(LogOptions options) : state_(std::make_unique<State>(std::move(options))) {}
@@ -107,7 +243,7 @@ void Log::write(LogKind kind, std::string_view message, std::span<const LogField
     }
     if (left_out > 0) state_->postLeftOut(kind, left_out);
     state_->post(kind, message, {fields.begin(), fields.size()});
-  } catch (const std::exception&) {  // no memory for a line
+  } catch (const std::exception&) {  // out of memory
     state_->dropped.fetch_add(1, std::memory_order_relaxed);
   }
 }

@@ -32,14 +32,14 @@ MetricFamily number(const char* name, const char* help, MetricType type, uint64_
   return family;
 }
 
-/// Sum over the threads of what `counter` picks of each.
+/// Returns the sum over the threads of the counter that `counter` selects.
 uint64_t sum(Threads threads, const auto& counter) {
   uint64_t total = 0;
   for (const auto& thread : threads) total += counter(*thread).read();
   return total;
 }
 
-/// A counter for each of `count` values of a label.
+/// Makes a family with one counter for each of `count` values of a label.
 MetricFamily labelledCounters(const char* name, const char* help, const char* label, size_t count,
                               Threads threads, const auto& name_of, const auto& counter) {
   MetricFamily family{name, help, MetricType::Counter, {}};
@@ -74,13 +74,13 @@ struct ModelFigure {
   Counter ModelCounters::*counter;
 };
 constexpr std::array kModelFigures{
-    ModelFigure{"lodestream_model_opened_total", "Times that clients opened the model",
+    ModelFigure{"lodestream_model_opened_total", "Number of times that clients opened the model",
                 &ModelCounters::opened},
-    ModelFigure{"lodestream_model_blobs_sent_total", "Blobs sent whole", &ModelCounters::blobs},
+    ModelFigure{"lodestream_model_blobs_sent_total", "Blobs sent completely", &ModelCounters::blobs},
     ModelFigure{"lodestream_model_sent_bytes_total", "Bytes of blobs sent", &ModelCounters::bytes},
-    ModelFigure{"lodestream_model_cold_reads_total", "Reads that had to wait for the disk",
+    ModelFigure{"lodestream_model_cold_reads_total", "Reads that waited for the disk",
                 &ModelCounters::cold_reads},
-    ModelFigure{"lodestream_model_damaged_blobs_total", "Requests ended because the store is damaged",
+    ModelFigure{"lodestream_model_damaged_blobs_total", "Requests that failed because the store is damaged",
                 &ModelCounters::damaged},
 };
 
@@ -102,21 +102,21 @@ void addGauges(std::vector<MetricFamily>& families, const ServerGauges& gauges) 
   const auto add = [&](const char* name, const char* help, MetricType type, uint64_t value) {
     families.push_back(number(name, help, type, value));
   };
-  add("lodestream_connections", "Connections that are open", MetricType::Gauge, gauges.connections);
-  add("lodestream_models", "Models that are offered", MetricType::Gauge, gauges.models);
-  add("lodestream_memory_bytes", "Memory that sessions hold of the budget", MetricType::Gauge,
+  add("lodestream_connections", "Open connections", MetricType::Gauge, gauges.connections);
+  add("lodestream_models", "Models served", MetricType::Gauge, gauges.models);
+  add("lodestream_memory_bytes", "Bytes of the memory budget that connections hold", MetricType::Gauge,
       gauges.memory_bytes);
-  add("lodestream_memory_budget_bytes", "Memory that all sessions may hold together", MetricType::Gauge,
-      gauges.memory_budget_bytes);
-  add("lodestream_allocated_bytes", "Memory that the process has allocated and not freed", MetricType::Gauge,
+  add("lodestream_memory_budget_bytes", "Memory budget of all connections together in bytes",
+      MetricType::Gauge, gauges.memory_budget_bytes);
+  add("lodestream_allocated_bytes", "Bytes that the process has allocated and not freed", MetricType::Gauge,
       gauges.allocated_bytes);
   if (gauges.certificate_expires_s > 0)
     add("lodestream_certificate_expires_seconds", "Unix time at which the TLS certificate expires",
         MetricType::Gauge, gauges.certificate_expires_s);
-  add("lodestream_stopping", "1 once the server was told to stop", MetricType::Gauge, gauges.stopping);
-  add("lodestream_log_lines_dropped_total", "Lines of the log that nobody took", MetricType::Counter,
+  add("lodestream_stopping", "1 while the server is stopping, else 0", MetricType::Gauge, gauges.stopping);
+  add("lodestream_log_lines_dropped_total", "Log lines dropped because nobody read them", MetricType::Counter,
       gauges.log_lines_dropped);
-  add("lodestream_log_lines_left_out_total", "Lines of the log beyond the limit of their kind",
+  add("lodestream_log_lines_left_out_total", "Log lines left out by the rate limit of their kind",
       MetricType::Counter, gauges.log_lines_left_out);
 }
 
@@ -149,31 +149,32 @@ std::string Metrics::text(const ServerGauges& gauges) const {
   addGauges(families, gauges);
   families.push_back(
       number("lodestream_connections_accepted_total",
-             "Connections that were taken in, before TLS, a balancer's header or a token were looked at",
+             "Connections accepted, before TLS, the balancer's header and the token are checked",
              MetricType::Counter,
              sum(threads_, [](const ThreadCounters& t) -> const Counter& { return t.accepted; })));
   families.push_back(labelledCounters(
-      "lodestream_connections_refused_total",
-      "Connections that were turned away, before or after they were taken in, by reason", "reason",
-      kRefusalReasons, threads_, [](size_t i) { return refusalName(static_cast<RefusalReason>(i)); },
+      "lodestream_connections_refused_total", "Connections refused, before or after accept, by reason",
+      "reason", kRefusalReasons, threads_,
+      [](size_t i) { return refusalName(static_cast<RefusalReason>(i)); },
       [](const ThreadCounters& t) -> const auto& { return t.refused; }));
   families.push_back(labelledCounters(
-      "lodestream_connections_ended_total", "Connections of those taken in that have ended, by reason",
-      "reason", kEndReasons, threads_, [](size_t i) { return endName(static_cast<EndReason>(i)); },
+      "lodestream_connections_ended_total", "Accepted connections that have ended, by reason", "reason",
+      kEndReasons, threads_, [](size_t i) { return endName(static_cast<EndReason>(i)); },
       [](const ThreadCounters& t) -> const auto& { return t.ended; }));
   families.push_back(labelledCounters(
-      "lodestream_requests_total", "Requests taken, by class", "class", kRequestClasses, threads_,
+      "lodestream_requests_total", "Requests received, by class", "class", kRequestClasses, threads_,
       [](size_t i) { return kClassNames[i]; },
       [](const ThreadCounters& t) -> const auto& { return t.requests; }));
   families.push_back(latencies(
-      "lodestream_request_queue_seconds", "From a request to its first chunk, but for request_held_seconds",
-      threads_, [](const ThreadCounters& t) -> const auto& { return t.queue; }));
+      "lodestream_request_queue_seconds",
+      "Time from a request to its first chunk, without request_held_seconds", threads_,
+      [](const ThreadCounters& t) -> const auto& { return t.queue; }));
   families.push_back(latencies(
       "lodestream_request_held_seconds",
-      "From a request to its first chunk, while the client's window was shut or its link full", threads_,
-      [](const ThreadCounters& t) -> const auto& { return t.held; }));
+      "Time from a request to its first chunk in which the client's window was shut or its link was full",
+      threads_, [](const ThreadCounters& t) -> const auto& { return t.held; }));
   families.push_back(latencies(
-      "lodestream_request_send_seconds", "From a request to its last chunk", threads_,
+      "lodestream_request_send_seconds", "Time from a request to its last chunk", threads_,
       [](const ThreadCounters& t) -> const auto& { return t.send; }));
   for (const ModelFigure& figure : kModelFigures) families.push_back(ofModels(figure, threads_));
   std::erase_if(families, [](const MetricFamily& family) { return family.metric.empty(); });

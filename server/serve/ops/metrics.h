@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -10,35 +12,69 @@
 #include <string_view>
 #include <vector>
 
-#include "server/serve/ops/counter.h"
-
 namespace lode::serve {
 
-/// Why a client was not let in: the first four at the door, the others and, behind a balancer, its address
-/// once it was accepted.
+/// A counter that one thread increments and any thread reads, without locks or locked instructions.
+class Counter {
+ public:
+  void add(uint64_t more = 1) noexcept {
+    value_.store(value_.load(std::memory_order_relaxed) + more, std::memory_order_relaxed);
+  }
+  uint64_t read() const noexcept { return value_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<uint64_t> value_{0};
+};
+
+/// Upper bounds of the latency buckets in seconds; one more bucket holds longer latencies.
+constexpr std::array kLatencyBoundsSeconds{0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02,
+                                           0.05,   0.1,    0.2,    0.5,   1.0,   2.0,   5.0,  10.0};
+
+/// A histogram of durations. One thread adds, any thread reads.
+class LatencyCounter {
+ public:
+  static constexpr size_t kBuckets = kLatencyBoundsSeconds.size() + 1;
+
+  void add(std::chrono::nanoseconds duration) noexcept {
+    const double seconds = std::chrono::duration<double>(duration).count();
+    size_t bucket = 0;
+    while (bucket < kLatencyBoundsSeconds.size() && seconds > kLatencyBoundsSeconds[bucket]) ++bucket;
+    buckets_[bucket].add();
+    sum_ns_.add(duration.count() > 0 ? static_cast<uint64_t>(duration.count()) : 0);
+  }
+  uint64_t bucket(size_t number) const noexcept { return buckets_[number].read(); }
+  uint64_t sumNs() const noexcept { return sum_ns_.read(); }
+
+ private:
+  std::array<Counter, kBuckets> buckets_;
+  Counter sum_ns_;
+};
+
+/// Reason of a refused connection. The first four apply at accept(), the others after it; behind a balancer
+/// kAddress also applies after it.
 enum class RefusalReason : uint8_t {
   kConnections,  ///< --max-connections
   kAddress,      ///< --max-connections-per-address
   kMemory,       ///< --memory-budget
-  kDescriptors,  ///< the system's limit of open files
-  kToken,        ///< none, unknown or expired
+  kDescriptors,  ///< the process's limit of open files
+  kToken,        ///< missing, unknown or expired
   kProxyHeader,  ///< with --proxy-protocol
   kTls,          ///< the handshake failed
 };
 constexpr size_t kRefusalReasons = 7;
 std::string_view refusalName(RefusalReason reason) noexcept;
 
-/// Why a connection that was accepted has ended.
+/// Reason why an accepted connection ended.
 enum class EndReason : uint8_t {
-  kClient,       ///< it closed
-  kBroken,       ///< reset, or gone in the middle of a frame
-  kProxyHeader,  ///< the balancer's header was missing or wrong
+  kClient,       ///< the client closed it
+  kBroken,       ///< reset, or closed within a frame
+  kProxyHeader,  ///< the balancer's header was missing or malformed
   kTls,          ///< the handshake failed
-  kMistake,      ///< it broke a rule of the protocol
-  kHandshake,    ///< no Hello in time
-  kIdle,         ///< no frame in time
-  kStalled,      ///< it took nothing in time
-  kMemory,       ///< the greediest, when the budget was used up
+  kMistake,      ///< the client broke a rule of the protocol
+  kHandshake,    ///< no Hello before the deadline
+  kIdle,         ///< no frame before the deadline
+  kStalled,      ///< the client took no bytes before the write deadline
+  kMemory,       ///< closed as one of the largest when the memory budget ran short
   kStopping,
 };
 constexpr size_t kEndReasons = 10;
@@ -46,26 +82,26 @@ std::string_view endName(EndReason reason) noexcept;
 
 constexpr size_t kRequestClasses = 3;
 
-/// What one model has cost one thread.
+/// Counters of one model on one thread.
 struct ModelCounters {
   Counter opened, blobs, bytes, cold_reads, damaged;
 };
 
-/// What one thread of the server counts; it alone adds, whoever asks for the metrics reads.
+/// Counters of one thread of the server. That thread alone increments them; Metrics::text() reads them.
 class ThreadCounters {
  public:
-  Counter accepted;  ///< past the door, whatever they said then
+  Counter accepted;  ///< accepted connections, whether or not TLS and Hello succeed later
   std::array<Counter, kRefusalReasons> refused;
   std::array<Counter, kEndReasons> ended;
   std::array<Counter, kRequestClasses> requests;
   std::array<LatencyCounter, kRequestClasses>
-      queue;  ///< from a request to its first chunk, but for what is held
-  std::array<LatencyCounter, kRequestClasses> held;  ///< of that time, what the client has held it up
+      queue;  ///< from a request to its first chunk, without the time in `held`
+  std::array<LatencyCounter, kRequestClasses> held;  ///< part of that time in which the client took no chunk
   std::array<LatencyCounter, kRequestClasses> send;  ///< from a request to its last chunk
 
-  /// The tallies of a model, by its name; they stay where they are. Takes a lock: ask once an Open.
+  /// Returns the counters of a model; the reference stays valid. Takes a lock: call it once for each Open.
   ModelCounters& model(const std::string& name);
-  template <typename Visit>  ///< visit(name, tallies)
+  template <typename Visit>  ///< visit(name, counters)
   void forEachModel(const Visit& visit) const {
     const std::lock_guard lock(mutex_);
     for (const auto& [name, counters] : models_) visit(name, counters);
@@ -76,23 +112,23 @@ class ThreadCounters {
   std::map<std::string, ModelCounters> models_;
 };
 
-/// What is so at the moment, beside what was counted.
+/// Current values that are not sums of counters.
 struct ServerGauges {
   uint64_t connections = 0, models = 0;
-  uint64_t certificate_expires_s = 0;  ///< Unix time; 0: there is none
+  uint64_t certificate_expires_s = 0;  ///< Unix time; 0 without a certificate
   uint64_t memory_bytes = 0, memory_budget_bytes = 0, allocated_bytes = 0;
   uint64_t log_lines_dropped = 0, log_lines_left_out = 0;
   bool stopping = false;
 };
 
-/// The tallies of all threads. Thread safe but for what ThreadCounters says.
+/// Counters of all threads. Thread safe, except that each ThreadCounters has one writer.
 class Metrics {
  public:
-  /// @param threads  that count.
+  /// @param threads  number of threads that count.
   explicit Metrics(size_t threads);
 
   ThreadCounters& ofThread(size_t thread) noexcept { return *threads_[thread]; }
-  /// All of it summed, in Prometheus' text format 0.0.4.
+  /// Returns the sums over all threads in Prometheus' text format 0.0.4.
   std::string text(const ServerGauges& gauges) const;
 
  private:

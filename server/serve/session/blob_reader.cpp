@@ -20,11 +20,11 @@ namespace lode::serve {
 
 namespace {
 
-/// A blob up to this size is checked on the thread that serves, if it is in the page cache: some 50 µs.
+/// Blobs in the page cache up to this size are verified on the serving thread, which takes about 50 µs.
 constexpr uint32_t kMaxCheckedHotBytes = 256u << 10;
 
-// A note on a blob: what is known of it (2 bits), the generation of the file that it is true of (14 bits) and
-// the second in which it was made (16 bits). Notes of another generation say nothing.
+// A note on a blob holds its Trust (2 bits), the generation of the file that it applies to (14 bits) and the
+// second of its creation (16 bits). Notes of other generations are ignored.
 constexpr uint32_t kGenerations = 1u << 14, kSeconds = 1u << 16;
 
 int64_t nowNs() noexcept {
@@ -38,11 +38,11 @@ uint32_t nowSecond() noexcept { return static_cast<uint32_t>(nowNs() / 1'000'000
 struct stat statusOf(int descriptor) {
   struct stat status {};
   if (fstat(descriptor, &status) != 0)
-    throw Error(ErrorCode::kIo, std::string("a store cannot be examined: ") + std::strerror(errno));
+    throw Error(ErrorCode::kIo, std::string("cannot get the status of a store: ") + std::strerror(errno));
   return status;
 }
 
-/// File systems that are memory answer RWF_NOWAIT with an error, and never wait.
+/// File systems in memory reject RWF_NOWAIT and never wait.
 int flagsForHot(int descriptor) noexcept {
   struct statfs system {};
   const bool in_memory =
@@ -58,7 +58,7 @@ bool readWhole(int descriptor, uint64_t offset, std::span<std::byte> into, int f
 
 }  // namespace
 
-BlobReader::Look::Look(const struct stat& file) noexcept
+BlobReader::FileState::FileState(const struct stat& file) noexcept
     : device(file.st_dev),
       inode(file.st_ino),
       bytes(static_cast<uint64_t>(file.st_size)),
@@ -70,12 +70,12 @@ BlobReader::BlobReader(store::Reader reader, BlobReaderOptions options)
       options_(std::move(options)),
       hot_flags_(flagsForHot(reader_.fileDescriptor())),
       notes_(std::make_unique<std::atomic<uint32_t>[]>(size_t{reader_.blobCount()} + 1)),
-      looked_ns_(nowNs()),
-      look_(statusOf(reader_.fileDescriptor())) {}
+      checked_ns_(nowNs()),
+      file_(statusOf(reader_.fileDescriptor())) {}
 
 bool BlobReader::isStill(const struct stat& file) const noexcept {
-  const std::lock_guard lock(look_mutex_);
-  return Look(file) == look_ && generation_.load(std::memory_order_relaxed) == 0;
+  const std::lock_guard lock(file_mutex_);
+  return FileState(file) == file_ && generation_.load(std::memory_order_relaxed) == 0;
 }
 
 BlobReader::Trust BlobReader::trustIn(uint32_t blob, uint32_t generation) const noexcept {
@@ -92,38 +92,38 @@ void BlobReader::note(uint32_t blob, uint32_t generation, Trust trust) const noe
                      std::memory_order_release);
 }
 
-uint32_t BlobReader::lookAtFile() const noexcept {
+uint32_t BlobReader::currentGeneration() const noexcept {
   const int64_t now = nowNs();
-  int64_t last = looked_ns_.load(std::memory_order_relaxed);
-  if (now - last >= options_.look_every.count() &&
-      looked_ns_.compare_exchange_strong(last, now, std::memory_order_relaxed))
-    lookNow();
+  int64_t last = checked_ns_.load(std::memory_order_relaxed);
+  if (now - last >= options_.check_file_every.count() &&
+      checked_ns_.compare_exchange_strong(last, now, std::memory_order_relaxed))
+    checkFile();
   return generation_.load(std::memory_order_acquire);
 }
 
-void BlobReader::lookNow() const noexcept {
+void BlobReader::checkFile() const noexcept {
   struct stat status {};
   if (fstat(reader_.fileDescriptor(), &status) != 0) return;
   bool was_written = false;
   {
-    const std::lock_guard lock(look_mutex_);
-    const Look now(status);
-    if (now == look_) return;
-    // That it was renamed or removed, as what it was replaced by does, changes its status alone.
-    was_written = now.bytes != look_.bytes || now.modified_ns != look_.modified_ns;
-    look_ = now;
+    const std::lock_guard lock(file_mutex_);
+    const FileState now(status);
+    if (now == file_) return;
+    // Renaming or removing the file changes its ctime alone.
+    was_written = now.bytes != file_.bytes || now.modified_ns != file_.modified_ns;
+    file_ = now;
     generation_.fetch_add(1, std::memory_order_release);
   }
   if (!was_written) return;
   try {
     options_.report("the store of model '" + reader_.summary().name +
-                    "' was changed in place; its blobs are checked again. Rename new stores into place");
-  } catch (const std::exception&) {  // the operator's log is full or gone: serving goes on
+                    "' changed in place; its blobs are verified again. Rename new stores into place instead");
+  } catch (const std::exception&) {  // a failing report must not stop serving
   }
 }
 
 ReadResult BlobReader::readHot(const BlobRange& range, std::span<std::byte> into) const noexcept {
-  const uint32_t generation = lookAtFile();
+  const uint32_t generation = currentGeneration();
   switch (trustIn(range.blob, generation)) {
     case Trust::kUnchecked:
       return checkHot(range, into, generation);
@@ -158,7 +158,7 @@ ReadResult BlobReader::checkHot(const BlobRange& range, std::span<std::byte> int
 }
 
 ReadResult BlobReader::readCold(const BlobRange& range, std::span<std::byte> into) const noexcept {
-  const uint32_t generation = lookAtFile();
+  const uint32_t generation = currentGeneration();
   try {
     if (trustIn(range.blob, generation) != Trust::kGood) {
       const std::vector<std::byte> blob = reader_.readBlob(range.blob);
@@ -168,20 +168,20 @@ ReadResult BlobReader::readCold(const BlobRange& range, std::span<std::byte> int
     }
   } catch (const Error& error) {
     if (error.code() == ErrorCode::kIo) return failed(range, "the operating system cannot read it");
-    return bad(range, generation, "the checksum does not match, or the file ends in it");
+    return bad(range, generation, "the checksum does not match, or the file is truncated");
   } catch (const std::exception&) {
-    return failed(range, "there is no memory to check it");
+    return failed(range, "memory ran out while verifying it");
   }
   const store::BlobEntry& entry = reader_.blob(range.blob);
   const uint32_t end = range.offset_bytes + range.bytes;
-  if (end < entry.bytes)  // the rest will be asked for next
+  if (end < entry.bytes)  // prefetch the rest, which is read next
     posix_fadvise(reader_.fileDescriptor(), static_cast<off_t>(entry.offset + end), entry.bytes - end,
                   POSIX_FADV_WILLNEED);
   uint32_t done = 0;
   while (done < range.bytes) {
     const ssize_t got = pread(reader_.fileDescriptor(), into.data() + done, range.bytes - done,
                               static_cast<off_t>(entry.offset + range.offset_bytes + done));
-    if (got == 0) return bad(range, generation, "the file is shorter than it was");
+    if (got == 0) return bad(range, generation, "the file was truncated");
     if (got < 0 && errno != EINTR) return failed(range, std::strerror(errno));
     if (got > 0) done += static_cast<uint32_t>(got);
   }
@@ -207,7 +207,7 @@ void BlobReader::report(const BlobRange& range, std::string_view why) const noex
   try {
     options_.report("blob " + std::to_string(range.blob) + " of model '" + reader_.summary().name +
                     "': " + std::string(why));
-  } catch (const std::exception&) {  // the operator's log is full or gone: serving goes on
+  } catch (const std::exception&) {  // a failing report must not stop serving
   }
 }
 

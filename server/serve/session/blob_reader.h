@@ -16,12 +16,12 @@
 
 namespace lode::serve {
 
-/// How a read went.
+/// Result of a read.
 enum class ReadResult {
   kDone,
-  kCold,     ///< not in the page cache, or too large to check at once: readCold() may wait for the disk
-  kDamaged,  ///< the blob's checksum does not match, or the file is shorter than it was
-  kFailed,   ///< the operating system refused
+  kCold,     ///< not in the page cache, or too large for a quick check: use readCold()
+  kDamaged,  ///< the blob's checksum does not match, or the file was truncated
+  kFailed,   ///< the operating system reported an error, or memory ran out
 };
 
 struct BlobRange {
@@ -31,46 +31,46 @@ struct BlobRange {
 };
 
 struct BlobReaderOptions {
-  /// How often the file is looked at for changes. A changed one has all its blobs checked again.
-  std::chrono::nanoseconds look_every = std::chrono::milliseconds(20);
-  /// After this a blob that was damaged is tried again: somebody may have copied it anew.
+  /// Interval of checks for changes of the file. After a change all blobs are verified again.
+  std::chrono::nanoseconds check_file_every = std::chrono::milliseconds(20);
+  /// Time after which a damaged blob is verified again, because the store may have been repaired.
   std::chrono::seconds retry_damaged{10};
-  /// One line for the operator, from any thread: once for each blob that becomes bad, once each time
-  /// that the file was written to.
+  /// Receives a line for the operator, from any thread: one for each blob found damaged, one for each change
+  /// of the file in place.
   std::function<void(std::string_view)> report = [](std::string_view) {};
 };
 
-/// Reads blobs of one store for the connections. A blob's checksum is compared when it is first read, and
-/// again after the file has changed. Thread safe.
+/// Reads blobs of one store. Verifies a blob's checksum at its first read and again after the file has
+/// changed. Thread safe.
 class BlobReader {
  public:
   BlobReader(store::Reader reader, BlobReaderOptions options);
 
-  /// Reads without ever waiting for the disk. @param into  range.bytes long.
+  /// Reads without waiting for the disk. @param into  at least range.bytes long.
   ReadResult readHot(const BlobRange& range, std::span<std::byte> into) const noexcept;
-  /// Reads, waiting if it must; of a blob that is not checked yet all of it.
+  /// Reads and may wait for the disk. Reads the whole blob if it is not verified yet.
   ReadResult readCold(const BlobRange& range, std::span<std::byte> into) const noexcept;
 
   const store::Reader& store() const noexcept { return reader_; }
-  /// Whether the file at that path is the one that is open here, unchanged since.
+  /// Returns true if `file` is the status of the open file and the file has not changed since it was opened.
   bool isStill(const struct stat& file) const noexcept;
-  /// Reads that found a damaged blob, so far.
+  /// Number of reads of damaged blobs.
   uint64_t damagedReads() const noexcept { return damaged_reads_.load(std::memory_order_relaxed); }
 
  private:
   enum class Trust : uint32_t { kUnchecked, kGood, kDamaged };
-  /// What makes a file another one.
-  struct Look {
+  /// The fields of a file's status that change with its contents.
+  struct FileState {
     uint64_t device = 0, inode = 0, bytes = 0;
     int64_t changed_ns = 0, modified_ns = 0;
-    explicit Look(const struct stat& file) noexcept;
-    bool operator==(const Look&) const = default;
+    explicit FileState(const struct stat& file) noexcept;
+    bool operator==(const FileState&) const = default;
   };
 
   Trust trustIn(uint32_t blob, uint32_t generation) const noexcept;
   void note(uint32_t blob, uint32_t generation, Trust trust) const noexcept;
-  uint32_t lookAtFile() const noexcept;
-  void lookNow() const noexcept;
+  uint32_t currentGeneration() const noexcept;
+  void checkFile() const noexcept;
   ReadResult checkHot(const BlobRange& range, std::span<std::byte> into, uint32_t generation) const noexcept;
   ReadResult bad(const BlobRange& range, uint32_t generation, std::string_view why) const noexcept;
   ReadResult failed(const BlobRange& range, std::string_view why) const noexcept;
@@ -78,12 +78,12 @@ class BlobReader {
 
   store::Reader reader_;
   BlobReaderOptions options_;
-  int hot_flags_;  ///< of preadv2: none where all of the file is in memory
+  int hot_flags_;  ///< flags of preadv2: none on file systems in memory
   std::unique_ptr<std::atomic<uint32_t>[]> notes_;
-  mutable std::atomic<uint32_t> generation_{0};  ///< of the file's contents
-  mutable std::atomic<int64_t> looked_ns_{0};
-  mutable std::mutex look_mutex_;
-  mutable Look look_;  ///< behind the mutex
+  mutable std::atomic<uint32_t> generation_{0};  ///< incremented when the file changes
+  mutable std::atomic<int64_t> checked_ns_{0};   ///< time of the last check of the file
+  mutable std::mutex file_mutex_;
+  mutable FileState file_;  ///< guarded by file_mutex_
   mutable std::atomic<uint64_t> damaged_reads_{0};
 };
 

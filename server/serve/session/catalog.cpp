@@ -15,15 +15,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One place under two names, say through a link or "./", counts once.
+/// Returns true if both paths name one file, for example through a link or "./".
 bool areTheSame(const fs::path& a, const fs::path& b) {
   std::error_code ignored;
   return a == b || fs::equivalent(a, b, ignored);
 }
 
-/// Every store named, folders replaced by the stores in them.
-/// @param may_be_none  folders without a store are none the less folders.
-std::vector<fs::path> storeFiles(std::span<const fs::path> stores, bool may_be_none) {
+/// Returns the store files: each folder is replaced by the stores in it.
+/// @param allow_empty  accept folders without a store.
+std::vector<fs::path> storeFiles(std::span<const fs::path> stores, bool allow_empty) {
   std::vector<fs::path> files;
   for (const fs::path& path : stores) {
     std::error_code error;
@@ -36,9 +36,9 @@ std::vector<fs::path> storeFiles(std::span<const fs::path> stores, bool may_be_n
          entry.increment(error))
       if (entry->path().extension() == ".lode") files.push_back(entry->path());
     if (error) throw Error(ErrorCode::kIo, "cannot list " + path.string() + ": " + error.message());
-    if (files.size() == before && !may_be_none)
+    if (files.size() == before && !allow_empty)
       throw Error(ErrorCode::kUsage,
-                  "there is no store (*.lode) in " + path.string() + "; make one with: lodestreamd build");
+                  "no store (*.lode) in " + path.string() + "; make one with lodestreamd build");
   }
   std::ranges::sort(files);
   std::ranges::stable_sort(files, {}, [](const fs::path& file) { return file.stem().string(); });
@@ -48,15 +48,16 @@ std::vector<fs::path> storeFiles(std::span<const fs::path> stores, bool may_be_n
                           }),
               files.end());
   if (stores.empty())
-    throw Error(ErrorCode::kUsage, "no store to serve; name a .lode file or a folder of them");
+    throw Error(ErrorCode::kUsage, "no store to serve; name a .lode file or a folder of .lode files");
   for (size_t i = 1; i < files.size(); ++i)
     if (files[i - 1].stem() == files[i].stem())
-      throw Error(ErrorCode::kUsage, "two stores make a model '" + files[i].stem().string() +
+      throw Error(ErrorCode::kUsage, "two stores have the model name '" + files[i].stem().string() +
                                          "': " + files[i - 1].string() + " and " + files[i].string() +
                                          "; rename one");
   if (files.size() > proto::kMaxListedModels)
-    throw Error(ErrorCode::kLimit, std::to_string(files.size()) + " stores are more than one server lists; " +
-                                       "the limit is " + std::to_string(proto::kMaxListedModels));
+    throw Error(ErrorCode::kLimit, std::to_string(files.size()) +
+                                       " stores are too many for one server; the limit is " +
+                                       std::to_string(proto::kMaxListedModels));
   return files;
 }
 
@@ -78,7 +79,7 @@ std::shared_ptr<const Model> openModel(const fs::path& file, const BlobReaderOpt
   return model;
 }
 
-/// A log names no folders.
+/// Replaces the path by the file name, because logs must not name folders.
 std::string withoutFolder(std::string message, const fs::path& file) {
   const std::string path = file.string();
   if (const size_t at = message.find(path); at != std::string::npos)
@@ -101,10 +102,10 @@ Catalog::Catalog(std::vector<std::shared_ptr<const Model>> models) : models_(std
     proto::encode(list, 0);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kLimit) throw;
-    throw Error(ErrorCode::kLimit,
-                "the names of " + std::to_string(models_.size()) +
-                    " models do not fit into one answer; shorten them, or serve some of the "
-                    "stores elsewhere");
+    throw Error(
+        ErrorCode::kLimit,
+        "the names of " + std::to_string(models_.size()) +
+            " models do not fit into one frame; shorten them, or serve some stores from another server");
   }
 }
 
@@ -129,9 +130,9 @@ std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before, std::span<co
     if (!model || !isUnchanged(*model, file)) try {
         model = openModel(file, options);
       } catch (const Error& error) {
-        if (!model && std::ranges::find(stores, file) != stores.end()) throw;  // a folder that is gone, say
+        if (!model && std::ranges::find(stores, file) != stores.end()) throw;  // for example a missing folder
         options.report("the store of model '" + file.stem().string() + "' cannot be opened" +
-                       (model ? "; what was served before stays" : "; it is not offered") + ": " +
+                       (model ? "; its previous build stays" : "; the model is not served") + ": " +
                        withoutFolder(error.what(), file));
         if (refused != nullptr) ++*refused;
       }

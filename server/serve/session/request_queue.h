@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <memory_resource>
 #include <set>
 #include <unordered_map>
 
@@ -12,10 +11,10 @@ namespace lode::serve {
 
 struct OpenedModel;
 
-/// What an open request is taken to cost in memory.
+/// Memory charged for an open request.
 constexpr uint64_t kRequestBytes = 128;
 
-/// Where a request stands in the queue: by class, then higher priority, then number.
+/// Position in the queue: by class, then by descending priority, then by request id.
 struct Rank {
   proto::RequestClass request_class = proto::RequestClass::kVisible;
   float priority_px = 0;
@@ -30,21 +29,20 @@ struct OpenRequest {
   uint32_t blob = 0;
   uint32_t sent_bytes = 0;
   uint32_t call = 0;
-  bool parked = false;  ///< waits for the disk, and is passed by
-  uint64_t serial = 0;  ///< tells it from an earlier request of the same number
+  bool parked = false;  ///< waits for the disk; first() skips it
+  uint64_t serial = 0;  ///< distinguishes it from an earlier request with the same id
   std::chrono::steady_clock::time_point asked;
-  std::chrono::steady_clock::duration held_before{};  ///< by the client, when it was asked
+  std::chrono::steady_clock::duration
+      held_before{};  ///< Session's backpressure time when the request arrived
 };
 
-/// The open requests of a session, and which of them is next. Not thread safe.
+/// The open requests of a session in the order of sending. Not thread safe.
 class RequestQueue {
  public:
-  explicit RequestQueue(std::pmr::memory_resource* memory) : requests_(memory), queue_(memory) {}
-
   size_t size() const noexcept { return requests_.size(); }
   bool empty() const noexcept { return requests_.empty(); }
   OpenRequest* find(uint32_t request);
-  /// The most urgent that is not parked, or null.
+  /// Returns the most urgent request that is not parked, or null.
   OpenRequest* first();
 
   void add(const OpenRequest& request);
@@ -54,10 +52,10 @@ class RequestQueue {
   void end(OpenRequest& request);
   void clear();
 
-  /// Ends the requests of a handle. @param ended  called with each, in the order of their numbers.
+  /// Ends the requests of a handle. @param ended  called with each request in the order of their ids.
   template <typename Ended>
   void endAll(uint32_t handle, Ended ended) {
-    std::pmr::set<uint32_t> numbers(queue_.get_allocator().resource());
+    std::set<uint32_t> numbers;
     for (const auto& [number, request] : requests_)
       if (request.handle == handle) numbers.insert(number);
     for (const uint32_t number : numbers) {
@@ -67,8 +65,8 @@ class RequestQueue {
   }
 
  private:
-  std::pmr::unordered_map<uint32_t, OpenRequest> requests_;
-  std::pmr::set<Rank> queue_;
+  std::unordered_map<uint32_t, OpenRequest> requests_;  ///< by request id
+  std::set<Rank> queue_;                                ///< requests that are not parked
 };
 
 }  // namespace lode::serve

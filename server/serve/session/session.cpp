@@ -11,10 +11,10 @@ using proto::WireError;
 
 namespace {
 
-/// Requests are refused one by one up to this many bytes of answers, where there is no memory for them.
+/// Without memory, requests are refused one by one up to this many bytes of queued answers.
 constexpr size_t kRefusedAnswerBytes = 4u << 10;
 
-/// Thrown by a handler to answer with an Error that closes the connection.
+/// Thrown by handlers; answered with an Error that closes the connection.
 struct Refusal {
   WireError code;
   std::string why;
@@ -27,36 +27,37 @@ WireError wireCode(const Error& error) {
 }  // namespace
 
 Session::Session(SessionHost host, SessionLimits limits, Clock::time_point now)
-    : host_(host), limits_(limits), deadline_(now + limits.handshake), now_(now), requests_(host.requests) {}
+    : host_(host), limits_(limits), deadline_(now + limits.handshake), now_(now) {}
 
 Session::~Session() {
   host_.memory->give(requests_.size() * kRequestBytes + opened_.size() * kOpenModelBytes + control_.size());
 }
 
-/// For what must be said whatever it costs: it is little.
+/// Queues a small frame that must be sent even when the budget is used up.
 template <typename Message>
-void Session::say(const Message& message, uint32_t call) {
+void Session::queueUnchecked(const Message& message, uint32_t call) {
   const proto::Bytes frame = proto::encode(message, call);
   control_.insert(control_.end(), frame.begin(), frame.end());
   host_.memory->take(frame.size());
 }
 
 template <typename Message>
-void Session::answer(const Message& message, uint32_t call) {
+void Session::queue(const Message& message, uint32_t call) {
   const proto::Bytes frame = proto::encode(message, call);
   if (!host_.memory->tryTake(frame.size())) {
     host_.memory->give(control_.size());
     control_.clear();
-    throw Refusal{WireError::kLimit,
-                  "this connection takes more of the server's memory than there is for it now; "
-                  "read answers as they come, and request less at a time"};
+    throw Refusal{
+        WireError::kLimit,
+        "the server is short of memory for this connection; read answers sooner, and request less at a "
+        "time"};
   }
   control_.insert(control_.end(), frame.begin(), frame.end());
 }
 
 void Session::refuse(WireError code, const std::string& why, uint32_t call) {
   if (closing_) return;
-  say(proto::ErrorMessage{code, 0, true, why}, call);
+  queueUnchecked(proto::ErrorMessage{code, 0, true, why}, call);
   closing_ = true;
   refusal_ = why;
   host_.memory->give(requests_.size() * kRequestBytes);
@@ -68,15 +69,15 @@ void Session::refuse(WireError code, const std::string& why, uint32_t call) {
 void Session::drain(const std::string& reason, Clock::time_point now) {
   if (closing_ || draining_) return;
   draining_ = true;
-  say(proto::GoAway{reason}, 0);
+  queueUnchecked(proto::GoAway{reason}, 0);
   if (!greeted_) return;
-  say(proto::Ping{}, 0);
-  hears_until_ = now + proto::kHearDeadline;
+  queueUnchecked(proto::Ping{}, 0);
+  pong_deadline_ = now + proto::kHearDeadline;
 }
 
-bool Session::giveUpHearing(Clock::time_point now) noexcept {
-  if (!hears_until_ || now < *hears_until_) return false;
-  hears_until_.reset();
+bool Session::stopWaitingForPong(Clock::time_point now) noexcept {
+  if (!pong_deadline_ || now < *pong_deadline_) return false;
+  pong_deadline_.reset();
   return true;
 }
 
@@ -94,12 +95,12 @@ bool Session::allows(const Model& model) const noexcept {
 
 void Session::servedSetChanged() {
   if (closing_) return;
-  if (greeted_ && !authorize()) return refuse(WireError::kUnauthorized, "the token is not good any more");
+  if (greeted_ && !authorize()) return refuse(WireError::kUnauthorized, "the token is no longer valid");
   for (auto& [handle, opened] : opened_) {
     const auto now = host_.served->catalog->find(opened.model->summary.name);
-    if (!now || now->summary.build_id == opened.told) continue;
-    opened.told = now->summary.build_id;
-    say(proto::ModelReplaced{handle}, 0);
+    if (!now || now->summary.build_id == opened.announced) continue;
+    opened.announced = now->summary.build_id;
+    queueUnchecked(proto::ModelReplaced{handle}, 0);
   }
 }
 
@@ -152,10 +153,10 @@ void Session::dispatch(const proto::FrameHeader& header, std::span<const std::by
       granted_bytes_ = std::max(granted_bytes_, proto::decode<proto::Credit>(body).granted_bytes);
       return;
     case FrameType::kPing:
-      return answer(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.call);
+      return queue(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.call);
     case FrameType::kPong:
       proto::decode<proto::Pong>(body);
-      hears_until_.reset();
+      pong_deadline_.reset();
       return;
     default:
       throw Refusal{WireError::kMalformed,
@@ -177,29 +178,28 @@ void Session::hello(const proto::Hello& message, uint32_t call) {
                                            std::to_string(message.max_version) + "; update the client"};
   token_ = message.token;
   if (!authorize())
-    throw Refusal{WireError::kUnauthorized, message.token.empty()
-                                                ? "this server asks for a token"
-                                                : "the token is unknown here, or it has expired"};
+    throw Refusal{WireError::kUnauthorized, message.token.empty() ? "this server requires a token"
+                                                                  : "the token is unknown or has expired"};
   greeted_ = true;
-  answer(proto::Welcome{proto::kProtocolVersion, message.features & proto::kFeatureClose,
-                        limits_.max_open_requests, "lodestreamd"},
-         call);
+  queue(proto::Welcome{proto::kProtocolVersion, message.features & proto::kFeatureClose,
+                       limits_.max_open_requests, "lodestreamd"},
+        call);
 }
 
 void Session::list(uint32_t call) {
   proto::Models models;
   for (const auto& model : host_.served->catalog->models())
     if (allows(*model)) models.models.push_back(model->summary);
-  answer(models, call);
+  queue(models, call);
 }
 
 void Session::open(const proto::Open& message, uint32_t call) {
   const auto refuse = [&](WireError code, std::string why) {
-    answer(proto::ErrorMessage{code, 0, false, std::move(why)}, call);
+    queue(proto::ErrorMessage{code, 0, false, std::move(why)}, call);
   };
   std::shared_ptr<const Model> model = host_.served->catalog->find(message.model);
   if (!model || !allows(*model))
-    return refuse(WireError::kNoSuchModel, "there is no model '" + message.model + "' here");
+    return refuse(WireError::kNoSuchModel, "this server has no model '" + message.model + "'");
   if (opened_.size() >= limits_.max_open_models)
     return refuse(WireError::kLimit, "a connection has at most " + std::to_string(limits_.max_open_models) +
                                          " models open; close one, or open another connection");
@@ -213,8 +213,9 @@ void Session::open(const proto::Open& message, uint32_t call) {
   const Digest build = offered.summary.build_id;
   const OpenedModel& opened =
       opened_.emplace(handle, OpenedModel{std::move(model), build, counters}).first->second;
-  answer(proto::Opened{handle, offered.summary}, call);
-  if (build != Digest() && build == message.known_build_id) return;  // it has the first blobs, or asks
+  queue(proto::Opened{handle, offered.summary}, call);
+  if (build != Digest() && build == message.known_build_id)
+    return;  // the client has the first blobs or requests them
   for (const uint32_t blob : {offered.summary.root_page.number, offered.coarsest_blob})
     if (blob != 0)
       unasked_.push_back({handle, &opened, blob, 0, call, ++last_serial_, now_, held_.total(now_), false});
@@ -223,15 +224,15 @@ void Session::open(const proto::Open& message, uint32_t call) {
 const OpenedModel& Session::openedAs(uint32_t handle, const char* frame) {
   const auto opened = opened_.find(handle);
   if (opened == opened_.end())
-    throw Refusal{WireError::kMalformed, std::string(frame) + " names handle " + std::to_string(handle) +
-                                             ", which no Opened gave or Close has ended"};
+    throw Refusal{WireError::kMalformed,
+                  std::string(frame) + " names handle " + std::to_string(handle) + ", which is not open"};
   return opened->second;
 }
 
 void Session::close(const proto::Close& message, uint32_t call) {
   openedAs(message.handle, "Close");
   requests_.endAll(message.handle, [&](OpenRequest& request) {
-    say(proto::Cancelled{request.rank.request}, request.call);
+    queueUnchecked(proto::Cancelled{request.rank.request}, request.call);
     if (under_way_ && under_way_->request == request.rank.request) under_way_.reset();
     host_.memory->give(kRequestBytes);
   });
@@ -239,11 +240,11 @@ void Session::close(const proto::Close& message, uint32_t call) {
   std::erase_if(unasked_, [&](const Unasked& u) { return u.handle == message.handle; });
   opened_.erase(message.handle);
   host_.memory->give(kOpenModelBytes);
-  answer(proto::Closed{message.handle}, call);
+  queue(proto::Closed{message.handle}, call);
 }
 
 void Session::requests(std::span<const std::byte> body, uint32_t call) {
-  thread_local proto::Requests message;  // of every session's, so that a request takes no memory but its own
+  thread_local proto::Requests message;  // reused by all sessions of the thread
   proto::decodeInto(body, message);
   const OpenedModel& opened = openedAs(message.handle, "Requests");
   for (const proto::RequestChange& change : message.changes) {
@@ -252,9 +253,9 @@ void Session::requests(std::span<const std::byte> body, uint32_t call) {
       continue;
     }
     OpenRequest* const request = requests_.find(change.request);
-    if (request == nullptr) continue;  // it ended while the change was on its way
+    if (request == nullptr) continue;  // the request ended before the change arrived
     if (change.action == proto::RequestAction::kCancel) {
-      answer(proto::Cancelled{change.request}, request->call);
+      queue(proto::Cancelled{change.request}, request->call);
       endRequest(*request);
     } else {
       requests_.reprioritise(*request, change.request_class, change.priority_px);
@@ -265,21 +266,21 @@ void Session::requests(std::span<const std::byte> body, uint32_t call) {
 void Session::addRequest(const proto::RequestChange& change, uint32_t handle, const OpenedModel& opened,
                          uint32_t call) {
   if (requests_.find(change.request) != nullptr)
-    throw Refusal{WireError::kMalformed, "request " + std::to_string(change.request) + " is open already"};
+    throw Refusal{WireError::kMalformed, "request " + std::to_string(change.request) + " is already open"};
   if (requests_.size() >= limits_.max_open_requests)
     throw Refusal{WireError::kLimit, "more than " + std::to_string(limits_.max_open_requests) +
                                          " requests are open at one time"};
   if (opened.model->blobBytes(change.blob) == 0) {
-    answer(proto::ErrorMessage{WireError::kNoSuchBlob, change.request, false,
-                               "no blob " + std::to_string(change.blob)},
-           call);
+    queue(proto::ErrorMessage{WireError::kNoSuchBlob, change.request, false,
+                              "the model has no blob " + std::to_string(change.blob)},
+          call);
     return;
   }
   if (!host_.memory->tryTake(kRequestBytes)) {
     const proto::ErrorMessage refused{
         WireError::kNotReady, change.request, false,
-        "the server is short of memory; request again later, and for less at a time"};
-    return control_.size() < kRefusedAnswerBytes ? say(refused, call) : answer(refused, call);
+        "the server is short of memory; request again later, and less at a time"};
+    return control_.size() < kRefusedAnswerBytes ? queueUnchecked(refused, call) : queue(refused, call);
   }
   const Rank rank{change.request_class, change.priority_px, change.request};
   requests_.add(
@@ -293,7 +294,7 @@ void Session::endRequest(OpenRequest& request) {
   host_.memory->give(kRequestBytes);
 }
 
-/// The rest of the most urgent blob.
+/// Returns the rest of the most urgent blob.
 std::optional<Chunk> Session::next() {
   Chunk chunk;
   if (!unasked_.empty() && !unasked_.front().parked) {
@@ -377,11 +378,11 @@ void Session::failChunk(WireError code, const std::string& why) {
   const UnderWay failed = *std::exchange(under_way_, {});
   if (failed.request == 0) {
     const Unasked first = unasked_.front();
-    say(proto::ErrorMessage{code, 0, false, why}, first.call);
+    queueUnchecked(proto::ErrorMessage{code, 0, false, why}, first.call);
     std::erase_if(unasked_, [&](const Unasked& u) { return u.handle == first.handle; });
   } else {
     OpenRequest& request = *requests_.find(failed.request);
-    say(proto::ErrorMessage{code, failed.request, false, why}, request.call);
+    queueUnchecked(proto::ErrorMessage{code, failed.request, false, why}, request.call);
     endRequest(request);
   }
 }

@@ -5,7 +5,6 @@
 #include <deque>
 #include <map>
 #include <memory>
-#include <memory_resource>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,10 +15,8 @@
 #include "proto/messages.h"
 #include "server/serve/memory/memory_budget.h"
 #include "server/serve/ops/metrics.h"
-#include "server/serve/session/hold_clock.h"
-#include "server/serve/session/model.h"
+#include "server/serve/session/catalog.h"
 #include "server/serve/session/request_queue.h"
-#include "server/serve/session/served_set.h"
 
 namespace lode::serve {
 
@@ -27,49 +24,66 @@ using Clock = std::chrono::steady_clock;
 
 struct SessionLimits {
   uint32_t max_open_requests = proto::kMaxOpenRequests;
-  Clock::duration handshake = proto::kHandshakeDeadline;  ///< until Hello has come
-  Clock::duration idle = proto::kIdleDeadline;            ///< between two frames of the client
+  Clock::duration handshake = proto::kHandshakeDeadline;  ///< from the connection to Hello
+  Clock::duration idle = proto::kIdleDeadline;            ///< from one frame of the client to the next
   uint32_t max_open_models = proto::kMaxOpenModels;
 };
 
-/// What a session has from its owner, all of which outlives it.
+/// Objects of the session's owner, which must outlive the session.
 struct SessionHost {
-  const ServedSet* served = nullptr;   ///< as it is now; its owner may swap it
-  MemoryAccount* memory = nullptr;     ///< open requests and queued answers are charged
-  ThreadCounters* counters = nullptr;  ///< none: nothing is counted
-  std::pmr::memory_resource* requests = std::pmr::get_default_resource();  ///< where open requests live
+  const ServedSet* served = nullptr;   ///< the owner may replace its contents, then calls servedSetChanged()
+  MemoryAccount* memory = nullptr;     ///< charged for open requests, open models and queued answers
+  ThreadCounters* counters = nullptr;  ///< null: count nothing
 };
 
-/// What an open model is taken to cost in memory, with the two blobs that follow unasked.
+/// Memory charged for an open model and the two blobs that follow Opened.
 constexpr uint64_t kOpenModelBytes = 256;
 
-/// A rest of a blob shorter than this, or this much of it, must fit in the window before a chunk is sent: a
-/// window that opens in small steps shall not cut blobs to pieces (the silly window of RFC 1122, 4.2.3.4).
+/// The window must have room for this much of a blob, or for all of a shorter rest, before a chunk is sent.
+/// It avoids tiny chunks when the window opens in small steps (silly window syndrome, RFC 1122, 4.2.3.4).
 constexpr uint32_t kMinChunkBytes = 4096;
 
-/// Piece of a blob that shall be sent next.
+/// Sums the time under backpressure.
+class BackpressureClock {
+ public:
+  void start(Clock::time_point now) noexcept {
+    if (!since_) since_ = now;
+  }
+  void stop(Clock::time_point now) noexcept {
+    if (since_) before_ += now - *since_;
+    since_.reset();
+  }
+  Clock::duration total(Clock::time_point now) const noexcept {
+    return since_ ? before_ + (now - *since_) : before_;
+  }
+
+ private:
+  Clock::duration before_{};
+  std::optional<Clock::time_point> since_;  ///< start of the backpressure that lasts now
+};
+
+/// The part of a blob to send next.
 struct Chunk {
-  const OpenedModel* opened = nullptr;  ///< as long as its request is open
+  const OpenedModel* opened = nullptr;  ///< valid while its request is open
   uint32_t blob = 0;
   uint32_t bytes = 0;
   uint32_t call = 0;
-  uint64_t serial = 0;  ///< of its request
+  uint64_t serial = 0;  ///< serial of its request
   proto::RequestClass request_class = proto::RequestClass::kVisible;
   Clock::time_point asked;
-  Clock::duration held_before{};  ///< by the client, when it was asked
+  Clock::duration held_before{};  ///< backpressure time when the request arrived
   proto::BlobChunkHeader header;
 
   bool first() const noexcept { return header.offset_bytes == 0; }
   bool last() const noexcept { return header.offset_bytes + bytes == header.total_bytes; }
 };
 
-/// The server's side of one connection, without sockets, files or clocks: frames go in, control frames and
-/// chunks to send come out. It owns the requests' queue and the byte window. All memory is bounded: open
-/// requests and models by the limits of proto/limits.h, control frames by what one frame can be answered
-/// with, if the caller reads no further frame while controlBytes() is above a limit; and both are charged.
-/// Not thread safe.
+/// Protocol state of one connection on the server, without sockets, files or clocks: takes frames, produces
+/// control frames and chunks to send. It owns the request queue and the byte window. Memory is bounded and
+/// charged: open requests and models by SessionLimits, control frames by the answers to one frame if the
+/// caller reads no frame while controlBytes() is above its limit. Not thread safe.
 ///
-/// Order: everything of takeControl() goes out before a chunk begun after it was queued.
+/// The caller sends control frames before any chunk that began after they were queued.
 class Session {
  public:
   Session(SessionHost host, SessionLimits limits, Clock::time_point now);
@@ -77,67 +91,68 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Takes one frame of the client's. Whatever is wrong with it is answered, never thrown.
+  /// Handles a frame of the client. Answers mistakes with an Error frame and throws nothing for them.
   void receive(const proto::FrameHeader& header, std::span<const std::byte> body, Clock::time_point now);
-  /// Answers with an Error that closes the connection: for what is no frame at all.
+  /// Queues an Error that closes the connection, for input that is not a frame.
   void refuse(proto::WireError code, const std::string& why, uint32_t call = 0);
-  /// Says GoAway; the session is finished once no request is open and the client has heard it, as its Pong
-  /// says or giveUpHearing(): what it requested before then is under way.
+  /// Queues GoAway and a Ping; before Hello, GoAway alone. The session is finished once no request is open
+  /// and the Pong has arrived or stopWaitingForPong() gave up: requests sent before the Pong are still
+  /// served.
   void drain(const std::string& reason, Clock::time_point now);
-  /// Waits no longer for the Pong than kHearDeadline. @return whether it gave up waiting now.
-  bool giveUpHearing(Clock::time_point now) noexcept;
-  /// Another served is made: says ModelReplaced of handles whose model has another build in it, and ends the
-  /// session if its token is no longer good.
+  /// Stops waiting for the Pong after kHearDeadline. @return true if it stopped waiting now.
+  bool stopWaitingForPong(Clock::time_point now) noexcept;
+  /// The owner replaced the served set: queues ModelReplaced for handles whose model has a new build, and
+  /// ends the session if its token is no longer valid.
   void servedSetChanged();
   /// Ends the session if its token has expired.
   void checkExpiry(std::chrono::system_clock::time_point now);
 
-  /// All control frames queued, in order. They stay charged: controlSent() when they are out.
+  /// Returns all queued control frames in order. They stay charged until controlSent().
   proto::Bytes takeControl() { return std::exchange(control_, {}); }
   void controlSent(size_t bytes) noexcept { host_.memory->give(bytes); }
   size_t controlBytes() const noexcept { return control_.size(); }
 
-  /// The chunk to send next, the most urgent request's, if the window has room for it and no control frame
-  /// waits. Until one of the functions below is called it is under way, and no other can begin.
-  /// @param max_bytes  at most this much of the blob.
+  /// Begins the next chunk of the most urgent request, if the window has room and no control frame is queued.
+  /// No other chunk can begin until one of the functions below ends this one.
+  /// @param max_bytes  maximum size of the chunk.
   std::optional<Chunk> beginChunk(uint32_t max_bytes = proto::kMaxChunkBytes);
-  /// The chunk was read: it counts as sent. @return false if its request ended meanwhile; it must not be
-  /// sent.
+  /// Counts the chunk as sent. @return false if its request has ended; the chunk must not be sent then.
   bool finishChunk();
-  /// As if it had never begun.
+  /// Undoes beginChunk().
   void abandonChunk() noexcept { under_way_.reset(); }
-  /// As if it had never begun, and its request is passed by until unpark().
+  /// Undoes beginChunk() and skips the request until unpark().
   void parkChunk();
-  /// @return false if the request has ended meanwhile.
+  /// @return false if the request has ended.
   bool unpark(const Chunk& chunk);
-  /// The blob cannot be read: its request ends with an Error.
+  /// Ends the request with an Error because its blob cannot be read.
   void failChunk(proto::WireError code, const std::string& why);
 
-  /// No frame is taken any more; the connection closes once control frames are out.
+  /// True after an Error that closes the connection: frames are ignored, and control frames are still sent.
   bool closing() const noexcept { return closing_; }
-  /// Why, in the words that the client is told.
+  /// Message of the Error that closes the connection.
   const std::string& refusal() const noexcept { return refusal_; }
-  /// Nothing is left to do but to send the control frames and close.
-  bool finished() const noexcept { return closing_ || (draining_ && !hears_until_ && !wantsToSend()); }
-  /// Blobs are to be sent, now or when the window opens or the disk has answered.
+  /// True if only control frames are left to send before the connection closes.
+  bool finished() const noexcept { return closing_ || (draining_ && !pong_deadline_ && !wantsToSend()); }
+  /// True if blobs are to be sent, now or after the window opens or the disk has answered.
   bool wantsToSend() const noexcept { return !requests_.empty() || !unasked_.empty(); }
-  /// A chunk could go out now but for the client's window.
+  /// True if only the client's window prevents sending a chunk.
   bool waitsForWindow();
-  /// From now on the client takes no chunk, its window shut or its link full; and when it does again.
+  /// Start and end of a time in which the client takes no chunk because its window is shut or its link is
+  /// full.
   void onBackpressure(Clock::time_point now) noexcept { held_.start(now); }
   void onWritable(Clock::time_point now) noexcept { held_.stop(now); }
-  /// Of the time since a chunk's request came, what the client has held it up.
+  /// Backpressure time since the chunk's request arrived.
   Clock::duration heldSince(const Chunk& chunk, Clock::time_point now) const noexcept {
     return held_.total(now) - chunk.held_before;
   }
-  /// When the connection must be given up unless another frame comes.
+  /// Time at which the connection ends unless a frame arrives before.
   Clock::time_point deadline() const noexcept { return deadline_; }
   bool greeted() const noexcept { return greeted_; }
   bool unauthorized() const noexcept { return unauthorized_; }
   size_t openRequests() const noexcept { return requests_.size(); }
 
  private:
-  /// A blob that follows Opened, as request 0.
+  /// A blob that follows Opened without a request; sent as request 0.
   struct Unasked {
     uint32_t handle = 0;
     const OpenedModel* opened = nullptr;
@@ -168,29 +183,29 @@ class Session {
   uint64_t window() const noexcept;
   const OpenedModel& openedAs(uint32_t handle, const char* frame);
   template <typename Message>
-  void answer(const Message& message, uint32_t call);
+  void queue(const Message& message, uint32_t call);
   template <typename Message>
-  void say(const Message& message, uint32_t call);
+  void queueUnchecked(const Message& message, uint32_t call);
 
   SessionHost host_;
   SessionLimits limits_;
   Clock::time_point deadline_;
-  Clock::time_point now_;  ///< of the last frame
+  Clock::time_point now_;  ///< time of the last frame
   bool greeted_ = false, closing_ = false, draining_ = false, unauthorized_ = false;
-  std::optional<Clock::time_point> hears_until_;  ///< for the Pong that follows GoAway
+  std::optional<Clock::time_point> pong_deadline_;  ///< set while the Pong after GoAway is missing
   std::string token_, refusal_;
-  std::shared_ptr<const TokenFile> tokens_;  ///< the file that grant_ lies in
-  const TokenGrant* grant_ = nullptr;        ///< none: everything is allowed
+  std::shared_ptr<const TokenFile> tokens_;  ///< owns grant_
+  const TokenGrant* grant_ = nullptr;        ///< null: all models are allowed
   proto::Bytes control_;
   std::map<uint32_t, OpenedModel> opened_;  ///< by handle
   uint32_t last_handle_ = 0;
   std::deque<Unasked> unasked_;
   RequestQueue requests_;
   uint64_t last_serial_ = 0;
-  HoldClock held_;
+  BackpressureClock held_;
   std::optional<UnderWay> under_way_;
   uint64_t granted_bytes_ = proto::kInitialWindowBytes;
-  uint64_t sent_bytes_ = 0;  ///< of Blob frame bodies
+  uint64_t sent_bytes_ = 0;  ///< bytes of Blob frame bodies
 };
 
 }  // namespace lode::serve

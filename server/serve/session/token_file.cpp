@@ -22,7 +22,7 @@ namespace lode::serve {
 
 namespace {
 
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  ///< that some editors put first
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  ///< some editors write it first
 
 [[noreturn]] void refuse(size_t line, const std::string& what) {
   throw Error(ErrorCode::kUsage, "line " + std::to_string(line) + " of the token file: " + what +
@@ -32,7 +32,7 @@ constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  ///< that some edit
 
 Digest hashOf(std::string_view token) { return digestOf(std::as_bytes(std::span(token))); }
 
-/// @return nothing if the text is not of the form 2027-01-31T12:00:00Z.
+/// Returns nothing if the text is not a time like 2027-01-31T12:00:00Z.
 std::optional<std::chrono::sys_seconds> parseTime(std::string_view text) {
   constexpr std::string_view kForm = "dddd-dd-ddTdd:dd:ddZ";
   if (text.size() != kForm.size()) return {};
@@ -50,8 +50,8 @@ std::optional<std::chrono::sys_seconds> parseTime(std::string_view text) {
   return sys_days(date) + hours(number(11, 2)) + minutes(number(14, 2)) + seconds(number(17, 2));
 }
 
-/// The words of a line, up to one that begins with #; those in double quotes may hold spaces, and a backslash
-/// before a quote.
+/// Returns the words of a line up to one that begins with #. Words in double quotes may hold spaces and
+/// escaped quotes.
 std::vector<std::string> wordsOf(const std::string& line, size_t number) {
   std::istringstream in(line);
   std::vector<std::string> words;
@@ -67,7 +67,7 @@ std::vector<std::string> wordsOf(const std::string& line, size_t number) {
 
 TokenGrant parseGrant(std::span<const std::string> words, size_t line) {
   TokenGrant grant;
-  if (words.size() < 2) refuse(line, "no model is named");
+  if (words.size() < 2) refuse(line, "it names no model");
   if (words[0] != "never") {
     grant.expires = parseTime(words[0]);
     if (!grant.expires) refuse(line, "the second word is neither never nor a time");
@@ -76,9 +76,9 @@ TokenGrant parseGrant(std::span<const std::string> words, size_t line) {
   std::ranges::sort(grant.models);
   for (const std::string& name : grant.models)
     if (name.empty() || name.size() > kMaxModelNameBytes || !proto::isWireText(name))
-      refuse(line, "a name that no model can have");
+      refuse(line, "a model name is invalid");
   if (std::ranges::find(grant.models, "*") == grant.models.end()) return grant;
-  if (grant.models.size() > 1) refuse(line, "* stands for all models, and alone");
+  if (grant.models.size() > 1) refuse(line, "* allows all models and must be the only name");
   grant.all_models = true;
   grant.models.clear();
   return grant;
@@ -106,8 +106,7 @@ TokenFile TokenFile::parse(std::string_view text) {
     Entry entry{hashOf(words[0]), parseGrant(std::span(words).subspan(1), number)};
     const auto same = std::ranges::find(file.entries_, entry.hash, &Entry::hash);
     if (same != file.entries_.end())
-      refuse(number,
-             "the token stands in line " + std::to_string(lines[same - file.entries_.begin()]) + " already");
+      refuse(number, "the token is also in line " + std::to_string(lines[same - file.entries_.begin()]));
     if (file.entries_.size() == kMaxTokens)
       throw Error(ErrorCode::kLimit, "line " + std::to_string(number) + " of the token file: more than " +
                                          std::to_string(kMaxTokens) + " tokens");
@@ -115,7 +114,7 @@ TokenFile TokenFile::parse(std::string_view text) {
     lines.push_back(number);
   }
   if (file.entries_.empty())
-    throw Error(ErrorCode::kUsage, "the token file holds no token, so nobody could come in");
+    throw Error(ErrorCode::kUsage, "the token file holds no token, so no client could connect");
   return file;
 }
 

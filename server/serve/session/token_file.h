@@ -15,12 +15,13 @@ namespace lode::serve {
 constexpr size_t kMaxTokenFileBytes = 1u << 20;
 constexpr size_t kMaxTokens = 4096;
 
-/// What the bearer of a token may do.
+/// Rights of a token.
 struct TokenGrant {
   bool all_models = false;
-  std::vector<std::string> models;  ///< sorted: those that it may list and open, where not all
+  std::vector<std::string>
+      models;  ///< sorted names of the models that it may list and open; unused with all_models
   std::optional<std::chrono::sys_seconds>
-      expires;  ///< the year 9999 is beyond what the clock's own type holds
+      expires;  ///< in seconds, because nanoseconds overflow before the year 9999
 
   bool allows(std::string_view model) const noexcept;
   bool hasExpired(std::chrono::system_clock::time_point now) const noexcept {
@@ -28,25 +29,25 @@ struct TokenGrant {
   }
 };
 
-/// The tokens of a server, immutable. A line of the file is
+/// The tokens of a server. Immutable. A line of the file is
 ///
 ///     TOKEN  EXPIRY  MODEL [MODEL ...]
 ///
-/// with EXPIRY "never" or a time like 2027-01-31T12:00:00Z, and "*" as the only model for all of them; names
-/// with spaces stand in double quotes. Empty lines and those that begin with # are skipped. Tokens are kept
-/// as hashes alone. Thread safe.
+/// EXPIRY is "never" or a time like 2027-01-31T12:00:00Z. A single "*" allows all models. Names with spaces
+/// are in double quotes. "#" begins a comment; empty lines are ignored. Only hashes of the tokens stay in
+/// memory. Thread safe.
 class TokenFile {
  public:
-  /// @throws Error kUsage, naming the line and never the token; kLimit.
+  /// @throws Error kUsage, whose message names the line and never the token; kLimit.
   static TokenFile parse(std::string_view text);
-  /// @throws Error kIo too.
+  /// @throws Error as parse() does, and kIo.
   static TokenFile read(const std::filesystem::path& path);
 
-  /// Compares with every token, in a time that does not tell how near one came.
-  /// @return nothing where no token is the same, or it has expired; valid as long as this.
+  /// Finds the rights of a token in constant time: always compares all tokens.
+  /// @return null if the token is unknown or has expired; valid as long as this object.
   const TokenGrant* find(std::string_view token, std::chrono::system_clock::time_point now) const;
 
-  /// In all of its lines, sorted, each once.
+  /// Returns the model names of all lines, sorted and without duplicates.
   std::vector<std::string> modelsNamed() const;
 
   bool allHaveExpired(std::chrono::system_clock::time_point now) const noexcept;

@@ -1,4 +1,4 @@
-// Tokens and TLS, as a user gives them to the client and an operator to the server.
+// Tokens and TLS options of the client and the server.
 
 #include <string>
 #include <vector>
@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 
 constexpr const char* kToken = "open-sesame";
 
-/// A server that speaks TLS and asks for a token.
+/// A server with TLS that requires a token.
 class Access : public testing::Test {
  protected:
   Access() {
@@ -32,7 +32,7 @@ class Access : public testing::Test {
     return arguments;
   }
 
-  /// What the server needs, and its arguments.
+  /// Writes the server's files. @return its arguments.
   std::vector<std::string> prepare() const {
     writeCertificate(folder_ / "a.crt", folder_ / "a.key");
     writeBytes(folder_ / "tokens", std::string(kToken) + " never *\n");
@@ -67,8 +67,8 @@ TEST_F(Access, mayBeATokenOfTheEnvironment) {
 }
 
 TEST_F(Access, isRefusedWithoutTheTokenInWordsThatHelp) {
-  expectFailure(lodestream(with({"fetch", model_url_}, "")), {"asks for a token", "--token-file"});
-  expectFailure(lodestream(with({"list", server_url_}, "wrong")), {"unknown here", "--token-file"});
+  expectFailure(lodestream(with({"fetch", model_url_}, "")), {"requires a token", "--token-file"});
+  expectFailure(lodestream(with({"list", server_url_}, "wrong")), {"is unknown", "--token-file"});
 }
 
 TEST_F(Access, isNotTriedOnAServerThatNobodyVouchesFor) {

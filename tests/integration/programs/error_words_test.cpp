@@ -1,4 +1,4 @@
-// What a user reads where a server is not to be had: one line that says once what to do.
+// Errors without a usable server: one line that says what failed and, once, what to do.
 
 #include <csignal>
 #include <optional>
@@ -19,7 +19,7 @@ namespace {
 
 using Strings = std::vector<std::string>;
 
-/// A connection that says nothing, and takes a place.
+/// A silent connection that occupies a slot.
 class SilentClient {
  public:
   explicit SilentClient(const std::string& server) {
@@ -72,7 +72,7 @@ TEST_F(ErrorWords, ofAConnectionThatIsLostAreThoseOfTheLastTry) {
   serve({"--max-rate", "10K"});
   Program fetch("lodestream",
                 {"fetch", server_->url("small"), "--cache", folder_ / "cache", "--timeout", "5"});
-  waitForFile(folder_ / "cache" / "models", "");  // it has the model open
+  waitForFile(folder_ / "cache" / "models", "");  // the client has opened the model
   server_->kill();
   const Outcome outcome = fetch.wait();
   EXPECT_EQ(outcome.err, "lodestream: " + server_->url("small") +
@@ -84,7 +84,7 @@ TEST_F(ErrorWords, ofAModelThatIsNotThereSayOnceHowToFindThoseThatAre) {
   serve();
   expectWords(
       {"fetch", server_->url("another")},
-      where() + ": the server says: there is no model 'another' here; lodestream list shows what it has");
+      where() + ": the server says: this server has no model 'another'; lodestream list shows what it has");
 }
 
 TEST_F(ErrorWords, ofAFolderThatIsNotThereSayWhatToDo) {
@@ -113,7 +113,7 @@ TEST_F(ErrorWords, ofATokenThatIsMissingNameTheServer) {
   serve({"--token-file", folder_ / "tokens"});
   const std::string words =
       where() +
-      ": the server says: this server asks for a token; give a token with --token-file or LODESTREAM_TOKEN";
+      ": the server says: this server requires a token; give a token with --token-file or LODESTREAM_TOKEN";
   expectWords({"list", server_->url()}, words);
   expectWords({"loadtest", server_->url("small"), "--clients", "1", "--seconds", "1"}, words);
 }

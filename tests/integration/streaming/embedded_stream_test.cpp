@@ -145,7 +145,7 @@ TEST_F(EmbeddedStream, saysOfATokenThatIsMissingWhichOptionTakesIt) {
     FAIL() << "no error";
   } catch (const lodestream::Error& error) {
     const std::string said = error.what();
-    EXPECT_NE(said.find("asks for a token; set the option token to a valid one"), std::string::npos) << said;
+    EXPECT_NE(said.find("requires a token; set the option token to a valid one"), std::string::npos) << said;
   }
 }
 

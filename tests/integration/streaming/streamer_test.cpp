@@ -152,11 +152,11 @@ TEST_F(Streaming, goesOnWhenAServerHasTheModelAgainAndEndsWhereItIsNotToAwaitTha
   writeModel(folder_ / "b.lode", 1);
   store_ = "b.lode";
   startServer();
-  while (awaits.status().trouble.find("there is no model 'a'") == std::string::npos)
+  while (awaits.status().trouble.find("has no model 'a'") == std::string::npos)
     ASSERT_FALSE(awaits.waitForNews(kPatience).ended);
   StreamStatus ended = ends.status();
   while (!ended.ended) ended = ends.waitForNews(kPatience);
-  EXPECT_NE(ended.failure.find("there is no model 'a'"), std::string::npos) << ended.failure;
+  EXPECT_NE(ended.failure.find("has no model 'a'"), std::string::npos) << ended.failure;
   EXPECT_TRUE(awaits.status().cut);
   stopServer();
   store_ = "a.lode";

@@ -16,14 +16,14 @@ namespace {
 using asio::ip::tcp;
 using namespace std::chrono_literals;
 
-/// A door without a server: its loop is turned by hand, as Server::run() does.
+/// An Acceptor without a Server. The test runs its loop as Server::run() does.
 class AcceptorTest : public testing::Test {
  protected:
   AcceptorTest() {
     tcp::acceptor acceptor(context_, {asio::ip::address_v4::loopback(), 0});
     address_ = acceptor.local_endpoint();
     acceptor_.emplace(std::move(acceptor), AcceptorOptions{}, admission_, budget_, counters_, log_,
-                      [this](const tcp::socket&, const Place&, const MemoryAccount&, const std::string&) {
+                      [this](const tcp::socket&, const Slot&, const MemoryAccount&, const std::string&) {
                         if (hand_throws_) throw std::bad_alloc();
                         if (hand_throws_what_nobody_catches_) throw 1;
                         ++handed_;
@@ -48,7 +48,7 @@ class AcceptorTest : public testing::Test {
     return handed_ > before;
   }
 
-  /// Closed after the log that writes to it has ended.
+  /// Closed after the log, which writes to it.
   struct Quiet {
     ~Quiet() { ::close(descriptor); }
     const int descriptor = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
@@ -87,7 +87,7 @@ TEST_F(AcceptorTest, whereverMemoryRunsOutTheNextConnectionIsTaken) {
   ASSERT_TRUE(isTakenWithin(60s));
   for (size_t nth = 0, failed = 1; failed > 0; ++nth) {
     connect();
-    hand_throws_ = true;  // so that the way out of the first failure is tried too
+    hand_throws_ = true;  // tests the recovery from the first failure, too
     {
       const auto failing = test::FailingAllocations::nthOf(std::this_thread::get_id(), nth);
       const auto end = std::chrono::steady_clock::now() + 20ms;

@@ -8,7 +8,7 @@
 
 namespace {
 
-/// Which allocations fail.
+/// Selects the allocations that fail.
 enum class Chosen { kNone, kBySize, kNthOfThread, kNthOfOthers };
 
 std::atomic<Chosen> chosen{Chosen::kNone};
@@ -16,7 +16,7 @@ std::atomic<size_t> least_bytes{0}, most_bytes{0}, failures{0};
 std::atomic<std::thread::id> watched;
 std::atomic<int64_t> to_go{0};
 
-std::atomic<std::thread::id> counted_beside;  ///< none: nothing is counted
+std::atomic<std::thread::id> counted_beside;  ///< default id: count nothing
 std::atomic<uint64_t> counted{0};
 
 bool isChosen(size_t bytes) noexcept {
@@ -34,7 +34,7 @@ bool isChosen(size_t bytes) noexcept {
   return false;
 }
 
-/// @return whether this allocation shall fail.
+/// Counts the allocation. @return true if it must fail.
 bool watch(size_t bytes) noexcept {
   const std::thread::id beside = counted_beside.load(std::memory_order_relaxed);
   if (beside != std::thread::id() && beside != std::this_thread::get_id()) ++counted;
@@ -54,7 +54,7 @@ void arm(Chosen which, std::thread::id thread, size_t nth, size_t least = 0, siz
 
 }  // namespace
 
-// As in the server (server/operator_new.cpp).
+// Mirrors server/operator_new.cpp.
 // NOLINTBEGIN(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory)
 void* operator new(size_t bytes, const std::nothrow_t&) noexcept {
   void* const memory = watch(bytes) ? nullptr : std::malloc(bytes == 0 ? 1 : bytes);

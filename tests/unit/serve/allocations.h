@@ -4,30 +4,30 @@
 #include <cstdint>
 #include <thread>
 
-/// What the tests of this program watch: operator new.
+/// This program's operator new counts allocations and can fail.
 namespace lode::serve::test {
 
 /// While it lives, chosen allocations find no memory but the MemoryReserve's. One at a time.
 class FailingAllocations {
  public:
-  /// All of so many bytes, both ends included, on any thread.
+  /// Fails all allocations of least_bytes to most_bytes, on all threads.
   static FailingAllocations ofSize(size_t least_bytes, size_t most_bytes);
-  /// One alone, the nth from now (0: the next) on a thread.
+  /// Fails the nth allocation from now (0: the next) on a thread.
   static FailingAllocations nthOf(std::thread::id thread, size_t nth);
-  /// One alone, the nth from now on any thread but this one.
+  /// Fails the nth allocation from now on all threads but the calling one.
   static FailingAllocations nthOfOthers(size_t nth);
   ~FailingAllocations();
   FailingAllocations(const FailingAllocations&) = delete;
   FailingAllocations& operator=(const FailingAllocations&) = delete;
 
-  /// How many have failed so far.
+  /// Number of allocations that have failed.
   size_t failed() const noexcept;
 
  private:
   FailingAllocations() = default;
 };
 
-/// Counts the allocations of all threads but the one that made it. One at a time.
+/// Counts the allocations of all threads except the one that constructed it. One object at a time.
 class AllocationsOfOthers {
  public:
   AllocationsOfOthers();

@@ -24,7 +24,7 @@ class BlobReaderTest : public testing::Test {
     return {number, 0, reader.store().blob(number).bytes};
   }
   void damageBlob(uint32_t number) { test::damage(path_, store::Reader(path_).blob(number).offset + 5000); }
-  /// As the page cache has it: small stores were just written.
+  /// Reads from the page cache, which holds the small stores that were just written.
   static ReadResult read(const BlobReader& reader, const BlobRange& range, std::vector<std::byte>& into) {
     into.resize(range.bytes);
     const ReadResult hot = reader.readHot(range, into);
@@ -34,7 +34,7 @@ class BlobReaderTest : public testing::Test {
   test::WorkFolder folder_;
   const fs::path path_ = folder_.path() / "a.lode";
   std::vector<std::string> reports_;
-  BlobReaderOptions options_{.look_every = std::chrono::nanoseconds(0),
+  BlobReaderOptions options_{.check_file_every = std::chrono::nanoseconds(0),
                              .retry_damaged = std::chrono::seconds(1000),
                              .report = [this](std::string_view line) { reports_.emplace_back(line); }};
   std::vector<std::byte> bytes_;
@@ -71,7 +71,8 @@ TEST_F(BlobReaderTest, aRangeIsThePartThatItsOffsetNames) {
   const std::vector<std::byte> all = blob(1);
   const std::vector<std::byte> expected(all.begin() + 700, all.begin() + 1200);
   const BlobReader reader = open();
-  for (int time = 0; time < 2; ++time) {  // the first is checked in whole, the second read alone
+  for (int time = 0; time < 2;
+       ++time) {  // the first read verifies the whole blob, the second reads the range only
     EXPECT_EQ(read(reader, {1, 700, 500}, bytes_), ReadResult::kDone);
     EXPECT_EQ(bytes_, expected);
   }
@@ -104,21 +105,21 @@ TEST_F(BlobReaderTest, aBlobOverwrittenAfterItsCheckIsNoticed) {
   ASSERT_EQ(read(reader, {3, 0, 100}, bytes_), ReadResult::kDone);
   damageBlob(2);
   EXPECT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDamaged);
-  EXPECT_EQ(read(reader, {3, 0, 100}, bytes_), ReadResult::kDone) << "the others are as they were";
-  EXPECT_EQ(reports_.size(), 2u) << "the change, and the blob";
+  EXPECT_EQ(read(reader, {3, 0, 100}, bytes_), ReadResult::kDone) << "the other blobs are undamaged";
+  EXPECT_EQ(reports_.size(), 2u) << "one for the change, one for the blob";
 }
 
 TEST_F(BlobReaderTest, aDamagedBlobThatIsMendedIsServedAgain) {
   const BlobReader reader = open();
   damageBlob(2);
   EXPECT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDamaged);
-  damageBlob(2);  // the same bit, back
+  damageBlob(2);  // restores the same bit
   EXPECT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDone);
 }
 
 TEST_F(BlobReaderTest, aDamagedBlobIsTriedAgainAfterItsTimeEvenIfNothingSeemsChanged) {
   options_.retry_damaged = std::chrono::seconds(0);
-  options_.look_every = std::chrono::hours(1);
+  options_.check_file_every = std::chrono::hours(1);
   const BlobReader reader = open();
   damageBlob(2);
   EXPECT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDamaged);

@@ -53,9 +53,9 @@ TEST(ByteRate, isKeptByWhoComesLateAndSavedByNobody) {
 
 class ServerRates : public test::ServerTest {
  protected:
-  /// How long new clients take to open "a" and get every blob of it: first those of 9 KB, then 480 KB.
+  /// Measures how long new clients take to open "a" and receive its blobs of 9 KB, then its blobs of 480 KB.
   std::array<double, 3> secondsOfThreeAtOnce() {
-    reader();  // opened here, and read by all
+    reader();  // opened here because all threads read it
     std::array<double, 3> seconds{};
     std::vector<std::jthread> clients;
     for (double& each : seconds)
@@ -90,7 +90,7 @@ TEST_F(ServerRates, whatIsNoBlobDoesNotWaitForItsTurn) {
   options_.bytes_per_second_per_connection = 10'000;
   start();
   test::TestClient client = connect();
-  client.open("a");  // and its first blobs are to come: 16 seconds of them
+  client.open("a");  // its first blobs take 16 seconds
   client.send(proto::Ping{7});
   const auto before = Clock::now();
   while (true) {

@@ -10,6 +10,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -18,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Two descriptors: what is written to one is read from the other.
+/// A pipe or a pair of sockets.
 class LogTest : public testing::TestWithParam<bool> {
  protected:
   void SetUp() override {
@@ -41,7 +42,7 @@ class LogTest : public testing::TestWithParam<bool> {
     options.clock = [this] { return now_; };
     return options;
   }
-  /// All that is there, once the log is gone.
+  /// Reads everything. Call it after the log has ended.
   std::string readAll() {
     fcntl(reader_, F_SETFL, O_NONBLOCK);
     std::string text;
@@ -102,7 +103,7 @@ TEST_P(LogTest, saysWhatWasLostWhenItsReaderGoesOn) {
     log.write(LogKind::kServer, "heard");
   }
   const std::string text = readAll();
-  EXPECT_NE(text.find("lines of the log were lost"), std::string::npos) << text;
+  EXPECT_NE(text.find("log lines were lost"), std::string::npos) << text;
   EXPECT_LT(text.find("(lines=1)"), text.find("heard")) << text;
 }
 
@@ -150,12 +151,100 @@ TEST_P(LogTest, takesLinesFromManyThreads) {
 }
 
 TEST(LogReason, isSaidInAnOperatorsWords) {
-  EXPECT_EQ(reasonOf(std::bad_alloc()), "the system gave no memory");
+  EXPECT_EQ(reasonOf(std::bad_alloc()), "the system has no memory left");
   EXPECT_EQ(reasonOf(std::runtime_error("the disk is gone")), "the disk is gone");
 }
 
 INSTANTIATE_TEST_SUITE_P(ThroughA, LogTest, testing::Values(false, true),
                          [](const auto& about) { return about.param ? "Socket" : "Pipe"; });
+
+constexpr auto kTime = std::chrono::sys_days(std::chrono::year(2026) / 11 / 22) + 3h + 18min + 12s + 7ms;
+const std::vector<LogField> kFields{
+    {"requests", uint64_t{12}}, {"seconds", 1.5}, {"peer", std::string_view("::1")}};
+
+TEST(LogLine, inTextIsTimeKindMessageAndFields) {
+  EXPECT_EQ(
+      logLine(false, kTime, LogKind::kConnectionEnd, "closed by the client", kFields),
+      "2026-11-22T03:18:12.007Z connection: closed by the client (requests=12, seconds=1.5, peer=::1)\n");
+  EXPECT_EQ(logLine(false, kTime, LogKind::kServer, "stopping", {}),
+            "2026-11-22T03:18:12.007Z server: stopping\n");
+}
+
+TEST(LogLine, inJsonIsOneObject) {
+  const std::string line = logLine(true, kTime, LogKind::kDamagedStore, "a \"blob\"", kFields);
+  EXPECT_EQ(std::ranges::count(line, '\n'), 1);
+  EXPECT_EQ(nlohmann::ordered_json::parse(line),
+            nlohmann::ordered_json::parse(
+                R"({"time":"2026-11-22T03:18:12.007Z","kind":"damage","message":"a \"blob\"",
+                    "requests":12,"seconds":1.5,"peer":"::1"})"));
+}
+
+TEST(LogLine, bearsNothingThatCouldForgeALineOrMoveACursor) {
+  for (const bool json : {false, true}) {
+    const std::string line =
+        logLine(json, kTime, LogKind::kRefused, "x\n2026 server: all is well\x1b[2J\xff", {});
+    EXPECT_EQ(std::ranges::count(line, '\n'), 1);
+    EXPECT_EQ(line.find('\x1b'), std::string::npos);
+    EXPECT_EQ(line.find('\xff'), std::string::npos);
+    EXPECT_NE(line.find("x?2026"), std::string::npos) << line;
+  }
+}
+
+TEST(LogLine, neverIsLongerThanAPipeTakesWhole) {
+  const std::string quotes(100'000, '"');
+  const std::vector<LogField> fields(7, LogField{"field", std::string_view(quotes)});
+  for (const bool json : {false, true}) {
+    const std::string line = logLine(json, kTime, LogKind::kServer, quotes, fields);
+    EXPECT_LE(line.size(), kMaxLogLineBytes);
+    EXPECT_EQ(line.back(), '\n');
+  }
+}
+
+TEST(LogLine, namesEveryKindDifferently) {
+  std::vector<std::string_view> names;
+  for (size_t kind = 0; kind < kLogKinds; ++kind) names.push_back(logKindName(static_cast<LogKind>(kind)));
+  std::ranges::sort(names);
+  EXPECT_EQ(std::ranges::adjacent_find(names), names.end());
+}
+
+const LogLimit::TimePoint kFirstLine{1000s};
+
+/// Returns how many of `lines` lines are admitted.
+int admitted(LogLimit& limit, LogKind kind, int lines, LogLimit::TimePoint now) {
+  int count = 0;
+  for (int i = 0; i < lines; ++i) count += limit.admit(kind, now);
+  return count;
+}
+
+TEST(LogLimit, letsABurstThroughAndThenSoManyASecond) {
+  LogLimit limit;
+  EXPECT_EQ(admitted(limit, LogKind::kDamagedStore, 10'000, kFirstLine), 50);
+  EXPECT_EQ(admitted(limit, LogKind::kDamagedStore, 10'000, kFirstLine + 1s), 5);
+  EXPECT_EQ(admitted(limit, LogKind::kDamagedStore, 10'000, kFirstLine + 1s), 0);
+  EXPECT_EQ(admitted(limit, LogKind::kDamagedStore, 10'000, kFirstLine + 1h), 50);
+}
+
+TEST(LogLimit, ofOneKindDoesNotTouchAnother) {
+  LogLimit limit;
+  admitted(limit, LogKind::kDamagedStore, 10'000, kFirstLine);
+  EXPECT_TRUE(limit.admit(LogKind::kRefused, kFirstLine));
+}
+
+TEST(LogLimit, tellsOnceHowManyWereLeftOutWhenThereIsRoomAgain) {
+  LogLimit limit;
+  admitted(limit, LogKind::kRefused, 60, kFirstLine);
+  EXPECT_EQ(limit.takeLeftOut(LogKind::kRefused, kFirstLine), 0u);
+  EXPECT_EQ(limit.takeLeftOut(LogKind::kRefused, kFirstLine + 1s), 10u);
+  EXPECT_EQ(limit.takeLeftOut(LogKind::kRefused, kFirstLine + 2s), 0u);
+  EXPECT_EQ(limit.takeLeftOut(LogKind::kDamagedStore, kFirstLine + 2s), 0u);
+}
+
+TEST(LogLimit, bearsAClockThatStandsOrGoesBack) {
+  LogLimit limit;
+  EXPECT_EQ(admitted(limit, LogKind::kSystem, 100, kFirstLine), 50);
+  EXPECT_EQ(admitted(limit, LogKind::kSystem, 100, kFirstLine - 10s), 0);
+  EXPECT_EQ(admitted(limit, LogKind::kSystem, 100, kFirstLine + 1s), 5);
+}
 
 }  // namespace
 }  // namespace lode::serve

@@ -18,7 +18,7 @@ using test::FailingAllocations;
 
 constexpr size_t kLittle = 4'321, kMuch = 12'345;
 
-void allocate(size_t bytes) { ::operator delete(::operator new(bytes)); }  // which no compiler leaves out
+void allocate(size_t bytes) { ::operator delete(::operator new(bytes)); }  // compilers may elide new expressions, but not these calls
 
 TEST(MemoryReserve, givesABlockToWhatFindsNoMemory) {
   MemoryReserve reserve;
@@ -58,9 +58,9 @@ TEST(MemoryReserve, ends) {
   EXPECT_EQ(count(), 0u);
 }
 
-#ifndef LODE_SANITIZED  // whose allocators end the process instead
+#ifndef LODE_SANITIZED  // sanitizers end the process when memory runs out
 
-/// As if the system had no more: no new memory from now on, and what malloc has in hand is taken.
+/// Simulates a system without memory: forbids new mappings and allocates all that malloc still has.
 void takeAllMemory() {
   const rlimit none{0, 0};
   setrlimit(RLIMIT_AS, &none);
@@ -79,7 +79,7 @@ size_t countOf(size_t bytes) {
   }
 }
 
-/// By a thread that has never asked for memory: malloc makes arenas for such, or fails.
+/// Allocates on a new thread, for which malloc must make an arena or fail.
 [[noreturn]] void askWhereThereIsNone() {
   const MemoryReserve reserve;
   std::atomic<bool> is_all_taken = false;

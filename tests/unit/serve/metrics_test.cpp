@@ -20,7 +20,7 @@ void expectLine(const std::string& text, const std::string& line) {
   EXPECT_NE(("\n" + text).find("\n" + line + "\n"), std::string::npos) << line << "\nis not in\n" << text;
 }
 
-/// Metrics of two threads with every figure touched.
+/// Metrics of two threads with every counter above 0.
 Metrics busyMetrics() {
   Metrics metrics(2);
   for (size_t thread = 0; thread < 2; ++thread) {

@@ -11,7 +11,7 @@ namespace {
 
 using asio::ip::tcp;
 
-/// Connections of clients that never close theirs.
+/// Connections whose clients never close.
 class RefusalsTest : public testing::Test {
  protected:
   tcp::socket connection() {

@@ -1,4 +1,4 @@
-// Who is let in, and what he sees: tokens, TLS, the balancer's header, reloads.
+// Access: tokens, TLS, the balancer's header, reloads.
 
 #include <fstream>
 #include <functional>
@@ -28,7 +28,7 @@ class ServerAccess : public ServerTest {
     options_.tls_key = folder_.path() / (name + ".key");
     lode::test::writeCertificate(options_.tls_certificate, options_.tls_key);
   }
-  /// Says Hello with a token. @return the answer's type.
+  /// Sends Hello with a token. @return the type of the answer.
   FrameType greet(TestClient& client, const std::string& token) {
     client.send(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, token, "test"});
     const auto answer = client.receive();
@@ -41,7 +41,7 @@ class ServerAccess : public ServerTest {
       names.push_back(model.name);
     return names;
   }
-  /// What a server logs until it has ended that is reloaded once something has been done to what it serves.
+  /// Starts a server, runs `change`, reloads and ends the server. @return its log.
   std::string logOfReloadAfter(const std::function<void()>& act) {
     const std::filesystem::path log = folder_.path() / "log.txt";
     const int descriptor = ::open(log.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
@@ -128,7 +128,7 @@ TEST_F(ServerAccess, aServerStartsAndAnswersWhileAReloadWaitsForTheDisk) {
   writeTokens("one never *\n");
   server_.emplace(options_);
   std::filesystem::remove(options_.token_file);
-  ASSERT_EQ(::mkfifo(options_.token_file.c_str(), 0600), 0);  // who reads it waits, as for a disk
+  ASSERT_EQ(::mkfifo(options_.token_file.c_str(), 0600), 0);  // reading it blocks, as on a slow disk
   std::jthread reload([this] { server_->reload(); });
   std::ofstream disk(options_.token_file);
   thread_ = std::thread([this] { server_->run(); });
@@ -157,7 +157,7 @@ TEST_F(ServerAccess, aReloadThatFailsIsLoggedWithoutAFolder) {
 
 TEST_F(ServerAccess, aReloadThatRefusesAStoreIsOneInPart) {
   const std::string said = logOfReloadAfter([&] { std::ofstream(folder_.path() / "junk.lode") << "junk\n"; });
-  EXPECT_NE(said.find("reloaded in part"), std::string::npos) << said;
+  EXPECT_NE(said.find("reloaded partly"), std::string::npos) << said;
 }
 
 TEST_F(ServerAccess, aReloadTakesWhatIsNewAndSaysWhatWasReplaced) {

@@ -1,5 +1,4 @@
-// What the log and the metrics say of connections that never got as far as a frame, and of those that broke a
-// rule.
+// Log lines and metrics of connections that ended before their first frame or broke a rule.
 
 #include <ctime>
 #include <fstream>
@@ -39,7 +38,7 @@ class ServerEnds : public ServerTest {
     start();
   }
 
-  /// The line of the only connection, which comes at its end.
+  /// Returns the log line of the end of the only connection.
   nlohmann::json end() const {
     const auto deadline = std::chrono::steady_clock::now() + 20s;
     while (std::chrono::steady_clock::now() < deadline) {
@@ -54,7 +53,7 @@ class ServerEnds : public ServerTest {
     return {};
   }
 
-  /// A sample's value, by its name and labels; -1 if there is none.
+  /// Returns the value of a metric with labels, or -1 if it is missing.
   double metric(const std::string& sample) const {
     const std::string address = *server_->metricsAddress();
     asio::io_context context;
@@ -74,7 +73,7 @@ class ServerEnds : public ServerTest {
   double ended(const std::string& reason) const {
     return metric("lodestream_connections_ended_total{reason=\"" + reason + "\"}");
   }
-  /// The only connection, at its end.
+  /// Log line of the end of the only connection.
   void expectCountedOnce(const std::string& reason) const {
     end();
     EXPECT_EQ(metric("lodestream_connections_accepted_total"), 1);
@@ -113,7 +112,7 @@ TEST_F(ServerEnds, aConnectionWithoutTheBalancersHeaderIsLoggedAsThat) {
   TestClient client = connect();
   client.send(proto::Hello{});
   EXPECT_EQ(end()["reason"], "proxy_header");
-  EXPECT_NE(end().value("why", "").find("it begins with something else"), std::string::npos) << end();
+  EXPECT_NE(end().value("why", "").find("it does not begin with one"), std::string::npos) << end();
 }
 
 TEST_F(ServerEnds, aFailedHandshakeAndAWrongHeaderAreMistakesInTheLog) {
@@ -228,7 +227,7 @@ TEST_F(ServerEnds, ofTokensThatHaveAllExpiredIsLogged) {
   stop();
   server_.reset();
   const std::string log = lode::test::readBytes(path_);
-  const std::string_view kWarning = "no token of the token file is valid now";
+  const std::string_view kWarning = "all tokens of the token file have expired";
   const size_t first = log.find(kWarning);
   ASSERT_NE(first, std::string::npos) << log;
   EXPECT_EQ(log.find(kWarning, first + 1), std::string::npos) << "not of the first file";

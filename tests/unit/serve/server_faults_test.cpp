@@ -1,4 +1,4 @@
-// What may happen to a server on a public address, a case each: other sessions are unharmed.
+// Faults of one client or of the system must not affect other sessions.
 
 #include <filesystem>
 #include <vector>
@@ -6,7 +6,7 @@
 #include <asio/steady_timer.hpp>
 #include <sys/resource.h>
 
-#include "server/serve/net/open_files.h"
+#include "server/serve/net/acceptor.h"
 #include "tests/unit/serve/server_fixture.h"
 
 namespace lode::serve {
@@ -17,7 +17,7 @@ using namespace test;
 using ServerFaults = ServerTest;
 using Clock = std::chrono::steady_clock;
 
-/// Pings until the connection breaks or the time is over. @return whether it broke.
+/// Sends pings until the connection breaks or the time is over. @return true if it broke.
 bool isGivenUp(TestClient& client, Clock::duration within) {
   const auto end = Clock::now() + within;
   asio::error_code error;
@@ -77,7 +77,7 @@ TEST_F(ServerFaults, anAddressHasAsManyConnectionsAsItMay) {
   first.open("a");
   for (int i = 0; i < 3; ++i) connect().expectErrorAndEnd(WireError::kLimit);
   TestClient other(server_->port(), asio::ip::make_address_v4("127.0.0.2"));
-  other.open("a");  // those who were refused have taken no place
+  other.open("a");  // refused clients occupy no slot
 }
 
 TEST_F(ServerFaults, withoutADescriptorLeftAConnectionIsToldSo) {

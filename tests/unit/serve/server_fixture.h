@@ -31,7 +31,7 @@ class ServerTest : public testing::Test {
     options_.stores = {folder_.path()};
     options_.listen = "127.0.0.1:0";
     options_.threads = 2;
-    options_.look_at_stores_every = 0ms;
+    options_.check_stores_every = 0ms;
     options_.log.descriptor = quiet_;
   }
   ~ServerTest() override {
@@ -57,8 +57,8 @@ class ServerTest : public testing::Test {
           {RequestAction::kAdd, RequestClass::kVisible, blob, blob, static_cast<float>(blob)});
     return requests;
   }
-  /// A client that is welcome, of many that come one after the other: the server hears of another's end in
-  /// its own time. Nothing if none is.
+  /// Connects again and again until the server has noticed that earlier clients ended and sends Welcome.
+  /// @return nothing if it never does.
   std::unique_ptr<TestClient> letInSoon() {
     const auto end = std::chrono::steady_clock::now() + 20s;
     while (std::chrono::steady_clock::now() < end) {
@@ -77,12 +77,12 @@ class ServerTest : public testing::Test {
     ASSERT_EQ(blobs.size(), reader().blobCount());
     for (const auto& [request, bytes] : blobs) EXPECT_EQ(bytes, reader().readBlob(request)) << request;
   }
-  /// A client that opens "a" and gets every blob of it.
+  /// Connects a client that opens "a" and receives all of its blobs.
   void expectServed() {
     TestClient client = connect();
     expectAllBlobs(client, client.open("a"));
   }
-  /// The same where the server may not have heard yet that others have gone.
+  /// Does the same, and waits until the server has noticed that other clients ended.
   void expectServedSoon() {
     const auto client = letInSoon();
     ASSERT_TRUE(client);

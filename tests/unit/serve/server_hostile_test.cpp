@@ -1,4 +1,5 @@
-// Clients that cut, stop, crawl and flood: each is let go or served, and nobody else is harmed.
+// Clients that disconnect, stall, send slowly or flood: each is closed or served, and other clients are
+// unaffected.
 
 #include <algorithm>
 #include <atomic>
@@ -30,7 +31,7 @@ class ServerHostile : public ServerTest {
     client.send(proto::Hello{});
     EXPECT_EQ(client.receive(), FrameType::kWelcome);
   }
-  /// A client that sends a frame as fast as it can, and takes what it is answered, while another is served.
+  /// Floods the server with a frame and reads the answers while another client is served.
   void expectServedBeside(const proto::Bytes& flood) {
     proto::Bytes many;
     while (many.size() < 64u << 10) many.insert(many.end(), flood.begin(), flood.end());

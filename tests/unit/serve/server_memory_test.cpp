@@ -1,5 +1,4 @@
-// A server that is short of memory: the greedy are refused and closed, the polite are served, nothing is
-// lost.
+// A server short of memory refuses and closes large connections, serves small ones and frees all memory.
 
 #include <algorithm>
 #include <memory>
@@ -18,7 +17,7 @@ class ServerMemory : public ServerTest {
  protected:
   using Clients = std::vector<std::unique_ptr<TestClient>>;
 
-  /// So many clients that have "a" open and read nothing from then on.
+  /// Connects clients that open "a" and read nothing afterwards.
   Clients openMany(int count) {
     Clients clients;
     for (int i = 0; i < count; ++i) {
@@ -35,27 +34,27 @@ class ServerMemory : public ServerTest {
       client.send(requests);
     }
   }
-  /// What takes memory until the rest comes, or the end.
+  /// Sends the first part of a frame, which holds memory until the rest arrives.
   static void sendPartOfAFrame(TestClient& client, size_t bytes) {
     client.sendBytes(proto::encodeFrameHeader(
         {proto::kMaxFrameBodyBytes, static_cast<uint8_t>(FrameType::kRequests), 0, 1}));
     client.sendBytes(proto::Bytes(bytes));
   }
-  /// Takes a file out of the page cache.
+  /// Evicts a file from the page cache.
   static void forget(const std::filesystem::path& path) {
     const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     ::fsync(file);
     ::posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED);
     ::close(file);
   }
-  /// Whether it comes to be so within a second, which is less than a refused client is waited for.
+  /// Waits up to a second, less than a refused client may linger. @return true if the condition became true.
   static bool soon(const auto& is_so) {
     const auto end = std::chrono::steady_clock::now() + 1s;
     while (!is_so())
       if (std::chrono::steady_clock::now() > end) return false;
     return true;
   }
-  /// Whether the connection has ended, after what it was sent.
+  /// Discards received bytes. @return true if the connection has ended.
   static bool hasEnded(TestClient& client) {
     client.socket().non_blocking(true);
     std::array<std::byte, 4096> dropped;
@@ -69,7 +68,7 @@ TEST_F(ServerMemory, memoryIsTakenByWhatHasComeNotByWhatIsAnnounced) {
   options_.memory_budget_bytes = 4u << 20;
   start();
   std::vector<std::unique_ptr<TestClient>> many;
-  for (int i = 0; i < 100; ++i) {  // 25 MB of announcements
+  for (int i = 0; i < 100; ++i) {  // announces 25 MB
     many.push_back(std::make_unique<TestClient>(server_->port()));
     many.back()->send(proto::Hello{});
     many.back()->expect<proto::Welcome>(FrameType::kWelcome);
@@ -89,14 +88,14 @@ TEST_F(ServerMemory, greedyConnectionsAreRefusedAndPoliteOnesServed) {
 
 TEST_F(ServerMemory, whenItIsUsedUpThoseWhoHoldMoreThanMostAreClosedAndThePoliteAreNot) {
   options_.memory_budget_bytes = 4u << 20;
-  options_.handshake_deadline = 400ms;  // memory is looked at four times within the shortest deadline
+  options_.handshake_deadline = 400ms;  // the sweep runs four times within the shortest deadline
   start();
   TestClient polite = connect();
   const proto::Opened opened = polite.open("a");
   polite.blobs(2);
   Clients quiet = openMany(20);
   const Clients greedy = openMany(70);
-  for (const auto& client : greedy) requestTimes(*client, 480);  // each asks for less than it may: 60 KB
+  for (const auto& client : greedy) requestTimes(*client, 480);  // 60 KB each, below the limit
   const auto end = std::chrono::steady_clock::now() + 20s;
   size_t closed = 0;
   while (closed == 0 && std::chrono::steady_clock::now() < end) {
@@ -104,14 +103,14 @@ TEST_F(ServerMemory, whenItIsUsedUpThoseWhoHoldMoreThanMostAreClosedAndThePolite
     ASSERT_EQ(polite.blobs(reader().blobCount()).size(), reader().blobCount());
     closed = static_cast<size_t>(std::ranges::count_if(greedy, [](const auto& c) { return hasEnded(*c); }));
   }
-  EXPECT_GT(closed, 0u) << "nobody was closed";
-  EXPECT_LT(closed, 40u) << "more than was needed";
+  EXPECT_GT(closed, 0u) << "no connection was closed";
+  EXPECT_LT(closed, 40u) << "more than needed";
   for (const auto& client : quiet) EXPECT_FALSE(hasEnded(*client));
   EXPECT_TRUE(isLetInSoon());
 }
 
 TEST_F(ServerMemory, theGreediestAreClosedFirst) {
-  options_.memory_budget_bytes = 1u << 20;  // who holds 60 KB is enough, or two of them
+  options_.memory_budget_bytes = 1u << 20;  // closing one or two connections of 60 KB is enough
   options_.threads = 1;
   start();
   const Clients modest = openMany(2), greedy = openMany(2);
@@ -135,7 +134,7 @@ TEST_F(ServerMemory, noMoreAreClosedThanNeededWhenTheyAreInTheMiddleOfAFrame) {
   const auto closed = [&] {
     return static_cast<size_t>(std::ranges::count_if(greedy, [](const auto& c) { return hasEnded(*c); }));
   };
-  // Nobody is closed from twelve sixteenths to thirteen: there it stays where more has come since.
+  // From 12/16 to 13/16 no connection is closed, so the use may stay there.
   EXPECT_TRUE(soon([&] {
     return closed() > 0 && server_->memoryHeld() <= options_.memory_budget_bytes / 16 * 13;
   })) << server_->memoryHeld();
@@ -159,7 +158,8 @@ TEST_F(ServerMemory, aFloodThatUsesItUpKeepsNobodyOutForLong) {
 }
 
 TEST_F(ServerMemory, aFrameThatThereIsNoRoomForIsGivenBackWithItsMemory) {
-  options_.memory_budget_bytes = 4u << 20;  // whoever holds more than 64 KB may hold 48
+  options_.memory_budget_bytes =
+      4u << 20;  // 1/64 of 3/4 of it is 48 KB: above 64 KB every request of memory fails
   start();
   TestClient client = connect();
   client.open("a");
@@ -169,11 +169,11 @@ TEST_F(ServerMemory, aFrameThatThereIsNoRoomForIsGivenBackWithItsMemory) {
   client.sendBytes(proto::Bytes(200'000));
   EXPECT_EQ(client.expect<proto::ErrorMessage>(FrameType::kError).code, WireError::kLimit);
   EXPECT_TRUE(soon([&] { return server_->memoryHeld() < kPlainConnectionBytes + (4u << 10); }))
-      << server_->memoryHeld() << " though the client is still there, and is told";
+      << server_->memoryHeld() << " while the client is still connected";
 }
 
 TEST_F(ServerMemory, whatTheDiskIsAskedForIsNoGreedOfTheClients) {
-  options_.memory_budget_bytes = 5'736'000;  // two chunks and eight requests are all that one may hold of it
+  options_.memory_budget_bytes = 5'736'000;  // a connection may hold two chunks and eight requests of it
   start();
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
@@ -195,8 +195,7 @@ TEST_F(ServerMemory, whatTheDiskIsAskedForIsNoGreedOfTheClients) {
 }
 
 TEST_F(ServerMemory, whenMemoryIsShortTheNextConnectionIsToldSo) {
-  // Seven eighths of it are for what connections cost by themselves: seven, and what their Hellos take for a
-  // moment.
+  // Connections are admitted up to 7/8 of the budget: room for seven connections and their Hellos.
   options_.memory_budget_bytes = kPlainConnectionBytes * 15 / 2 * 8 / 7;
   start();
   std::vector<std::unique_ptr<TestClient>> clients;
@@ -213,7 +212,7 @@ TEST_F(ServerMemory, aConnectionThatThereIsNoMemoryForGivesItsPlaceBack) {
   start();
   {
     const auto failing =
-        FailingAllocations::ofSize(sizeof(Connection), sizeof(Connection) + 64);  // with what shares it
+        FailingAllocations::ofSize(sizeof(Connection), sizeof(Connection) + 64);  // with its control block
     connect().receive();
     EXPECT_GT(failing.failed(), 0u);
   }
@@ -227,7 +226,7 @@ TEST_F(ServerMemory, whereverItRunsOutWhileAConnectionIsTakenTheNextIsServed) {
     const auto failing = FailingAllocations::nthOf(thread_.get_id(), nth);
     TestClient client = connect();
     client.send(proto::Hello{});
-    client.receive();  // Welcome, or the end
+    client.receive();  // Welcome, or the end of the connection
     failed = failing.failed();
   }
   expectServed();

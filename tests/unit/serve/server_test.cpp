@@ -88,7 +88,7 @@ TEST_F(ServerTest, aClientThatOnlyAsksAndNeverReadsIsHeldBack) {
     const proto::Bytes ping = proto::encode(proto::List{}, 0);
     many.insert(many.end(), ping.begin(), ping.end());
   }
-  // The server stops reading once its answers are not taken, and gives up in the end: the writes fail.
+  // The server stops reading while its answers are unread, and closes at last: the writes fail.
   asio::error_code error;
   size_t sent = 0;
   while (!error && sent < (1u << 30)) sent += asio::write(flood.socket(), asio::buffer(many), error);
@@ -114,7 +114,7 @@ TEST_F(ServerTest, connectionsAboveTheLimitAreToldSo) {
   second.open("a");
   connect().expectErrorAndEnd(WireError::kLimit);
   first.reset();
-  while (true) {  // the server hears of the first one's end in its own time
+  while (true) {  // wait until the server has seen the end of the first
     TestClient third = connect();
     third.send(proto::Hello{});
     const auto answer = third.receive();
@@ -139,7 +139,7 @@ TEST_F(ServerTest, aMalformedBodyIsAnsweredAndTheConnectionCloses) {
   client.expect<proto::Welcome>(FrameType::kWelcome);
   client.sendBytes(proto::encodeFrameHeader({40, static_cast<uint8_t>(FrameType::kOpen), 0, 1}));
   client.sendBytes(proto::Bytes(40, std::byte{0xEE}));
-  client.sendBytes(proto::Bytes(100'000));  // what comes behind must not reset the connection
+  client.sendBytes(proto::Bytes(100'000));  // further bytes must not reset the connection
   client.expectErrorAndEnd(WireError::kMalformed);
 }
 
@@ -194,7 +194,7 @@ TEST_F(ServerTest, aDamagedBlobEndsItsRequestAlone) {
   EXPECT_EQ(blobs.at(0), std::pair(2u, reader().readBlob(bad + 1)));
 }
 
-/// Bytes of all blobs of the store; more than a client has let come that has granted nothing.
+/// Returns the bytes of all blobs, which exceed the initial window.
 uint64_t bytesOfAllBlobs(const store::Reader& reader) {
   uint64_t bytes = 0;
   for (uint32_t blob = 1; blob <= reader.blobCount(); ++blob) bytes += reader.blob(blob).bytes;
@@ -214,7 +214,7 @@ TEST_F(ServerTest, stoppingSaysGoAwayLetsOpenRequestsEndAndCloses) {
     received += frame.body.size();
     blob_bytes += proto::decodeBlobChunk(frame.body).bytes.size();
   };
-  const auto first = client.receive();  // the requests have come
+  const auto first = client.receive();  // the server has the requests
   ASSERT_TRUE(first && first->is(FrameType::kBlob));
   take(*first);
   server_->stop();

@@ -22,7 +22,7 @@ using proto::WireError;
 
 constexpr uint32_t kSmall = 1000, kLarge = 200'000, kPageBlob = 1, kRootLodBlob = 2, kFirstBlob = 3;
 
-/// A model whose blobs 3 to 29 are small, 30 to 39 large.
+/// Makes a model whose blobs 3 to 29 are small and 30 to 39 large.
 inline Model model(const std::string& name, uint8_t build = 1) {
   Model model;
   model.summary.name = name;
@@ -43,7 +43,7 @@ inline std::shared_ptr<const Catalog> catalogOf(std::vector<Model> models) {
   return std::make_shared<const Catalog>(std::move(shared));
 }
 
-/// A session with a scripted client and a disk that always answers.
+/// A session with a scripted client; every blob is readable.
 class SessionTest : public testing::Test {
  protected:
   template <typename Message>
@@ -59,7 +59,7 @@ class SessionTest : public testing::Test {
     session_.receive({static_cast<uint32_t>(body.size()), type, flags, 0}, body, now_);
   }
 
-  /// Greets and opens model "a" as handle 1, and takes what follows unasked.
+  /// Sends Hello, opens model "a" as handle 1 and takes the two blobs that follow Opened.
   void open() {
     send(proto::Hello{});
     send(proto::Open{"a", {}});
@@ -74,7 +74,7 @@ class SessionTest : public testing::Test {
     send(proto::Requests{1, {{action, request_class, id, 0, priority_px}}});
   }
 
-  /// Sends what is next. @return its chunk header's request, or nothing.
+  /// Sends the next chunk. @return the request id in its header, or nothing.
   std::optional<uint32_t> sendChunk() {
     const auto chunk = session_.beginChunk();
     if (!chunk || !session_.finishChunk()) return {};

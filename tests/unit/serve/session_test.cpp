@@ -233,9 +233,9 @@ TEST_F(SessionTest, drainingAnswersWhatWasRequestedBeforeTheClientHeardOfIt) {
 TEST_F(SessionTest, drainingWaitsNoLongerForAClientToHearThanItsDeadline) {
   open();
   session_.drain("stopping", now_);
-  EXPECT_FALSE(session_.giveUpHearing(now_ + proto::kHearDeadline - 1ms));
+  EXPECT_FALSE(session_.stopWaitingForPong(now_ + proto::kHearDeadline - 1ms));
   EXPECT_FALSE(session_.finished());
-  EXPECT_TRUE(session_.giveUpHearing(now_ + proto::kHearDeadline));
+  EXPECT_TRUE(session_.stopWaitingForPong(now_ + proto::kHearDeadline));
   EXPECT_TRUE(session_.finished());
 }
 

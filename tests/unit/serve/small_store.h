@@ -13,9 +13,8 @@ namespace lode::serve::test {
 
 using lode::test::WorkFolder;
 
-/// Writes a store of a root with eight leaves. A server never looks into payloads, so they are noise from the
-/// seed: the root's LODs of 150,000 (or as many as are asked for) and 9,000 bytes, the leaves' of about
-/// 40,000.
+/// Writes a store of a root with eight leaves. Payloads are random bytes, because a server never decodes
+/// them: the root's LODs have 150,000 (or the given number) and 9,000 bytes, the leaves' about 40,000.
 inline ModelSummary writeSmallStore(const std::filesystem::path& path, uint32_t seed = 1,
                                     size_t root_bytes = 150'000) {
   std::mt19937 random(seed);

@@ -25,10 +25,10 @@ struct Received {
   bool is(proto::FrameType type) const { return header.type == static_cast<uint8_t>(type); }
 };
 
-/// A client that blocks, for tests.
+/// A blocking client for tests.
 class TestClient {
  public:
-  /// @param from  the address that the server sees.
+  /// @param from  source address of the connection.
   explicit TestClient(uint16_t port, asio::ip::address_v4 from = asio::ip::address_v4::loopback())
       : socket_(context_, asio::ip::tcp::endpoint(from, 0)) {
     socket_.connect({asio::ip::address_v4::loopback(), port});
@@ -36,7 +36,7 @@ class TestClient {
   }
 
   void sendBytes(std::span<const std::byte> bytes) {
-    asio::error_code ignored;  // the server may have closed already: what it said tells
+    asio::error_code ignored;  // the server may have closed; the test reads its answer
     asio::write(socket_, asio::buffer(bytes.data(), bytes.size()), ignored);
   }
   void sendText(std::string_view text) { sendBytes(std::as_bytes(std::span(text))); }
@@ -45,7 +45,7 @@ class TestClient {
     sendBytes(proto::encode(message, call));
   }
 
-  /// @return nothing at the end of the connection, or where nothing comes for long.
+  /// @return nothing at the end of the connection or after a timeout.
   std::optional<Received> receive() {
     pollfd waiting{socket_.native_handle(), POLLIN, 0};
     if (poll(&waiting, 1, 30'000) != 1) return {};
@@ -76,7 +76,7 @@ class TestClient {
     EXPECT_FALSE(receive()) << "the connection goes on";
   }
 
-  /// Hello and Open together. @return the answer to Open.
+  /// Sends Hello and Open. @return the answer to Open.
   proto::Opened open(const std::string& model) {
     send(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, "", "test"}, 1);
     send(proto::Open{model, {}}, 2);
@@ -84,7 +84,7 @@ class TestClient {
     return expect<proto::Opened>(proto::FrameType::kOpened);
   }
 
-  /// Receives Blob frames until `count` blobs are complete, granting as they come. @return them in order.
+  /// Receives Blob frames and grants credit until `count` blobs are complete. @return the blobs in order.
   std::vector<std::pair<uint32_t, proto::Bytes>> blobs(size_t count) {
     std::vector<std::pair<uint32_t, proto::Bytes>> complete;
     std::map<uint32_t, proto::Bytes> parts;
@@ -110,7 +110,7 @@ class TestClient {
   asio::ip::tcp::socket& socket() { return socket_; }
 
  private:
-  /// What came, for whom a test fails; of an error what it says.
+  /// Describes a frame for failure messages; for an Error, its message.
   static std::string nameOf(const std::optional<Received>& frame) {
     if (!frame) return "the end";
     const std::string name(proto::frameName(frame->header.type));

@@ -14,7 +14,7 @@
 
 namespace lode::serve::test {
 
-/// A client under TLS that blocks.
+/// A blocking client with TLS.
 class TlsClient {
  public:
   explicit TlsClient(uint16_t port, int newest = TLS1_3_VERSION) {

@@ -1,5 +1,8 @@
 #include "server/serve/worker.h"
 
+#include <chrono>
+#include <climits>
+#include <future>
 #include <latch>
 
 #include <asio/post.hpp>
@@ -7,7 +10,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "common/error.h"
 #include "server/serve/session/catalog.h"
+#include "tests/support/scarce_threads.h"
 #include "tests/unit/serve/small_store.h"
 #include "tests/unit/serve/test_client.h"
 
@@ -21,13 +26,13 @@ using proto::RequestAction;
 using proto::RequestClass;
 using namespace std::chrono_literals;
 
-/// Too large to be checked at once: a server leaves it to who may wait for the disk, wherever its bytes are.
-/// (One that is not in the page cache may be there by the time that the system has been asked.)
+/// Larger than kMaxCheckedHotBytes, so that the server always reads it on a reader thread. (A smaller blob
+/// that was evicted from the page cache may be back when the server reads it.)
 constexpr uint32_t kColdBlob = 1;
 constexpr size_t kColdBytes = 300'000;
 
-/// A worker with one connection, and a disk that answers when it is let: the one thread that may wait for it
-/// waits for the test before.
+/// A worker with one connection and a disk under control of the test: the only reader thread first waits for
+/// the test.
 class WorkerTest : public testing::Test {
  protected:
   WorkerTest() {
@@ -57,7 +62,7 @@ class WorkerTest : public testing::Test {
     return client;
   }
 
-  /// Closed after the log that writes to it has ended.
+  /// Closed after the log, which writes to it.
   struct Quiet {
     ~Quiet() { ::close(descriptor); }
     const int descriptor = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
@@ -98,6 +103,28 @@ TEST_F(WorkerTest, aColdReadHoldsUpNoAnswerOfItsConnection) {
   ASSERT_EQ(blobs.size(), 1u);
   EXPECT_EQ(blobs[0].first, 2u);
   EXPECT_EQ(blobs[0].second, store::Reader(store_).readBlob(kColdBlob));
+}
+
+TEST(ReaderThreads, failAndEndWhereTheSystemDoesNotGiveAll) {
+  for (const int threads : {0, 1, 2, 3}) {
+    lode::test::threads_left = threads;
+    EXPECT_THROW(ReaderThreads(4), Error) << threads;
+  }
+  lode::test::threads_left = INT_MAX;
+}
+
+TEST(ReaderThreads, waitForTheDiskBesideOneAnother) {
+  ReaderThreads readers(4);
+  std::promise<void> first_came, last_came;
+  bool came_meanwhile = false;
+  asio::post(readers.pool(), [&] {
+    first_came.set_value();
+    came_meanwhile = last_came.get_future().wait_for(std::chrono::seconds(300)) == std::future_status::ready;
+  });
+  first_came.get_future().wait();
+  asio::post(readers.pool(), [&] { last_came.set_value(); });
+  readers.join();
+  EXPECT_TRUE(came_meanwhile);
 }
 
 }  // namespace

@@ -1,8 +1,7 @@
-#include "server/serve/net/listen_address.h"
-
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "server/serve/net/listener.h"
 
 namespace lode::serve {
 namespace {
