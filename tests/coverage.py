@@ -17,7 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 PARTS = {
     "parsing": ("server/ingest/ply/", "proto/", "common/codec/hierarchy_page", "common/codec/texture_set", "common/image/",
                 "common/codec/draco_decoder", "server/serve/net/proxy_header", "server/serve/session/token_file",
-                "server/serve/ops/health_request"),
+                "server/serve/ops/health_endpoint"),
     "store": ("server/store/",),
     "session": ("server/serve/", "client/core/session/"),
     "refinement": ("client/core/",),

@@ -90,7 +90,7 @@ TEST(MemoryBudget, whatIsOnItsWayOutPressesNobodyAndGrowsNoMore) {
 }
 
 TEST(MemoryBudget, isByDefaultAnEighthOfWhatAServiceUnitsMemoryHighLeaves) {
-  const test::WorkFolder root;
+  const lode::test::WorkFolder root;
   const auto group = root.path() / "sys/fs/cgroup/system.slice/lodestreamd.service";
   std::filesystem::create_directories(root.path() / "proc/self");
   std::filesystem::create_directories(group);
