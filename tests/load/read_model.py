@@ -82,8 +82,8 @@ def tile_references(data):
 
 
 def to_ref(message):
-    name = message.Name()._tab  # a struct of 16 bytes; flatc 2.0 has no way to read them at once
-    return Ref(message.Number(), message.Bytes(), bytes(name.Bytes[name.Pos : name.Pos + 16]))
+    digest = message.Digest()._tab  # a struct of 16 bytes; flatc 2.0 cannot read them at once
+    return Ref(message.Number(), message.Bytes(), bytes(digest.Bytes[digest.Pos : digest.Pos + 16]))
 
 
 class Connection:

@@ -95,14 +95,14 @@ TEST(TokenFile, takesATokenThatExpiresInAFarFuture) {
 }
 
 TEST(TokenFile, thatIsWrongIsRefusedWithItsLine) {
-  expectRefused("a never *\nb\n", "line 2 of the token file: no model is named");
-  expectRefused("a never\n", "line 1 of the token file: no model is named");
+  expectRefused("a never *\nb\n", "line 2 of the token file: it names no model");
+  expectRefused("a never\n", "line 1 of the token file: it names no model");
   expectRefused("a tomorrow *\n", "line 1 of the token file: the second word");
   expectRefused("# x\n\na never \"b\n", "line 3 of the token file: a quote");
-  expectRefused("a never * b\n", "* stands for all models, and alone");
-  expectRefused("a never *\nb never *\na never x\n", "line 3 of the token file: the token stands in line 1");
-  expectRefused("a never \x01\n", "a name that no model can have");
-  expectRefused("a never " + std::string(256, 'x') + "\n", "a name that no model can have");
+  expectRefused("a never * b\n", "* allows all models and must be the only name");
+  expectRefused("a never *\nb never *\na never x\n", "line 3 of the token file: the token is also in line 1");
+  expectRefused("a never \x01\n", "a model name is invalid");
+  expectRefused("a never " + std::string(256, 'x') + "\n", "a model name is invalid");
   expectRefused(std::string(513, 'x') + " never *\n", "a token is 1 to 512 bytes");
   expectRefused("\"\" never *\n", "a token is 1 to 512 bytes");
 }
