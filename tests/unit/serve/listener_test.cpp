@@ -1,7 +1,8 @@
+#include "server/serve/net/listener.h"
+
 #include <gtest/gtest.h>
 
 #include "common/error.h"
-#include "server/serve/net/listener.h"
 
 namespace lode::serve {
 namespace {

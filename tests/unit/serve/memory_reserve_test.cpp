@@ -18,7 +18,9 @@ using test::FailingAllocations;
 
 constexpr size_t kLittle = 4'321, kMuch = 12'345;
 
-void allocate(size_t bytes) { ::operator delete(::operator new(bytes)); }  // compilers may elide new expressions, but not these calls
+void allocate(size_t bytes) {
+  ::operator delete(::operator new(bytes));
+}  // compilers may elide new expressions, but not these calls
 
 TEST(MemoryReserve, givesABlockToWhatFindsNoMemory) {
   MemoryReserve reserve;
