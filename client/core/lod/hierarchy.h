@@ -20,7 +20,7 @@ namespace lode::core {
 /// A node of the octree with links to its loaded children.
 struct KnownNode : Node {
   const KnownNode* children = nullptr;  ///< one per bit of child_mask, by octant; null: none or not loaded
-  uint32_t page_below_bytes = 0;        ///< memory of the loaded child page; 0: no page of its own
+  uint32_t page_below_bytes = 0;        ///< memory of the child page; 0: none, or not loaded
   bool is_page_lost = false;            ///< the child page: see Hierarchy::lose()
   uint64_t lost_lods = 0;               ///< bit i: LOD i is lost
 
@@ -42,9 +42,9 @@ struct KnownNode : Node {
   bool isLost(uint32_t lod) const noexcept { return (lost_lods >> lod & 1) != 0; }
   /// Returns true if, according to the loaded pages, the nodes below can replace this one: no lost blob
   /// leaves a hole.
-  bool mayGiveWay() const noexcept {
+  bool isReplaceable() const noexcept {
     return !isLeaf() && !is_page_lost && std::ranges::all_of(knownChildren(), [](const KnownNode& child) {
-      return child.coarsestLod() || child.mayGiveWay();
+      return child.coarsestLod() || child.isReplaceable();
     });
   }
 };

@@ -280,7 +280,7 @@ class Run {
     cut_->blob_bytes += shown.payload.bytes;
     if (!part.visible) return;
     cut_->max_error_px = std::max(cut_->max_error_px, error_px);
-    if (part.node->finerLod(lod) || part.node->mayGiveWay())
+    if (part.node->finerLod(lod) || part.node->isReplaceable())
       cut_->refinable_px = std::max(cut_->refinable_px, error_px);
   }
 

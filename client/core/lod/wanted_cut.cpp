@@ -82,9 +82,9 @@ float WantedCut::errorPx(const WantedNode& wanted, uint32_t lod) const {
 
 void WantedCut::enqueue(uint32_t place) {
   const WantedNode& wanted = nodes_[place];
-  const bool must_give_way = !wanted.node->coarsestLod();
-  if (!wanted.visible && !must_give_way) return;
-  const float error_px = must_give_way ? std::numeric_limits<float>::infinity() : errorPx(wanted, wanted.lod);
+  const bool must_replace = !wanted.node->coarsestLod();
+  if (!wanted.visible && !must_replace) return;
+  const float error_px = must_replace ? std::numeric_limits<float>::infinity() : errorPx(wanted, wanted.lod);
   const bool is_too_coarse =
       error_px > options_.threshold_px ||
       (error_px > options_.threshold_px * options_.hysteresis_factor && wasFiner(wanted));
@@ -108,11 +108,11 @@ bool WantedCut::wasFiner(const WantedNode& wanted) const {
 
 void WantedCut::refine() {
   while (!open_.empty())
-    if (!giveWay(takeNext()) || (stopped_ && !is_best_first_)) return;
+    if (!replacePart(takeNext()) || (stopped_ && !is_best_first_)) return;
 }
 
 /// Replaces a part by its finer LOD or its children. @return false if a budget forbids it.
-bool WantedCut::giveWay(const Candidate& candidate) {
+bool WantedCut::replacePart(const Candidate& candidate) {
   WantedNode& wanted = nodes_[candidate.place];
   const KnownNode& node = *wanted.node;
   Totals totals = totals_;
@@ -124,7 +124,7 @@ bool WantedCut::giveWay(const Candidate& candidate) {
     enqueue(candidate.place);
     return true;
   }
-  if (!node.mayGiveWay()) {
+  if (!node.isReplaceable()) {
     stopped_by_loss_ |= candidate.error_px > options_.threshold_px && (wanted.lod > 0 || !node.isLeaf());
     return true;
   }

@@ -106,7 +106,7 @@ class WantedCut {
   Candidate takeNext();
   void refine();
   bool wasFiner(const WantedNode& wanted) const;
-  bool giveWay(const Candidate& candidate);
+  bool replacePart(const Candidate& candidate);
   bool expand(const Candidate& candidate, const Totals& totals);
   void skipWorse(WantedNode& wanted, float replaced_px) const;
   bool fits(const Candidate& candidate, const Totals& totals);

@@ -12,7 +12,8 @@ namespace lode::core {
 ///
 /// The density favours the places with the sparsest texels, which would blur first. Per triangle it is the
 /// density along the direction with the fewest texels, at least 1/8 of that with the most. Over the triangles
-/// it is the mean of the squared texel distances, and at least 1/8 of the density computed from areas.
+/// it follows from the area-weighted mean of the squared texel distances, and is at least 1/8 of the density
+/// computed from areas.
 struct TouchedTile {
   uint32_t texture = 0;
   uint32_t y = 0, x = 0;

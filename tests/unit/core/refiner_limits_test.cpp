@@ -83,11 +83,11 @@ class LimitedBruteForce {
     parts_[kRootKey] = lastLod(kRootKey);
     while (true) {
       const auto worst = std::ranges::max_element(parts_, {}, [this](const auto& part) {
-        return std::pair(mayGiveWay(part.first) ? errorOf(part) : 0, ~part.first.value);
+        return std::pair(isReplaceable(part.first) ? errorOf(part) : 0, ~part.first.value);
       });
-      if (!mayGiveWay(worst->first) || errorOf(*worst) <= threshold_px) return;
+      if (!isReplaceable(worst->first) || errorOf(*worst) <= threshold_px) return;
       const Parts before = parts_;
-      giveWay(worst->first);
+      replacePart(worst->first);
       if (trianglesOf(parts_) <= triangles) continue;
       parts_ = before;
       return;
@@ -104,11 +104,11 @@ class LimitedBruteForce {
     return static_cast<uint32_t>(model_.nodes().at(key).lods.size()) - 1;
   }
   float errorOf(const Parts::value_type& part) const { return errors_.errorPx(part.first, part.second); }
-  bool mayGiveWay(NodeKey key) const {
+  bool isReplaceable(NodeKey key) const {
     const Node& node = model_.nodes().at(key);
     return (parts_.at(key) > 0 || !node.isLeaf()) && isVisible(key);
   }
-  void giveWay(NodeKey key) {
+  void replacePart(NodeKey key) {
     if (parts_[key] > 0) {
       --parts_[key];
       return;

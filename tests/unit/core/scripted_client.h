@@ -60,7 +60,7 @@ class BruteForce {
       return add(node, lods.back());
     for (size_t i = lods.size(); i-- > 0;)
       if (errorPx(key, lods[i]) <= threshold_px_) return add(node, lods[i]);
-    if (!mayGiveWay(node)) return add(node, lods.front());
+    if (!isReplaceable(node)) return add(node, lods.front());
     for (unsigned octant = 0; octant < 8; ++octant)
       if ((node.child_mask >> octant & 1) != 0) visit(key.child(octant));
   }
@@ -72,14 +72,14 @@ class BruteForce {
         lods.push_back(lod);
     return lods;
   }
-  bool mayGiveWay(const Node& node) const {
+  bool isReplaceable(const Node& node) const {
     if (node.isLeaf() || (node.child_page && lost_.contains(node.child_page.number))) return false;
     for (unsigned octant = 0; octant < 8; ++octant)
       if ((node.child_mask >> octant & 1) != 0 && !mayBeShown(model_.nodes().at(node.key.child(octant))))
         return false;
     return true;
   }
-  bool mayBeShown(const Node& node) const { return !lodsOf(node).empty() || mayGiveWay(node); }
+  bool mayBeShown(const Node& node) const { return !lodsOf(node).empty() || isReplaceable(node); }
   void add(const Node& node, uint32_t lod) {
     if (node.lods[lod].triangles != 0) parts_[node.key] = lod;
   }
