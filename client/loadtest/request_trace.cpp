@@ -137,7 +137,7 @@ RequestTrace recordTrace(const stream::ServedModel& model, const stream::StreamO
   for (size_t i = 0; i <= steps; ++i) {
     const double t_s = std::min(kStepSeconds * static_cast<double>(i), trace.duration_s);
     const core::CameraKey camera = core::cameraAt(path, begin_s + t_s);
-    recorder.see(core::toView(camera, path.fov_y_deg, size_px.x, size_px.y, summary), pixels, t_s);
+    recorder.add(core::toView(camera, path.fov_y_deg, size_px.x, size_px.y, summary), pixels, t_s);
   }
   trace.gap = recorder.gap();
   trace.requests = recorder.take();

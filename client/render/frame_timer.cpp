@@ -3,13 +3,13 @@
 namespace lode::render {
 
 FrameTimer::FrameTimer() {
-  for (UnderWay& frame : ring_) frame.query = GlTimeQuery::create();
+  for (Pending& frame : ring_) frame.query = GlTimeQuery::create();
 }
 
 std::optional<uint64_t> FrameTimer::begin() {
-  timing_ = begun_ - told_ < ring_.size();
+  timing_ = begun_ - taken_ < ring_.size();
   if (!timing_) return std::nullopt;
-  UnderWay& next = ring_[begun_ % ring_.size()];
+  Pending& next = ring_[begun_ % ring_.size()];
   next.frame = {.number = begun_, .coarsening = std::nullopt};
   glBeginQuery(GL_TIME_ELAPSED, next.query.get());
   return begun_;
@@ -25,15 +25,15 @@ void FrameTimer::end(double cpu_ms, std::optional<Coarsening> coarsening) {
 }
 
 std::optional<FrameTimer::Timed> FrameTimer::take() {
-  if (told_ == begun_) return std::nullopt;
-  UnderWay& oldest = ring_[told_ % ring_.size()];
-  GLint known = 0;
-  glGetQueryObjectiv(oldest.query.get(), GL_QUERY_RESULT_AVAILABLE, &known);
-  if (known == 0) return std::nullopt;
+  if (taken_ == begun_) return std::nullopt;
+  Pending& oldest = ring_[taken_ % ring_.size()];
+  GLint available = 0;
+  glGetQueryObjectiv(oldest.query.get(), GL_QUERY_RESULT_AVAILABLE, &available);
+  if (available == 0) return std::nullopt;
   GLuint64 ns = 0;
   glGetQueryObjectui64v(oldest.query.get(), GL_QUERY_RESULT, &ns);
   oldest.frame.gpu_ms = static_cast<double>(ns) * 1e-6;
-  ++told_;
+  ++taken_;
   return oldest.frame;
 }
 

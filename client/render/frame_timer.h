@@ -5,22 +5,22 @@
 #include <cstdint>
 #include <optional>
 
-#include "client/render/gl_names.h"
-#include "client/render/shown_thresholds.h"
+#include "client/render/draw_counts.h"
+#include "client/render/gl/gl_names.h"
 
 namespace lode::render {
 
-/// What frames take on the GPU, by queries that are answered some frames later. Never waits. Used on the
-/// thread of its context.
+/// Measures the GPU time of frames by timer queries, whose results arrive a few frames later. Only wait()
+/// blocks. Use it on the thread of its context.
 class FrameTimer {
  public:
   FrameTimer();
 
-  /// What is drawn from here to end() is timed, unless as many frames as fit are still under way.
-  /// @return its number, if it is timed: told again with its time, too, and never that of another.
+  /// Starts timing a frame, unless the ring is full of unanswered queries.
+  /// @return the frame's unique number if it is timed; take() returns the same number.
   std::optional<uint64_t> begin();
-  /// @param cpu_ms      what the frame took on this thread.
-  /// @param coarsening  of what it shows, told again with its time.
+  /// @param cpu_ms      time that the frame took on this thread.
+  /// @param coarsening  the frame's coarsening; take() returns it with the time.
   void end(double cpu_ms, std::optional<Coarsening> coarsening);
 
   struct Timed {
@@ -28,18 +28,18 @@ class FrameTimer {
     double gpu_ms = 0, cpu_ms = 0;
     std::optional<Coarsening> coarsening;
   };
-  /// The oldest frame that is not yet told of, if its time is known.
+  /// Returns the oldest frame not yet taken, if its result is available.
   std::optional<Timed> take();
-  /// Waits until the times of all frames that have ended are known.
+  /// Blocks until the results of all ended frames are available.
   void wait();
 
  private:
-  struct UnderWay {
+  struct Pending {
     GlTimeQuery query;
     Timed frame;
   };
-  std::array<UnderWay, 4> ring_;
-  uint64_t begun_ = 0, told_ = 0;
+  std::array<Pending, 4> ring_;
+  uint64_t begun_ = 0, taken_ = 0;
   bool timing_ = false;
 };
 

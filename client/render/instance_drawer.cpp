@@ -5,7 +5,7 @@
 namespace lode::render {
 namespace {
 
-/// Fewer are drawn sooner than found to be hidden.
+/// Below this many clusters reading depth back costs more than drawing hidden ones.
 constexpr size_t kFewClusters = 64;
 
 }  // namespace
@@ -13,14 +13,14 @@ constexpr size_t kFewClusters = 64;
 DrawCounts InstanceDrawer::draw(std::span<const InstanceDraw> instances, const Framebuffer& target,
                                 const DrawTime& time) {
   if (instances.empty()) return {};
-  if (time.hidden_parts == HiddenParts::kFoundOnGpu) return drawByGpu(instances, target, time);
+  if (time.occlusion_culling == OcclusionCulling::kOnGpu) return drawByGpu(instances, target, time);
   DrawCounts counts;
   size_t clusters = 0;
   for (const InstanceDraw& at : instances) {
     counts += at.renderer->drawInstance(at.instance, at.view, target, at.style, time);
     clusters += at.renderer->clustersInPicture(at.instance);
   }
-  if (time.hidden_parts != HiddenParts::kReadBack) return counts;
+  if (time.occlusion_culling != OcclusionCulling::kReadBack) return counts;
   if (!depth_reader_) depth_reader_.emplace();
   const FarthestDepths drawn = clusters < kFewClusters ? FarthestDepths() : depth_reader_->read(target);
   for (const InstanceDraw& at : instances)
@@ -36,7 +36,7 @@ DrawCounts InstanceDrawer::drawByGpu(std::span<const InstanceDraw> instances, co
   for (const InstanceDraw& at : instances)
     counts += at.renderer->addInstance(at.instance, at.view, at.style, time, *culling_);
   const auto drawFound = [&] {
-    goOnWithPicture(target);
+    continuePicture(target);
     for (const InstanceDraw& at : instances)
       counts.calls += at.renderer->drawFound(at.instance, at.view, target, at.style, *culling_);
   };

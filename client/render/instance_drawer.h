@@ -5,30 +5,30 @@
 #include <span>
 
 #include "client/core/view/view.h"
-#include "client/render/culling/depth_reader.h"
+#include "client/render/culling/depth_pyramid.h"
 #include "client/render/culling/gpu_culling.h"
 #include "client/render/draw_counts.h"
-#include "client/render/draw_style.h"
 #include "client/render/passes/cross_fade.h"
+#include "client/render/passes/draw_style.h"
 
 namespace lode::render {
 
 class Renderer;
 
-/// A model where it stands once.
+/// One instance of a model to draw.
 struct InstanceDraw {
   Renderer* renderer = nullptr;
-  size_t instance = 0;  ///< of the model
-  core::View view;      ///< as the model sees it from there
+  size_t instance = 0;  ///< index among the model's instances
+  core::View view;      ///< in the instance's model frame
   DrawStyle style{};
 };
 
-/// Draws models where they stand, and leaves out what they hide of one another. Made, used and destroyed on
-/// the thread of its context.
+/// Draws instances of models into one picture, with occlusion culling across all of them. Create, use and
+/// destroy it on the thread of its context.
 class InstanceDrawer {
  public:
-  /// @param instances  those in sight, best the nearest first; styles of all but the first are over what is
-  ///                    there. Renderer::leaveOut() is for all others.
+  /// @param instances  the visible instances, preferably nearest first. All styles but the first must set
+  ///                   DrawStyle::over. Call Renderer::leaveOut() for instances not drawn.
   DrawCounts draw(std::span<const InstanceDraw> instances, const Framebuffer& target, const DrawTime& time);
 
  private:

@@ -8,14 +8,43 @@
 #include "client/core/lod/cut.h"
 #include "client/core/view/view.h"
 #include "client/render/culling/cluster_culling.h"
-#include "client/render/passes/shader_program.h"
-#include "client/render/passes/shaders.h"
+#include "client/render/gl/shader_program.h"
+#include "client/render/passes/mesh_shaders.h"
 #include "client/render/residency/gpu_vertex.h"
 
 namespace lode::render {
 namespace {
 
 enum BackgroundUniform : GLint { kBottom, kTop };
+
+const char* const kBackgroundVertexShader = R"glsl(
+out float height;
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  height = corner.y * 0.5 + 0.5;
+  gl_Position = vec4(corner, 0.0, 1.0);
+}
+)glsl";
+
+const char* const kBackgroundFragmentShader = R"glsl(
+in float height;
+out vec4 pixel;
+layout(location = 0) uniform vec3 bottom_srgb;
+layout(location = 1) uniform vec3 top_srgb;
+
+vec3 toLinear(vec3 srgb) {
+  return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
+}
+
+void main() {
+  // Noise of half a step hides the bands of a slow gradient. Source: Jimenez, Next Generation
+  // Post-Processing in Call of Duty: Advanced Warfare, 2014 (interleaved gradient noise).
+  float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
+  vec3 srgb = mix(bottom_srgb, top_srgb, height);
+  if (bottom_srgb != top_srgb) srgb += noise / 255.0;
+  pixel = vec4(toLinear(srgb), 1.0);
+}
+)glsl";
 
 uint32_t in256ths(float share) { return static_cast<uint32_t>(std::lround(share * 256)); }
 
@@ -54,7 +83,7 @@ void Renderer::showTextures() {
 
 UploadBudget Renderer::uploadInRenderThread(const UploadBudget& budget) {
   const auto start = std::chrono::steady_clock::now();
-  keepWhatIsShown();
+  keepShownMeshes();
   uint64_t used_bytes = meshes_.uploadInRenderThread(budget);
   const auto left = [&] {
     UploadBudget rest = budget;
@@ -68,8 +97,8 @@ UploadBudget Renderer::uploadInRenderThread(const UploadBudget& budget) {
   return left();
 }
 
-/// So that the next picture can fade from the last.
-void Renderer::keepWhatIsShown() {
+/// Keeps the meshes that the last picture shows, so that the next one can fade from them.
+void Renderer::keepShownMeshes() {
   uint64_t oldest = MeshResidency::kNone;
   for (const DrawnInstance& instance : instances_)
     if (fades_ && instance.shown_serial > 0)
@@ -110,10 +139,10 @@ DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& style, floa
   return {flags | kDrawTinted, glm::u8vec4(colour, 255), share};
 }
 
-/// What the drawn cut shows to this camera, and what still fades.
+/// Updates an instance's cross-fade with the parts that the drawn cut shows to this camera.
 Renderer::DrawnInstance& Renderer::choose(size_t number, const core::View& view, const DrawTime& time) {
   static_assert(
-      std::is_nothrow_move_constructible_v<DrawnInstance>);  // clusters point to the items of others' fades
+      std::is_nothrow_move_constructible_v<DrawnInstance>);  // clusters keep pointers into CrossFade::items()
   if (number >= instances_.size()) instances_.resize(number + 1);
   DrawnInstance& instance = instances_[number];
   if (meshes_.keptFrom() > std::min(instance.fade.oldestSerial(), instance.shown_serial))
@@ -143,7 +172,7 @@ bool Renderer::ageing() const noexcept {
   });
 }
 
-/// Finds what may be in the picture: parts where the GPU finds their clusters, else these.
+/// Collects the parts in the view if the GPU culls their clusters, else the clusters in the view.
 DrawCounts Renderer::collect(DrawnInstance& instance, const core::View& view, const DrawStyle& style,
                              bool is_found_on_gpu) {
   DrawCounts counts;
@@ -200,7 +229,7 @@ DrawCounts Renderer::drawInstance(size_t number, const core::View& view, const F
   DrawCounts counts = collect(instance, view, style, false);
   instance.last_view.reset();
   instance.is_drawn.assign(instance.seen.size(), true);
-  if (time.hidden_parts == HiddenParts::kReadBack) {
+  if (time.occlusion_culling == OcclusionCulling::kReadBack) {
     for (size_t i = 0; i < instance.seen.size(); ++i) instance.is_drawn[i] = !instance.seen[i].hidden(number);
   }
   drawClusters(instance, instance.is_drawn, view, style, counts);
@@ -235,7 +264,7 @@ void Renderer::drawClusters(const DrawnInstance& instance, const std::vector<boo
     countShown(instance, cluster.part, cluster.triangles(), view, counts);
   }
   if (whole_.empty() && fading_.empty()) return;
-  giveCommands();
+  uploadCommands();
   drawer_.begin(instance.states_buffer, instance.seen.front().part.item->attributes, textures_);
   for (const bool fades : {false, true}) {
     const DrawList& list = fades ? fading_ : whole_;
@@ -247,7 +276,7 @@ void Renderer::drawClusters(const DrawnInstance& instance, const std::vector<boo
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
 }
 
-/// Adds what triangles of a part say of the thresholds of a picture.
+/// Adds triangles of a part to the picture's mean thresholds.
 void Renderer::countShown(const DrawnInstance& instance, const SeenPart& part, uint32_t triangles,
                           const core::View& view, DrawCounts& counts) {
   const double focal_px = core::focalPx(view);
@@ -256,8 +285,8 @@ void Renderer::countShown(const DrawnInstance& instance, const SeenPart& part, u
     counts.shown.complete.add(triangles, part.item->complete_rad * focal_px);
 }
 
-/// Gives the GPU what is listed.
-void Renderer::giveCommands() {
+/// Uploads the draw commands of both lists.
+void Renderer::uploadCommands() {
   std::vector<DrawCommand> all;
   for (DrawList* const list : {&whole_, &fading_}) {
     list->first = all.size();
@@ -282,6 +311,44 @@ uint32_t Renderer::drawList(const DrawList& list) const {
     ++calls;
   }
   return calls;
+}
+
+DrawCounts Renderer::addInstance(size_t number, const core::View& view, const DrawStyle& style,
+                                 const DrawTime& time, GpuCulling& culling) {
+  DrawnInstance& instance = choose(number, view, time);
+  DrawCounts counts = collect(instance, view, style, true);
+  for (const SeenPart& part : instance.parts)
+    countShown(instance, part, part.item->index_count / 3, view, counts);
+  instance.number = culling.add(instance.parts, meshes_.pages(), lattice_step_, view, instance.last_view);
+  instance.last_view = view;
+  return counts;
+}
+
+uint32_t Renderer::drawFound(size_t number, const core::View& view, const Framebuffer& target,
+                             const DrawStyle& style, const GpuCulling& culling) {
+  const DrawnInstance& instance = instances_[number];
+  const std::span<const GpuCulling::Draw> draws = culling.draws(instance.number);
+  if (draws.empty()) return 0;
+  has_samples_ = target.samples() > 1;
+  drawer_.begin(instance.states_buffer, instance.parts.front().item->attributes, textures_);
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, culling.commands());
+  glBindBuffer(GL_PARAMETER_BUFFER, culling.counts());
+  std::optional<bool> fades;
+  for (const GpuCulling::Draw& draw : draws) {
+    if (fades != draw.fades) drawer_.use(draw.fades, has_samples_, view, lattice_step_, style);
+    fades = draw.fades;
+    drawer_.bindPage(meshes_.pages(), draw.page);
+    const uint64_t first = culling.firstCommandOfPass() + draw.first_command;
+    const uint64_t count = culling.firstCountOfPass() + draw.count;
+    glMultiDrawElementsIndirectCount(GL_TRIANGLES, GL_UNSIGNED_INT,
+                                     reinterpret_cast<const void*>(first * sizeof(DrawCommand)),
+                                     static_cast<GLintptr>(count * sizeof(uint32_t)),
+                                     static_cast<GLsizei>(draw.most_commands), sizeof(DrawCommand));
+  }
+  glBindBuffer(GL_PARAMETER_BUFFER, 0);
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+  drawer_.end();
+  return static_cast<uint32_t>(draws.size());
 }
 
 }  // namespace lode::render

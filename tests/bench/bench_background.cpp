@@ -12,7 +12,7 @@
 
 #include "client/core/view/camera_path.h"
 #include "client/core/view/framing.h"
-#include "client/render/offscreen_context.h"
+#include "client/render/gl/offscreen_context.h"
 #include "client/stream/streamer.h"
 #include "common/error.h"
 #include "server/serve/server.h"

@@ -12,8 +12,8 @@
 
 #include "client/core/view/camera_path.h"
 #include "client/core/view/framing.h"
-#include "client/render/framebuffer.h"
-#include "client/render/offscreen_context.h"
+#include "client/render/gl/framebuffer.h"
+#include "client/render/gl/offscreen_context.h"
 #include "client/render/passes/ambient_occlusion.h"
 #include "client/render/renderer.h"
 #include "server/store/reader.h"
@@ -43,12 +43,12 @@ struct Frames {
 };
 
 /// @param occlusion  null for none.
-void draw(Frames& frames, render::HiddenParts hidden_parts, render::AmbientOcclusion* occlusion,
+void draw(Frames& frames, render::OcclusionCulling occlusion_culling, render::AmbientOcclusion* occlusion,
           const core::View& view, render::Renderer& renderer, const render::Framebuffer& target) {
   using Clock = std::chrono::steady_clock;
   const double cpu_start = cpuMs();
   const auto start = Clock::now();
-  frames.triangles = renderer.draw(view, target, {}, {.hidden_parts = hidden_parts}).triangles;
+  frames.triangles = renderer.draw(view, target, {}, {.occlusion_culling = occlusion_culling}).triangles;
   if (occlusion != nullptr) occlusion->darken(target, view.fov_y_rad, render::ColorMode::kSurface);
   target.resolve();
   glFinish();
@@ -60,13 +60,13 @@ void draw(Frames& frames, render::HiddenParts hidden_parts, render::AmbientOcclu
 /// Draws in turns everything in the picture, without hidden clusters, and that with ambient occlusion.
 void measure(const std::string& name, const core::Cut& cut, render::Renderer& renderer,
              const render::Framebuffer& target) {
-  using enum render::HiddenParts;
+  using enum render::OcclusionCulling;
   Frames all, seen, darkened;
   render::AmbientOcclusion occlusion;
   size_t differing = 0;
   for (int frame = 0; frame < kFrames; ++frame) {
     const core::View view = turned(cut.view, frame * kTurnRad);
-    draw(all, kDrawn, nullptr, view, renderer, target);
+    draw(all, kOff, nullptr, view, renderer, target);
     draw(seen, kReadBack, nullptr, view, renderer, target);
     draw(darkened, kReadBack, &occlusion, view, renderer, target);
     for (size_t i = 0; i < all.image.rgba.size(); i += 4)

@@ -13,8 +13,8 @@
 
 #include "client/core/view/camera_path.h"
 #include "client/core/view/framing.h"
-#include "client/render/framebuffer.h"
-#include "client/render/offscreen_context.h"
+#include "client/render/gl/framebuffer.h"
+#include "client/render/gl/offscreen_context.h"
 #include "client/render/passes/ambient_occlusion.h"
 #include "client/render/renderer.h"
 #include "server/store/reader.h"
@@ -26,7 +26,7 @@ namespace lode::bench {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using render::HiddenParts;
+using render::OcclusionCulling;
 
 constexpr uint32_t kWidthPx = 1280, kHeightPx = 720;
 constexpr std::array kThresholdsPx{1.0f, 0.0f};  // 0: all leaves
@@ -48,7 +48,7 @@ struct Frames {
   std::vector<render::Image> images;
 };
 
-Frames draw(HiddenParts way, const core::View& first, render::Renderer& renderer,
+Frames draw(OcclusionCulling way, const core::View& first, render::Renderer& renderer,
             const render::Framebuffer& target, render::AmbientOcclusion* occlusion) {
   Frames frames;
   const render::GlTimeQuery query = render::GlTimeQuery::create();
@@ -56,7 +56,7 @@ Frames draw(HiddenParts way, const core::View& first, render::Renderer& renderer
     const core::View view = turned(first, frame * kTurnRad);
     const Clock::time_point start = Clock::now();
     glBeginQuery(GL_TIME_ELAPSED, query.get());
-    frames.triangles = renderer.draw(view, target, {}, {.hidden_parts = way}).triangles;
+    frames.triangles = renderer.draw(view, target, {}, {.occlusion_culling = way}).triangles;
     if (occlusion != nullptr) occlusion->darken(target, view.fov_y_rad, render::ColorMode::kSurface);
     target.resolve();
     glEndQuery(GL_TIME_ELAPSED);
@@ -81,11 +81,12 @@ size_t differingPixels(const std::vector<render::Image>& some, const std::vector
 
 void measure(const std::string& name, const core::Cut& cut, render::Renderer& renderer,
              const render::Framebuffer& target) {
-  using enum HiddenParts;
+  using enum OcclusionCulling;
   render::AmbientOcclusion occlusion;
   std::vector<render::Image> all;
-  const auto tell = [&](const char* way, HiddenParts hidden_parts, render::AmbientOcclusion* darkens) {
-    Frames frames = draw(hidden_parts, cut.view, renderer, target, darkens);
+  const auto tell = [&](const char* way, OcclusionCulling occlusion_culling,
+                        render::AmbientOcclusion* darkens) {
+    Frames frames = draw(occlusion_culling, cut.view, renderer, target, darkens);
     if (all.empty()) all = frames.images;
     nlohmann::ordered_json row{{"view", name},
                                {"way", way},
@@ -97,10 +98,10 @@ void measure(const std::string& name, const core::Cut& cut, render::Renderer& re
     if (darkens == nullptr) row["differing_pixels"] = differingPixels(all, frames.images);
     printRow(row);
   };
-  tell("all in the picture", kDrawn, nullptr);
-  tell("hidden found by the GPU", kFoundOnGpu, nullptr);
+  tell("all in the picture", kOff, nullptr);
+  tell("hidden found by the GPU", kOnGpu, nullptr);
   tell("hidden read back", kReadBack, nullptr);
-  tell("found by the GPU, ambient occlusion", kFoundOnGpu, &occlusion);
+  tell("found by the GPU, ambient occlusion", kOnGpu, &occlusion);
 }
 
 void measure(const std::string& file) {

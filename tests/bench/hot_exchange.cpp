@@ -7,7 +7,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "client/render/offscreen_context.h"
+#include "client/render/gl/offscreen_context.h"
 #include "client/render/residency/cut_exchange.h"
 #include "client/render/residency/mesh_residency.h"
 #include "common/error.h"

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "client/render/framebuffer.h"
+#include "client/render/gl/framebuffer.h"
 #include "client/render/renderer.h"
 
 namespace lode::test {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "client/render/shown_thresholds.h"
+#include "client/render/draw_counts.h"
 
 namespace lode::render {
 

@@ -8,7 +8,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include "client/render/framebuffer.h"
+#include "client/render/gl/framebuffer.h"
 #include "common/error.h"
 
 namespace lode::app {
@@ -220,7 +220,7 @@ void GlfwWindow::pressButton(int button, bool is_down) {
   clicked_unattended_s_ = unattended_s_;
 }
 
-render::FlyKeys GlfwWindow::heldKeys() const {
+FlyKeys GlfwWindow::heldKeys() const {
   const auto held = [&](int key) { return glfwGetKey(window_, key) == GLFW_PRESS ? 1.0 : 0.0; };
   return {.right = held(GLFW_KEY_D) - held(GLFW_KEY_A),
           .up = held(GLFW_KEY_E) - held(GLFW_KEY_Q),

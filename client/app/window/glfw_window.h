@@ -6,7 +6,7 @@
 
 #include "client/app/window/input.h"
 #include "client/app/window/panel/panel_settings.h"
-#include "client/render/image.h"
+#include "client/render/gl/image.h"
 
 struct GLFWwindow;
 
@@ -52,7 +52,7 @@ class GlfwWindow {
   void pressButton(int button, bool is_down);
   void turnWheel(double steps);
   bool isCovered(const glm::dvec2& point) const { return covered_ && covered_->has(point); }
-  render::FlyKeys heldKeys() const;
+  FlyKeys heldKeys() const;
   void takeGamepad(Input& input);
 
   GLFWwindow* window_ = nullptr;

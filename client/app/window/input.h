@@ -17,7 +17,7 @@ struct Input {
   bool clicked = false;      ///< the left button went down and up without moving
   bool double_clicked =
       false;               ///< clicked again; the first click is `clicked`, in this frame or an earlier one
-  render::FlyKeys fly;     ///< held down now
+  FlyKeys fly;             ///< held down now
   glm::dvec2 pad_turn{0};  ///< gamepad stick, -1 to 1: to the right, down
 
   // Keys that were pressed; two presses of a toggle cancel out.
@@ -52,8 +52,8 @@ struct PadAxes {
 
 /// Camera motion: the left stick moves, the triggers go down and up, the right stick turns.
 struct PadMotion {
-  render::FlyKeys move;  ///< without `fast`
-  glm::dvec2 turn{0};    ///< -1 to 1: to the right, down
+  FlyKeys move;        ///< without `fast`
+  glm::dvec2 turn{0};  ///< -1 to 1: to the right, down
 };
 
 /// Applies a dead zone and a quadratic curve: half of a stick's travel is a quarter of the speed. Pure.

@@ -8,9 +8,10 @@ namespace lode::app {
 
 void addLookOptions(CLI::App& command, LookOptions& options) {
   const auto is_known = [](const std::string& name) {
-    return render::colorModeNamed(name) ? std::string() : "'" + name + "' is none of " + render::showNames();
+    return render::colorModeNamed(name) ? std::string()
+                                        : "'" + name + "' is none of " + render::colorModeNames();
   };
-  auto* show = command.add_option("--show", options.show, "what to show: " + render::showNames())
+  auto* show = command.add_option("--show", options.show, "what to show: " + render::colorModeNames())
                    ->type_name("NAME")
                    ->check(is_known)
                    ->capture_default_str();

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "client/app/window/frame_rate_control.h"
-#include "client/render/shown_thresholds.h"
+#include "client/render/draw_counts.h"
 
 namespace lode::app {
 

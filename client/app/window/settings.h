@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "client/render/shown_colours.h"
+#include "client/render/passes/color_mode.h"
 
 namespace lode::app {
 

@@ -6,7 +6,7 @@
 
 #include "client/app/cli/cache_folder.h"
 #include "client/app/cli/opened_target.h"
-#include "client/app/window/camera/lost_sight.h"
+#include "client/app/window/panel/notice.h"
 #include "common/error.h"
 #include "common/one_line.h"
 
@@ -60,7 +60,7 @@ bool Viewer::run() {
   if (!pilot_) return !failed_;
   timer_.wait();
   takeTimes();
-  pilot_->tell();
+  pilot_->print();
   return true;
 }
 
@@ -199,7 +199,8 @@ void Viewer::stream() {
 /// A screenshot shows no fades.
 render::DrawTime Viewer::time() const {
   const bool is_fast_enough = pacing_.workMs() * kFramesOfFade <= render::kFadeS * 1e3;
-  return {secondsSince(started_), fades_ && is_fast_enough && options_.screenshot.empty(), hidden_parts_};
+  return {secondsSince(started_), fades_ && is_fast_enough && options_.screenshot.empty(),
+          occlusion_culling_};
 }
 
 /// A screenshot equals the picture that `render` draws.
@@ -281,7 +282,7 @@ void Viewer::describe() {
   app::describe(scene_, {.is_settled = settled(), .is_offline = options_.common.offline}, content_);
   if (failed_) content_.notice = noticeOf(*failed_);
   const auto& cut = scene_.status().cut;
-  content_.progress = cut ? progress_.see(cut->max_error_px, pacing_.askedPx(), content_.converged) : 0;
+  content_.progress = cut ? progress_.update(cut->max_error_px, pacing_.askedPx(), content_.converged) : 0;
   if (rig_) {
     content_.model_triangles = scene_.summary().triangles;
     content_.missing = missingText(scene_.missing());

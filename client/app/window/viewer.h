@@ -6,20 +6,20 @@
 #include <string>
 
 #include "client/app/window/camera/camera_rig.h"
+#include "client/app/window/camera/flight.h"
 #include "client/app/window/camera/path_recorder.h"
-#include "client/app/window/camera/pilot.h"
 #include "client/app/window/glfw_window.h"
 #include "client/app/window/output/picture_writer.h"
 #include "client/app/window/pacing.h"
 #include "client/app/window/panel/first_start.h"
 #include "client/app/window/panel/panel.h"
-#include "client/app/window/panel/refining_progress.h"
+#include "client/app/window/panel/panel_content.h"
 #include "client/app/window/scene/picks.h"
 #include "client/app/window/scene/viewed_scene.h"
 #include "client/app/window/settings.h"
 #include "client/app/window/view_command.h"
 #include "client/render/frame_timer.h"
-#include "client/render/framebuffer.h"
+#include "client/render/gl/framebuffer.h"
 #include "client/render/passes/ambient_occlusion.h"
 #include "common/error.h"
 
@@ -81,7 +81,7 @@ class Viewer {
   std::optional<PickedPoint> under(const glm::dvec2& pixel_px);
   double coveredShare() const;
   void fly();
-  std::optional<glm::dvec3> startOfWalk(const glm::dvec2& pointer_px, const render::GroundBelow& ground);
+  std::optional<glm::dvec3> startOfWalk(const glm::dvec2& pointer_px, const GroundBelow& ground);
   void moveCamera(const Input& input, double seconds);
   Settings settings() const;
   void apply(const Settings& wanted);
@@ -99,7 +99,7 @@ class Viewer {
   const std::optional<core::CameraPath> wanted_path_;
   GlfwWindow window_;
   const bool draws_in_software_ = render::drawsInSoftware();
-  const render::HiddenParts hidden_parts_ = render::fastestHiddenParts();
+  const render::OcclusionCulling occlusion_culling_ = render::fastestOcclusionCulling();
   Panel panel_;
   ViewedScene scene_;
   std::optional<render::Framebuffer> smooth_, quick_;  ///< several samples a pixel, and one

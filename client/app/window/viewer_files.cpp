@@ -3,14 +3,14 @@
 #include "client/app/cli/not_converged.h"
 #include "client/app/window/output/picture_file.h"
 #include "client/app/window/viewer.h"
-#include "client/render/image.h"
+#include "client/render/gl/image.h"
 #include "common/error.h"
 
 /// Files: pictures and recorded camera paths.
 namespace lode::app {
 
 void Viewer::record(const Input& input) {
-  recorder_.see(secondsSince(started_), rig_->camera(), glm::degrees(rig_->view().fov_y_rad));
+  recorder_.add(secondsSince(started_), rig_->camera(), glm::degrees(rig_->view().fov_y_rad));
   if (!input.record) return;
   if (recorder_.recording())
     saveRecording();

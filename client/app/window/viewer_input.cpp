@@ -2,8 +2,8 @@
 #include <utility>
 
 #include "client/app/window/memory_shares.h"
-#include "client/app/window/panel/panel_fit.h"
 #include "client/app/window/panel/panel_font.h"
+#include "client/app/window/panel/panel_layout.h"
 #include "client/app/window/viewer.h"
 #include "client/render/residency/staging_ring.h"
 
@@ -95,8 +95,7 @@ double Viewer::coveredShare() const {
 }
 
 /// Returns the surface point below the pointer, else in the middle of the picture, else below the eye.
-std::optional<glm::dvec3> Viewer::startOfWalk(const glm::dvec2& pointer_px,
-                                              const render::GroundBelow& ground) {
+std::optional<glm::dvec3> Viewer::startOfWalk(const glm::dvec2& pointer_px, const GroundBelow& ground) {
   const core::View& view = rig_->view();
   for (const glm::dvec2& pixel_px : {pointer_px, glm::dvec2(view.width_px, view.height_px) / 2.0})
     if (const auto hit = under(pixel_px)) return hit->position_model;
@@ -107,14 +106,14 @@ std::optional<glm::dvec3> Viewer::startOfWalk(const glm::dvec2& pointer_px,
 void Viewer::moveCamera(const Input& input, double seconds) {
   const core::View before = rig_->view();
   const CameraKind kind_before = rig_->kind();
-  const auto ground = [this](const glm::dvec3& point) -> std::optional<render::Ground> {
+  const auto ground = [this](const glm::dvec3& point) -> std::optional<Ground> {
     return scene_.groundBelow(rig_->view(), point, rig_->up());
   };
   std::optional<glm::dvec3> start;
   if (input.next_camera != 0) start = startOfWalk(input.pointer_px, ground);
   rig_->apply(input, std::min(seconds, kLongestStepS), ground);
   if (start && rig_->kind() != kind_before) rig_->standAt(*start);
-  moved_ = rig_->view() != before || rig_->underWay();
+  moved_ = rig_->view() != before || rig_->isMoving();
 }
 
 void Viewer::fly() {

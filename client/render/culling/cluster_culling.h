@@ -9,30 +9,48 @@
 
 namespace lode::render {
 
-/// A part that may be in the picture.
+/// A part that may be visible.
 struct SeenPart {
   const DrawItem* item = nullptr;
-  uint32_t state = 0;  ///< what else a draw needs, by the caller's numbers
+  uint32_t state = 0;  ///< index of the caller's per-draw state
   bool fades = false;
 };
 
-/// Some triangles of a part, near one another, that may be in the picture.
+/// A cluster of a part that may be visible.
 struct SeenCluster {
   SeenPart part;
-  uint32_t number = 0;  ///< in part.item->clusters
+  uint32_t number = 0;  ///< index in part.item->clusters
 
   uint32_t firstTriangle() const noexcept { return number * kClusterTriangles; }
   uint32_t triangles() const noexcept;
   const LatticeBox& box() const noexcept { return part.item->clusters->boxes[number]; }
-  /// By others, in the last frame. @param place  where the model stands.
+  /// Whether other geometry hid it in the last frame of this instance.
   std::vector<bool>::reference hidden(size_t instance) const;
 };
 
+/// True if a part's box may be in the view frustum.
 bool isInPicture(const SeenPart& part, const core::ViewFrustum& frustum, double lattice_step);
 
-/// Adds what a camera may see of a part: all but clusters that are not in its picture.
-/// @return how many were added.
+/// Adds the clusters of a part whose boxes may be in the view frustum. @return how many were added.
 size_t addSeenClusters(const SeenPart& part, const core::ViewFrustum& frustum, double lattice_step,
                        std::vector<SeenCluster>& seen);
+
+/// A command of glMultiDrawElementsIndirect.
+struct DrawCommand {
+  uint32_t count, instance_count, first_index;
+  int32_t base_vertex;
+  uint32_t base_instance;
+};
+
+/// Draw commands of one shader program, by page.
+struct DrawList {
+  void clear(size_t pages);
+  /// Adds a cluster; extends the last command if the cluster follows it in memory.
+  void add(const SeenCluster& cluster);
+  bool empty() const noexcept;
+
+  std::vector<std::vector<DrawCommand>> by_page;
+  size_t first = 0;  ///< index of its first command in the command buffer
+};
 
 }  // namespace lode::render

@@ -14,27 +14,27 @@ layout(std430, binding = 3) buffer Found { uvec2 found[]; };  // by pass and chu
 layout(binding = 1) uniform sampler2D depths;
 
 struct Camera {
-  ivec4 eye_high;  // in steps; and 1 if something hides
-  vec4 eye_low, right, up, behind;  // and scale x, scale y and, in steps, near
+  ivec4 eye_high;  // in lattice steps; w: 1 if the depths can hide
+  vec4 eye_low, right, up, behind;  // w of right, up, behind: scale x, scale y, near in steps
 };
 struct CameraPair { Camera now, before; };
 layout(std430, binding = 4) readonly buffer Cameras { CameraPair cameras[]; };  // by instance
 
-layout(location = 0) uniform uint pass;  // 1: the depths are of this picture, else of the last
+layout(location = 0) uniform uint pass;  // 1: depths of this picture; 0: of the last
 layout(location = 1) uniform uint chunks_of_pass;
 layout(location = 2) uniform uint first_chunk;
-layout(location = 3) uniform bool has_boxes;  // that can be read
+layout(location = 3) uniform bool has_boxes;  // whether the page is readable
 layout(location = 4) uniform vec2 depth_size_px;
 
-const float kRim = 1e-5;       // of a distance, that floats may be wrong by
-const float kRimPx = 1.0;      // that rasterizing may reach further than a box
-const float kDepthRim = 1e-4;  // of a depth, that it may be nearer
-const float kLeastNearness = 1e-2;  // of a box's distance and size, below which floats lose more than these
+const float kSlack = 1e-5;       // float error relative to the distance
+const float kSlackPx = 1.0;      // rasterization may exceed a box by this much
+const float kDepthSlack = 1e-4;  // relative error of a depth
+const float kLeastNearness = 1e-2;  // relative to a box's distance and size; nearer, float errors exceed these
 const float kSquarePx = 8.0;
 
 shared uint bits[2];
 
-struct Box { vec3 middle, half_size; };  // from an eye, in steps
+struct Box { vec3 middle, half_size; };  // relative to the eye, in steps
 
 Box boxFrom(Camera camera, uint word) {
   ivec3 low = ivec3(page[word], page[word + 1u], page[word + 2u]) - camera.eye_high.xyz;
@@ -45,18 +45,18 @@ Box boxFrom(Camera camera, uint word) {
 bool isInPicture(Camera camera, Box box) {
   vec3 right = camera.right.xyz * camera.right.w, up = camera.up.xyz * camera.up.w, forward = -camera.behind.xyz;
   vec3 inward[5] = vec3[](forward, forward + right, forward - right, forward + up, forward - up);
-  float rim = kRim * (length(box.middle) + length(box.half_size)) * (1.0 + camera.right.w + camera.up.w);
+  float slack = kSlack * (length(box.middle) + length(box.half_size)) * (1.0 + camera.right.w + camera.up.w);
   for (int side = 0; side < 5; ++side)
-    if (dot(inward[side], box.middle) + dot(abs(inward[side]), box.half_size) < -rim) return false;
+    if (dot(inward[side], box.middle) + dot(abs(inward[side]), box.half_size) < -slack) return false;
   return true;
 }
 
-/// True only if all that lies in the box is behind what the depths are of: see Occluders.
+/// True only if the whole box is behind the depths: see Occluders.
 bool isHidden(Camera camera, Box box) {
   vec3 forward = -camera.behind.xyz;
   float nearest = dot(box.middle, forward) - dot(box.half_size, abs(forward));
   if (nearest < kLeastNearness * (length(box.middle) + length(box.half_size))) return false;
-  float depth = camera.behind.w / nearest * (1.0 + kDepthRim);
+  float depth = camera.behind.w / nearest * (1.0 + kDepthSlack);
   if (depth >= 1.0) return false;
   vec2 least = vec2(1e30), most = vec2(-1e30);
   for (uint corner = 0u; corner < 8u; ++corner) {
@@ -68,7 +68,7 @@ bool isHidden(Camera camera, Box box) {
     most = max(most, place);
   }
   vec2 last_square = ceil(depth_size_px / kSquarePx) - 1.0;
-  vec2 low = (least * 0.5 + 0.5) * depth_size_px - kRimPx, high = (most * 0.5 + 0.5) * depth_size_px + kRimPx;
+  vec2 low = (least * 0.5 + 0.5) * depth_size_px - kSlackPx, high = (most * 0.5 + 0.5) * depth_size_px + kSlackPx;
   ivec2 first = ivec2(clamp(floor(low / kSquarePx), vec2(0.0), last_square));
   ivec2 last = ivec2(clamp(floor(high / kSquarePx), vec2(0.0), last_square));
   int level = 0;
@@ -126,7 +126,7 @@ const uint kClusterIndices = 384u;
 shared uint sums[256];
 shared uint indices;
 
-/// The first of the clusters from `from` on that is found, or with `is_found` false the first that is not; 64: none.
+/// Returns the first cluster at or after `from` whose bit equals `is_found`; 64: none.
 uint next(uvec2 bits, uint from, bool is_found) {
   if (!is_found) bits = ~bits;
   if (from < 32u) {
@@ -138,7 +138,7 @@ uint next(uvec2 bits, uint from, bool is_found) {
   return high != 0u ? 32u + uint(findLSB(high)) : 64u;
 }
 
-/// One command for each run of clusters that follow one another.
+/// Writes one command for each run of consecutive clusters.
 void list(uvec2 bits, Chunk chunk, uint command) {
   uint drawn = 0u;
   for (uint first = next(bits, 0u, true); first < 64u;) {

@@ -2,9 +2,9 @@
 
 namespace lode::render {
 
-/// Of each chunk the clusters that are in the picture and that no depth hides, as bits.
+/// Finds the clusters of each chunk that are in the view and that no depth hides; writes them as bits.
 extern const char* const kFindShader;
-/// Of each draw the commands that draw what was found, in order, and how many.
+/// Writes for each list the commands that draw the found clusters, in order, and their number.
 extern const char* const kListShader;
 
 }  // namespace lode::render

@@ -2,26 +2,59 @@
 
 #include <cstdint>
 
-#include "client/render/culling/farthest_squares.h"
-#include "client/render/framebuffer.h"
-#include "client/render/gl_names.h"
+#include "client/render/culling/occluders.h"
+#include "client/render/gl/framebuffer.h"
+#include "client/render/gl/gl_names.h"
 
 namespace lode::render {
 
-/// How deep a picture is, kept on the GPU: level 0 has FarthestDepths' squares, each further one the farthest
-/// of 2 × 2 of the one before, so that any box is held against 16 texels at most. Made, used and destroyed on
-/// the thread of its context. Source: Greene, Kass and Miller, Hierarchical Z-buffer Visibility, 1993.
+/// Reduces a picture's depth to the farthest depth of each square of FarthestDepths::kSquarePx, over all
+/// samples. Create, use and destroy it on the thread of its context.
+class FarthestSquares {
+ public:
+  /// @throws Error kInternal if the driver rejects a shader.
+  FarthestSquares();
+
+  /// Draws one pixel per square into the lower left corner of a single-float framebuffer. Changes the bound
+  /// framebuffer, program, vertex array and viewport, and disables the depth test.
+  void draw(const Framebuffer& picture, GLuint framebuffer);
+
+ private:
+  GlProgram plain_program_, sampled_program_;
+  GlVertexArray empty_array_;
+};
+
+/// Returns the number of squares along a side of `side_px` pixels.
+uint32_t squareCount(uint32_t side_px) noexcept;
+
+/// Reads back a picture's farthest depths. Create, use and destroy it on the thread of its context.
+class DepthReader {
+ public:
+  /// Blocks until drawing is done. Changes the same state as FarthestSquares::draw().
+  FarthestDepths read(const Framebuffer& picture);
+
+ private:
+  FarthestSquares squares_;
+  GlRenderbuffer texels_;
+  GlFramebuffer framebuffer_;
+  uint32_t columns_ = 0, rows_ = 0;
+};
+
+/// Depth pyramid of a picture on the GPU. Level 0 has the squares of FarthestDepths; a texel of each further
+/// level has the farthest depth of 2 × 2 texels, so that testing a box takes at most 16 texels. Create, use
+/// and destroy it on the thread of its context. Source: Greene, Kass and Miller, Hierarchical Z-buffer
+/// Visibility, 1993.
 class DepthPyramid {
  public:
   /// @throws Error kInternal if the driver rejects a shader.
   DepthPyramid();
 
-  /// Of all that was drawn; waits for nothing. Leaves behind: as FarthestSquares.
+  /// Builds the pyramid; does not block. Changes the same state as FarthestSquares::draw().
   void build(const Framebuffer& picture);
 
-  /// Depths are reversed; beyond the picture they are 1, which hides all.
+  /// The texture of reversed depths. Texels outside the picture are 1, which hides everything.
   GLuint texture() const noexcept { return texture_.get(); }
-  /// Of the picture; 0: none was built yet.
+  /// Size of the picture; 0 before the first build().
   uint32_t widthPx() const noexcept { return width_px_; }
   uint32_t heightPx() const noexcept { return height_px_; }
 

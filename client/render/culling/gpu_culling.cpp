@@ -7,10 +7,10 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
+#include "client/render/culling/cluster_culling.h"
 #include "client/render/culling/culling_shaders.h"
-#include "client/render/draw_list.h"
-#include "client/render/eye.h"
-#include "client/render/passes/shader_program.h"
+#include "client/render/gl/eye.h"
+#include "client/render/gl/shader_program.h"
 
 namespace lode::render {
 namespace {
@@ -28,13 +28,13 @@ enum Storage : GLuint {
   kTriangles
 };
 constexpr GLuint kPyramidUnit = 1;
-constexpr uint32_t kChunkClusters = 64;      ///< as kFindShader has threads in a work group
-constexpr uint32_t kMostWorkGroups = 65535;  ///< that any driver takes at a time
+constexpr uint32_t kChunkClusters = 64;      ///< threads in a work group of kFindShader
+constexpr uint32_t kMostWorkGroups = 65535;  ///< guaranteed limit per dispatch
 constexpr uint32_t kPasses = 2;
-static_assert(kClusterTriangles == 128 && sizeof(LatticeBox) == 24);  // as the shaders know them
+static_assert(kClusterTriangles == 128 && sizeof(LatticeBox) == 24);  // hard-coded in the shaders
 
 template <typename Element>
-void give(const GlBuffer& buffer, const std::vector<Element>& elements) {
+void upload(const GlBuffer& buffer, const std::vector<Element>& elements) {
   glNamedBufferData(buffer.get(), static_cast<GLsizeiptr>(elements.size() * sizeof(Element)), elements.data(),
                     GL_STREAM_DRAW);
 }
@@ -43,8 +43,8 @@ void makeRoom(const GlBuffer& buffer, size_t bytes) {
   glNamedBufferData(buffer.get(), static_cast<GLsizeiptr>(bytes), nullptr, GL_STREAM_COPY);
 }
 
-void bind(Storage instance, const GlBuffer& buffer) {
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, instance, buffer.get());
+void bind(Storage binding, const GlBuffer& buffer) {
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer.get());
 }
 
 }  // namespace
@@ -59,20 +59,20 @@ GpuCulling::GpuCulling(uint64_t most_readable_bytes)
       commands_(GlBuffer::create()),
       counts_(GlBuffer::create()),
       triangles_(GlBuffer::create()) {
-  static_assert(kTriangles < 8);  // of which every context has as many
+  static_assert(kTriangles < 8);  // guaranteed number of bindings
   GLint64 most_bytes = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most_bytes);
   most_readable_bytes_ = std::min(most_readable_bytes, static_cast<uint64_t>(most_bytes));
   constexpr GLbitfield kKept = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
   constexpr std::array<uint32_t, kPicturesKept> kNothing{};
   glNamedBufferStorage(triangles_.get(), sizeof(kNothing), kNothing.data(), kKept | GL_CLIENT_STORAGE_BIT);
-  triangles_told_ =
+  mapped_triangles_ =
       static_cast<const uint32_t*>(glMapNamedBufferRange(triangles_.get(), 0, sizeof(kNothing), kKept));
 }
 
 GpuCulling::~GpuCulling() {
-  for (const GLsync fence : are_counted_) glDeleteSync(fence);
-  if (triangles_told_ != nullptr) glUnmapNamedBuffer(triangles_.get());
+  for (const GLsync fence : count_fences_) glDeleteSync(fence);
+  if (mapped_triangles_ != nullptr) glUnmapNamedBuffer(triangles_.get());
 }
 
 bool GpuCulling::isPossible() {
@@ -102,7 +102,7 @@ uint32_t GpuCulling::add(std::span<const SeenPart> parts, const GpuPages& pages,
   return instance;
 }
 
-/// By pages, so that each is bound once; within these by instances.
+/// Sorts parts by page, so that each is bound once, then by instance, and builds chunks, groups and lists.
 void GpuCulling::layOut() {
   chunks_.clear();
   groups_.clear();
@@ -145,7 +145,7 @@ void GpuCulling::addChunks(const SeenPart& part, uint32_t instance) {
                        static_cast<int32_t>(item.base_vertex), part.state, instance});
     ++groups_.back().chunks;
     ++lists_.back().chunks;
-    const uint32_t most_runs = (count + 1) / 2;  // each but the last is followed by what is left out
+    const uint32_t most_runs = (count + 1) / 2;  // a cluster not drawn separates two runs
     draws_.back().most_commands += most_runs;
     most_commands_ += most_runs;
   }
@@ -153,9 +153,9 @@ void GpuCulling::addChunks(const SeenPart& part, uint32_t instance) {
 
 void GpuCulling::findUnhidden() {
   layOut();
-  give(cameras_buffer_, cameras_);
-  give(chunks_buffer_, chunks_);
-  give(lists_buffer_, lists_);
+  upload(cameras_buffer_, cameras_);
+  upload(chunks_buffer_, chunks_);
+  upload(lists_buffer_, lists_);
   makeRoom(found_, kPasses * chunks_.size() * sizeof(uint64_t));
   makeRoom(commands_, kPasses * most_commands_ * sizeof(DrawCommand));
   makeRoom(counts_, kPasses * lists_.size() * sizeof(uint32_t));
@@ -169,10 +169,10 @@ void GpuCulling::findAppeared(const Framebuffer& drawn) {
   depths_.build(drawn);
   pass_ = 1;
   find(false);
-  glDeleteSync(std::exchange(are_counted_[picture_], glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0)));
+  glDeleteSync(std::exchange(count_fences_[picture_], glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0)));
 }
 
-/// @param by_last_picture  the depths are of that.
+/// Runs a pass. @param by_last_picture  whether depths_ is of the last picture.
 void GpuCulling::find(bool by_last_picture) {
   if (lists_.empty()) return;
   bind(kChunks, chunks_buffer_);
@@ -216,9 +216,9 @@ std::span<const GpuCulling::Draw> GpuCulling::draws(uint32_t instance) const {
 
 uint64_t GpuCulling::trianglesLately() {
   const uint32_t oldest = (picture_ + 1) % kPicturesKept;
-  if (are_counted_[oldest] == nullptr || triangles_told_ == nullptr) return triangles_lately_;
-  if (glClientWaitSync(are_counted_[oldest], 0, 0) != GL_TIMEOUT_EXPIRED)
-    triangles_lately_ = triangles_told_[oldest];
+  if (count_fences_[oldest] == nullptr || mapped_triangles_ == nullptr) return triangles_lately_;
+  if (glClientWaitSync(count_fences_[oldest], 0, 0) != GL_TIMEOUT_EXPIRED)
+    triangles_lately_ = mapped_triangles_[oldest];
   return triangles_lately_;
 }
 

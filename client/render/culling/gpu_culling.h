@@ -12,60 +12,59 @@
 #include "client/core/view/view.h"
 #include "client/render/culling/cluster_culling.h"
 #include "client/render/culling/depth_pyramid.h"
-#include "client/render/framebuffer.h"
-#include "client/render/gl_names.h"
+#include "client/render/gl/framebuffer.h"
+#include "client/render/gl/gl_names.h"
 #include "client/render/residency/gpu_pages.h"
 
 namespace lode::render {
 
-/// Has the GPU find which clusters of a picture's parts are drawn and write the commands that draw them: the
-/// processor names the parts. In two passes over the same parts: first what the last picture's depth does not
-/// hide, then what of the rest the depth of that does not hide. Each pass is one for all models of a picture,
-/// so that the GPU waits for itself but twice. Commands come in the order of the parts: a picture is drawn in
-/// the same order each time. Made, used and destroyed on the thread of its context.
-/// Source: Aaltonen and Haar, GPU-Driven Rendering Pipelines, 2015 (two-pass occlusion culling).
+/// Culls clusters on the GPU, which also writes the draw commands; the CPU names the parts only. Two passes
+/// run over the same parts: the first finds clusters that the last picture's depth does not hide, the second
+/// finds among the others those that the depth of the first does not hide. A pass handles all models of a
+/// picture, so that the GPU synchronizes only twice. Commands keep the order of the parts, so that pictures
+/// are deterministic. Create, use and destroy it on the thread of its context. Source: Aaltonen and Haar,
+/// GPU-Driven Rendering Pipelines, 2015 (two-pass occlusion culling).
 class GpuCulling {
  public:
-  /// Of one instance what lies in one page and is drawn by one program, for
-  /// glMultiDrawElementsIndirectCount.
+  /// One call of glMultiDrawElementsIndirectCount: clusters of one instance, one page and one program.
   struct Draw {
     uint32_t instance = 0;
     bool fades = false;
     uint32_t page = 0;
-    uint32_t first_command = 0, most_commands = 0;  ///< from where the pass begins in commands()
-    uint32_t count = 0;                             ///< its place, from there in counts()
+    uint32_t first_command = 0, most_commands = 0;  ///< relative to firstCommandOfPass()
+    uint32_t count = 0;                             ///< index in counts(), relative to firstCountOfPass()
   };
 
-  /// @param most_readable_bytes  of a page, beside what the driver lets shaders read: parts in larger ones
-  /// are
-  ///                             drawn whole.
+  /// @param most_readable_bytes  shaders read pages up to this size and the driver's limit; parts in larger
+  ///                             pages are drawn whole.
   /// @throws Error kInternal if the driver rejects a shader.
   explicit GpuCulling(uint64_t most_readable_bytes = std::numeric_limits<uint64_t>::max());
   ~GpuCulling();
   GpuCulling(GpuCulling&&) = delete;
 
-  /// Of the current context: it counts draws by itself.
+  /// True if the current context supports draw counts in GPU memory.
   static bool isPossible();
 
-  /// A picture begins. Pages and items of the parts that are added must outlive it.
+  /// Begins a picture. Pages and items of the parts added must outlive the picture.
   void begin();
-  /// Parts of a model where it stands once, seen from there. @param last_view  of it in the last picture, in
-  /// which nothing hid it where there is none. @return the instance's number in this picture.
+  /// Adds the parts of an instance. @param view  in the instance's model frame. @param last_view  its view in
+  /// the last picture; none: nothing is hidden in the first pass. @return the instance's index in this
+  /// picture.
   uint32_t add(std::span<const SeenPart> parts, const GpuPages& pages, double lattice_step,
                const core::View& view, const std::optional<core::View>& last_view);
-  /// First pass, once all are added.
+  /// Runs the first pass. Call it after all add().
   void findUnhidden();
-  /// Second pass. @param drawn  all that the first has found.
+  /// Runs the second pass. @param drawn  picture with all clusters of the first pass.
   void findAppeared(const Framebuffer& drawn);
 
-  /// Of either pass.
+  /// The draws of an instance, for either pass.
   std::span<const Draw> draws(uint32_t instance) const;
   GLuint commands() const noexcept { return commands_.get(); }
   GLuint counts() const noexcept { return counts_.get(); }
   uint32_t firstCommandOfPass() const noexcept { return pass_ * most_commands_; }
   uint32_t firstCountOfPass() const noexcept { return pass_ * static_cast<uint32_t>(lists_.size()); }
 
-  /// Of both passes, three pictures ago, or longer where the GPU is behind: nobody waits for it.
+  /// Triangles drawn by both passes three or more pictures ago. Does not block.
   uint64_t trianglesLately();
 
  private:
@@ -75,26 +74,26 @@ class GpuCulling {
     const GpuPages* pages = nullptr;
     uint32_t instance = 0;
   };
-  /// How a instance is seen in this picture and was in the last, as the shader reads it.
+  /// Camera of an instance, laid out for the shader.
   struct Camera {
-    glm::ivec4 eye_high;          ///< in steps of the model's lattice; and 1 if something hides
+    glm::ivec4 eye_high;          ///< in lattice steps; w: 1 if the depths can hide
     glm::vec4 eye_low;            ///< likewise
-    glm::vec4 right, up, behind;  ///< of the view, and scale x, scale y and, in steps, near
+    glm::vec4 right, up, behind;  ///< view axes; w: scale x, scale y, near in lattice steps
   };
   struct CameraPair {
     Camera now, before;
   };
-  /// Clusters of one part, kChunkClusters at most, likewise.
+  /// Up to kChunkClusters clusters of a part, laid out for the shader.
   struct Chunk {
     uint32_t first_box_word, clusters, first_index, index_count;
     int32_t base_vertex;
     uint32_t state, instance;
   };
-  /// Chunks that are drawn together, likewise.
+  /// Chunks drawn by one Draw, laid out for the shader.
   struct List {
     uint32_t first_chunk, chunks, first_command;
   };
-  /// Chunks whose boxes are in one page.
+  /// Chunks of one page.
   struct Group {
     GLuint page = 0;
     bool is_readable = true;
@@ -114,12 +113,12 @@ class GpuCulling {
   std::vector<Group> groups_;
   std::vector<List> lists_;
   std::vector<Draw> draws_;     ///< by instance
-  uint32_t most_commands_ = 0;  ///< of a pass
+  uint32_t most_commands_ = 0;  ///< per pass
   uint32_t pass_ = 0;
   uint32_t picture_ = 0;
   GlBuffer cameras_buffer_, chunks_buffer_, lists_buffer_, found_, commands_, counts_, triangles_;
-  const uint32_t* triangles_told_ = nullptr;         ///< kPicturesKept, mapped
-  std::array<GLsync, kPicturesKept> are_counted_{};  ///< signalled where they are complete
+  const uint32_t* mapped_triangles_ = nullptr;        ///< kPicturesKept counters, mapped
+  std::array<GLsync, kPicturesKept> count_fences_{};  ///< signalled when the counters are complete
   uint64_t triangles_lately_ = 0;
 };
 

@@ -6,8 +6,8 @@
 namespace lode::render {
 namespace {
 
-constexpr double kRimPx = 1;        ///< that rasterizing may reach beyond what doubles say
-constexpr double kDepthRim = 1e-4;  ///< and by how much of itself a depth may be nearer
+constexpr double kSlackPx = 1;        ///< rasterization may exceed the exact box by this much
+constexpr double kDepthSlack = 1e-4;  ///< relative error of a drawn depth
 
 }  // namespace
 
@@ -26,8 +26,9 @@ bool Occluders::hide(const core::ModelBox& box) const noexcept {
   if (drawn_.depths.empty()) return false;
   const glm::dvec3 middle = (box.min + box.max) / 2.0 - eye_, half = (box.max - box.min) / 2.0;
   const double nearest = glm::dot(middle, forward_) - glm::dot(half, glm::abs(forward_));
-  const double depth = near_model_ / std::max(nearest, std::numeric_limits<double>::min()) * (1 + kDepthRim);
-  if (depth >= 1) return false;  // the near plane may cut it
+  const double depth =
+      near_model_ / std::max(nearest, std::numeric_limits<double>::min()) * (1 + kDepthSlack);
+  if (depth >= 1) return false;  // the near plane may clip the box
   glm::dvec2 least(std::numeric_limits<double>::infinity()), most = -least;
   for (unsigned corner = 0; corner < 8; ++corner) {
     const glm::dvec3 side((corner & 1) * 2 - 1.0, (corner >> 1 & 1) * 2 - 1.0, (corner >> 2) * 2 - 1.0);
@@ -38,8 +39,9 @@ bool Occluders::hide(const core::ModelBox& box) const noexcept {
   }
   constexpr double kSquare = FarthestDepths::kSquarePx;
   const glm::dvec2 limit(drawn_.columns - 1, drawn_.rows - 1);
-  const glm::dvec2 first = glm::clamp(glm::floor((least + size_px_ / 2.0 - kRimPx) / kSquare), {0, 0}, limit);
-  const glm::dvec2 last = glm::clamp(glm::floor((most + size_px_ / 2.0 + kRimPx) / kSquare), {0, 0}, limit);
+  const glm::dvec2 first =
+      glm::clamp(glm::floor((least + size_px_ / 2.0 - kSlackPx) / kSquare), {0, 0}, limit);
+  const glm::dvec2 last = glm::clamp(glm::floor((most + size_px_ / 2.0 + kSlackPx) / kSquare), {0, 0}, limit);
   for (auto row = static_cast<size_t>(first.y); row <= static_cast<size_t>(last.y); ++row) {
     for (auto column = static_cast<size_t>(first.x); column <= static_cast<size_t>(last.x); ++column)
       if (drawn_.depths[row * drawn_.columns + column] <= depth) return false;

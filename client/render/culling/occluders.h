@@ -6,26 +6,26 @@
 #include <glm/glm.hpp>
 
 #include "client/core/view/view.h"
-#include "client/render/eye.h"
+#include "client/render/gl/eye.h"
 
 namespace lode::render {
 
-/// The depth of what is farthest in each square of a picture: reversed, 0 where the background shows in it.
+/// Farthest depth in each square of a picture. Depths are reversed: 0 if the background is visible.
 struct FarthestDepths {
   static constexpr uint32_t kSquarePx = 8;
   uint32_t columns = 0, rows = 0;
-  std::vector<float> depths;  ///< by rows, the lowest first
+  std::vector<float> depths;  ///< row by row, bottom row first
 };
 
-/// Tells what cannot be seen because of what is drawn already. Pure.
+/// Tests on the CPU whether drawn geometry hides boxes. Pure.
 class Occluders {
  public:
-  /// @param step   of the model's lattice, as it was drawn with.
-  /// @param drawn  of all that was drawn; must outlive this. Of no squares: nothing hides.
+  /// @param step   the model's lattice step used for drawing.
+  /// @param drawn  depths of the picture; must outlive this. If empty, nothing is hidden.
   Occluders(const core::View& view, double step, const FarthestDepths& drawn);
-  Occluders(const core::View& view, double step, const FarthestDepths&& drawn) = delete;  ///< is gone at once
+  Occluders(const core::View& view, double step, const FarthestDepths&& drawn) = delete;  ///< would dangle
 
-  /// True only if all that lies in the box is behind what is drawn, at each sample of the picture.
+  /// True only if the whole box is behind drawn geometry at every sample.
   bool hide(const core::ModelBox& box) const noexcept;
 
  private:

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "client/render/eye.h"
-#include "client/render/passes/shader_program.h"
+#include "client/render/gl/eye.h"
+#include "client/render/gl/shader_program.h"
 
 namespace lode::render {
 namespace {
@@ -13,7 +13,7 @@ enum ShadowUniform : GLint { kShadowRotation, kShadowProjection };
 enum ShadowAttribute : GLuint { kMiddle, kAcross, kAlong };
 
 const char* const kVertexShader = R"glsl(
-layout(location = 0) in vec4 middle_depth;  // from the eye
+layout(location = 0) in vec4 middle_depth;  // relative to the eye; depth
 layout(location = 1) in vec3 across;
 layout(location = 2) in vec3 along;
 layout(location = 0) uniform mat3 view_rotation;
@@ -40,7 +40,7 @@ void main() {
 }
 )glsl";
 
-/// As the vertex shader reads it.
+/// A shadow, laid out for the vertex shader.
 struct Spot {
   glm::vec4 middle_depth;
   glm::vec3 across, along;

@@ -5,25 +5,25 @@
 #include <glm/glm.hpp>
 
 #include "client/core/view/view.h"
-#include "client/render/framebuffer.h"
-#include "client/render/gl_names.h"
+#include "client/render/gl/framebuffer.h"
+#include "client/render/gl/gl_names.h"
 
 namespace lode::render {
 
-/// The soft dark spot where something stands on level ground.
+/// A soft dark ellipse on level ground below an object.
 struct ContactShadow {
-  glm::dvec3 middle{0};            ///< on the ground
-  glm::dvec3 across{0}, along{0};  ///< from there to its ends; level
-  float depth = 0;                 ///< of light that is missing in the middle, 0..1
+  glm::dvec3 middle{0};            ///< centre, on the ground
+  glm::dvec3 across{0}, along{0};  ///< horizontal half axes
+  float depth = 0;                 ///< share of light missing in the middle, 0..1
 };
 
-/// Darkens a ground that has been drawn, before anything that stands on it. Made, used and destroyed on the
-/// thread of its context.
+/// Darkens drawn ground, before the objects on it are drawn. Create, use and destroy it on the thread of its
+/// context.
 class ContactShadows {
  public:
   ContactShadows();
 
-  /// In one pass; where several meet, they darken together. @param shadows  in the frame of the view.
+  /// Draws all shadows in one pass; overlapping ones multiply. @param shadows  in the view's model frame.
   void draw(std::span<const ContactShadow> shadows, const core::View& view, const Framebuffer& target);
 
  private:

@@ -11,14 +11,14 @@
 namespace lode::render {
 namespace {
 
-/// Of a fade that began then, 0..1.
+/// Progress of a fade, 0..1.
 float progressOf(double start_s, double now_s) {
   return static_cast<float>(std::clamp((now_s - start_s) / kFadeS, 0.0, 1.0));
 }
 
 auto placeOf(const ChangedRegion* region) { return depthFirst(region->node); }
 
-/// @param nodes  depth first, none below another.
+/// True if a node is in one of these regions. @param nodes  disjoint, depth first.
 bool isWithin(NodeKey node, std::span<const NodeKey> nodes) {
   const auto after = std::ranges::upper_bound(nodes, depthFirst(node), {}, depthFirst);
   return after != nodes.begin() && (after - 1)->contains(node);
@@ -33,7 +33,7 @@ void CrossFade::show(const ShownCover& cover, const core::View& view, double lat
   std::erase_if(leaving_, [&](const Part& part) { return progressOf(part.left_s, time.now_s) >= 1; });
   if (cover.cut != cut_ || !std::ranges::equal(cover.numbers, numbers_))
     change(cover, frustum, lattice_step, time.now_s);
-  lost_ = false;
+  is_forgotten_ = false;
   endFadesInSight(frustum, time.now_s);
   list(time.now_s);
 }
@@ -41,8 +41,8 @@ void CrossFade::show(const ShownCover& cover, const core::View& view, double lat
 void CrossFade::forget() {
   leaving_.clear();
   gaps_.clear();
-  for (Part& part : live_) part.arrived_s = kEver;
-  lost_ = true;
+  for (Part& part : live_) part.arrived_s = kLongAgo;
+  is_forgotten_ = true;
 }
 
 uint64_t CrossFade::oldestSerial() const noexcept {
@@ -57,12 +57,12 @@ std::vector<CrossFade::Part> CrossFade::partsOf(const ShownCover& cover, double 
   for (const uint32_t number : cover.numbers) {
     if (cover.drawn[number].index_count == 0) continue;
     parts.push_back(
-        {cover.drawn[number], core::partOf(*cover.cut, number).mesh.get(), now_s, kEver, 0, cover.serial});
+        {cover.drawn[number], core::partOf(*cover.cut, number).mesh.get(), now_s, kLongAgo, 0, cover.serial});
   }
   return parts;
 }
 
-/// Lets live_ be the new cover; what stays keeps its clock.
+/// Makes the new cover live_. Parts in both covers keep their clocks.
 CrossFade::Change CrossFade::take(const ShownCover& cover, double now_s) {
   Change change;
   change.before = std::exchange(live_, partsOf(cover, now_s));
@@ -93,7 +93,7 @@ CrossFade::Change CrossFade::take(const ShownCover& cover, double now_s) {
   return change;
 }
 
-/// First what cannot fade, since it ends fades around it.
+/// Handles regions that cannot fade first, since they end fades around them.
 void CrossFade::change(const ShownCover& cover, const core::ViewFrustum& frustum, double lattice_step,
                        double now_s) {
   const Change change = take(cover, now_s);
@@ -119,8 +119,8 @@ void CrossFade::change(const ShownCover& cover, const core::ViewFrustum& frustum
 
 bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const core::ViewFrustum& frustum,
                         double lattice_step) const {
-  if (lost_ || region.leaving.empty() || region.arriving.empty()) return false;
-  if (change.cut_before->build != cut_->build) return false;  // no error tells how far they are apart
+  if (is_forgotten_ || region.leaving.empty() || region.arriving.empty()) return false;
+  if (change.cut_before->build != cut_->build) return false;  // unknown distance between the surfaces
   const auto fits = [&](const DrawItem& item) {
     const double distance_model = frustum.distanceTo(core::toModelBox(item.box, lattice_step));
     return frustum.errorPx(item.error_model, distance_model) <= kLargestFadedStepPx;
@@ -129,7 +129,7 @@ bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const
          std::ranges::all_of(region.arriving, [&](uint32_t i) { return fits(live_[i].item); });
 }
 
-/// What either cut leaves out in regions that fade, and none of its parts covers.
+/// Adds gaps: boxes in fading regions that a cut leaves out and none of its parts covers.
 void CrossFade::noteGaps(const Change& change, std::span<const ChangedRegion* const> regions,
                          double until_s) {
   const auto note = [&](const core::Cut* cut, bool is_before) {
@@ -150,8 +150,8 @@ void CrossFade::noteGaps(const Change& change, std::span<const ChangedRegion* co
   note(cut_.get(), false);
 }
 
-/// Shows the newest cover alone at these nodes, and wherever a part that leaves reaches from there.
-/// @return where that was, depth first.
+/// Ends fades at these nodes and wherever a leaving part overlaps them.
+/// @return the regions where fades ended, depth first.
 std::vector<NodeKey> CrossFade::endFadesAt(std::span<const NodeKey> nodes) {
   std::vector<NodeKey> ended;
   if (leaving_.empty() || nodes.empty()) return ended;
@@ -164,12 +164,12 @@ std::vector<NodeKey> CrossFade::endFadesAt(std::span<const NodeKey> nodes) {
   }
   std::erase_if(leaving_, [&](const Part& part) { return isWithin(part.item.node, ended); });
   for (Part& part : live_) {
-    if (isWithin(part.item.node, ended)) part.arrived_s = kEver;
+    if (isWithin(part.item.node, ended)) part.arrived_s = kLongAgo;
   }
   return ended;
 }
 
-/// Where the camera sees a place that one side does not cover, or has turned to one.
+/// Ends fades in regions with a gap that the camera sees.
 void CrossFade::endFadesInSight(const core::ViewFrustum& frustum, double now_s) {
   std::erase_if(gaps_, [&](const Gap& gap) { return gap.until_s <= now_s; });
   std::vector<NodeKey> seen;
@@ -179,7 +179,8 @@ void CrossFade::endFadesInSight(const core::ViewFrustum& frustum, double now_s) 
   endFadesAt(seen);
 }
 
-/// A part has the pixels that it has come to, less those that what follows it has taken.
+/// Lists items. A live part has the dither range up to its progress, a leaving part the range not yet taken
+/// from it.
 void CrossFade::list(double now_s) {
   items_.clear();
   items_.reserve(live_.size() + leaving_.size());

@@ -8,25 +8,18 @@
 
 #include "client/core/lod/cut.h"
 #include "client/core/view/view.h"
-#include "client/render/culling/hidden_parts.h"
+#include "client/render/passes/draw_style.h"
 #include "client/render/residency/changed_regions.h"
 #include "client/render/residency/mesh_residency.h"
 
 namespace lode::render {
 
 constexpr double kFadeS = 0.25;
-constexpr float kLargestFadedStepPx =
-    4;  ///< what moves further would show the background: it switches at once
+/// Parts with a larger error switch at once: dithering surfaces that far apart shows the background.
+constexpr float kLargestFadedStepPx = 4;
 
-/// When a frame is drawn.
-struct DrawTime {
-  double now_s = 0;    ///< of any clock that does not go back
-  bool fades = false;  ///< what has changed since the last frame takes its place by a cross-fade
-  HiddenParts hidden_parts = HiddenParts::kDrawn;
-};
-
-/// A part of the picture, drawn on those pixels whose dither value, 0..1, lies in [from, to). Where parts
-/// cover the same place, theirs add up to [0, 1) and do not overlap: each pixel shows one surface.
+/// A part drawn on the pixels whose dither value, 0..1, lies in [from, to). The ranges of parts that cover
+/// the same region partition [0, 1): each pixel shows one surface.
 struct FadedItem {
   DrawItem item;
   float from = 0, to = 1;
@@ -34,46 +27,46 @@ struct FadedItem {
   bool whole() const noexcept { return from <= 0 && to >= 1; }
 };
 
-/// What one frame shows.
+/// The parts that one frame shows.
 struct ShownCover {
   std::shared_ptr<const core::Cut> cut;
-  std::span<const DrawItem> drawn;    ///< of the cut, by the numbers of core::partOf()
-  std::span<const uint32_t> numbers;  ///< of them, what covers the model
-  uint64_t serial = 0;                ///< of the cut; a newer one's is larger
+  std::span<const DrawItem> drawn;    ///< items of the cut, by number of core::partOf()
+  std::span<const uint32_t> numbers;  ///< numbers of the items that cover the model
+  uint64_t serial = 0;                ///< serial of the cut; it increases
 };
 
-/// Lets what arrives in a picture take the place of what leaves it pixel by pixel, each region by its own
-/// clock. Nothing fades where one of both sides does not cover what the camera sees, or where the step is
-/// large. Needs no OpenGL.
+/// Cross-fades from leaving to arriving parts by dithering, each region on its own clock. A region switches
+/// at once if one side does not cover all that the camera sees of it or if its error is large. Uses no
+/// OpenGL.
 class CrossFade {
  public:
-  /// Compares with what the last frame showed. What leaves is drawn from its place on the GPU.
-  /// @param fades  false: the cover is shown at once, and fades under way end.
+  /// Shows a cover and starts fades from the parts of the last frame, whose meshes must still be resident.
+  /// With time.fades false it shows the cover at once and ends running fades.
   void show(const ShownCover& cover, const core::View& view, double lattice_step, const DrawTime& time);
-  /// Something that was shown has lost its place: nothing fades from it.
+  /// Call it when a shown mesh was evicted: ends all fades, and the next show() starts none.
   void forget();
 
-  /// Of the last show(); null: none.
+  /// The cut of the last show(); null: none.
   const std::shared_ptr<const core::Cut>& cut() const noexcept { return cut_; }
-  /// The cover's items and those that leave, with their shares at the time of the last show().
+  /// The cover's items, then the leaving ones, with their dither ranges at the last show().
   const std::vector<FadedItem>& items() const noexcept { return items_; }
-  /// How many of items() are the cover's; they come first.
+  /// Number of items() that belong to the cover.
   size_t coverCount() const noexcept { return live_.size(); }
   bool fading() const noexcept { return !leaving_.empty(); }
-  /// The oldest cut whose meshes are still drawn.
+  /// Serial of the oldest cut with a leaving part.
   uint64_t oldestSerial() const noexcept;
 
  private:
-  static constexpr double kEver = -std::numeric_limits<double>::infinity();
+  static constexpr double kLongAgo = -std::numeric_limits<double>::infinity();
 
   struct Part {
     DrawItem item;
-    const Mesh* mesh = nullptr;  ///< not looked into
-    double since_s = 0;          ///< it is shown; and where it fades
-    double arrived_s = kEver, left_s = 0;
-    uint64_t serial = 0;  ///< of the last cut that had it
+    const Mesh* mesh = nullptr;  ///< identity only, never dereferenced
+    double since_s = 0;          ///< first shown; then start of its fades
+    double arrived_s = kLongAgo, left_s = 0;
+    uint64_t serial = 0;  ///< serial of the last cut with this part
   };
-  /// A place that one side of a fade does not cover.
+  /// A box that one side of a fade does not cover.
   struct Gap {
     NodeKey region;
     core::ModelBox box;
@@ -83,7 +76,7 @@ class CrossFade {
   struct Change {
     std::shared_ptr<const core::Cut> cut_before;
     std::vector<Part> before;
-    std::vector<ChangedRegion> regions;  ///< of before and live_
+    std::vector<ChangedRegion> regions;  ///< indices into before and live_
   };
 
   Change take(const ShownCover& cover, double now_s);
@@ -100,7 +93,7 @@ class CrossFade {
   std::vector<uint32_t> numbers_;
   std::vector<Part> live_, leaving_;
   std::vector<Gap> gaps_;
-  bool lost_ = false;
+  bool is_forgotten_ = false;  ///< forget() ran since the last show()
   std::vector<FadedItem> items_;
 };
 

@@ -1,12 +1,12 @@
 #include "client/render/passes/light.h"
 
-#include "client/render/eye.h"
+#include "client/render/gl/eye.h"
 
 namespace lode::render {
 
 Light lightFor(const core::View& view, const glm::dvec3& up) noexcept {
   const glm::dvec3 above = glm::normalize(up), right = glm::cross(view.forward, view.up);
-  // Towards the viewer over level ground; of a camera that is rolled by a quarter turn, towards its eye.
+  // Horizontal direction towards the viewer; the view direction if the camera is rolled by 90 degrees.
   const glm::dvec3 level = glm::cross(right, above);
   const glm::dvec3 back = glm::length(level) > 0.1 ? glm::normalize(level) : -view.forward;
   const glm::dvec3 left = glm::cross(back, above);
@@ -14,5 +14,32 @@ Light lightFor(const core::View& view, const glm::dvec3& up) noexcept {
   return {rotation * glm::vec3(glm::normalize(0.35 * left + 0.78 * above + 0.52 * back)),
           rotation * glm::vec3(above)};
 }
+
+const char* const kLightShader = R"glsl(
+layout(location = 7) uniform vec3 to_sun;
+layout(location = 8) uniform vec3 up;
+layout(location = 9) uniform float exposure;
+
+const vec3 kSun = vec3(0.84, 0.80, 0.73), kSky = vec3(0.30, 0.335, 0.385), kGround = vec3(0.095, 0.085, 0.075);
+const float kHeadlight = 0.08, kGlint = 0.05, kShoulder = 0.55;
+
+/// Light that a surface of this colour and normal sends to the eye.
+vec3 lit(vec3 paint, vec3 n, vec3 to_eye) {
+  vec3 light = mix(kGround, kSky, dot(n, up) * 0.5 + 0.5);
+  light += kSun * max(dot(n, to_sun), 0.0) + kHeadlight * max(dot(n, to_eye), 0.0);
+  float facing = max(dot(n, normalize(to_sun + to_eye)), 0.0);
+  float square = facing * facing, eighth = square * square * square * square;
+  float glint = eighth * eighth * eighth * eighth * eighth;  // facing to the power of 40, by multiplications
+  return exposure * (paint * light + kGlint * glint);
+}
+
+/// Tone mapping: compresses colours above the shoulder below 1, so that sunlit white keeps its shading. Scales
+/// all three channels alike, which keeps the hue.
+vec3 toned(vec3 colour) {
+  float most = max(colour.r, max(colour.g, colour.b)), room = 1.0 - kShoulder;
+  if (most <= kShoulder) return colour;
+  return colour * ((kShoulder + room * (1.0 - exp((kShoulder - most) / room))) / most);
+}
+)glsl";
 
 }  // namespace lode::render

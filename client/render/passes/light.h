@@ -6,15 +6,17 @@
 
 namespace lode::render {
 
-/// Where the light of a picture comes from, in the view frame. The sun stands over the viewer's left shoulder
-/// and goes round with the camera, so that no side of a model lies in the dark; the sky is above and the
-/// ground below as the model stands.
+/// Directions of light in the view frame. The sun is above the viewer's left shoulder and turns with the
+/// camera, so that no visible side of a model is dark. Sky and ground follow the model's up axis.
 struct Light {
-  glm::vec3 to_sun{0, 0, 1};  ///< unit length, as below
+  glm::vec3 to_sun{0, 0, 1};  ///< unit length, like up
   glm::vec3 up{0, 1, 0};
 };
 
-/// @param up  of the model, in its frame, of any length but 0.
+/// @param up  the model's up axis in its own frame, not 0.
 Light lightFor(const core::View& view, const glm::dvec3& up) noexcept;
+
+/// GLSL of shading: lit() and toned(). Precedes the fragment shader of a mesh.
+extern const char* const kLightShader;
 
 }  // namespace lode::render

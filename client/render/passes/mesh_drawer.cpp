@@ -3,14 +3,26 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <string_view>
+#include <utility>
+#include <vector>
 
-#include "client/render/eye.h"
+#include "client/render/gl/eye.h"
+#include "client/render/gl/shader_program.h"
 #include "client/render/passes/light.h"
+#include "client/render/passes/mesh_shaders.h"
 #include "client/render/residency/gpu_vertex.h"
 #include "common/image/srgb.h"
 
 namespace lode::render {
 namespace {
+
+constexpr std::array<std::pair<MeshPrograms::Part, std::string_view>, 5> kDefinitions{
+    {{MeshPrograms::kFading, "FADING"},
+     {MeshPrograms::kTextured, "TEXTURED"},
+     {MeshPrograms::kCutOut, "CUT_OUT"},
+     {MeshPrograms::kViews, "VIEWS"},
+     {MeshPrograms::kWire, "WIRE"}}};
 
 static_assert(sizeof(DrawState) == 3 * sizeof(uint32_t));
 
@@ -46,12 +58,28 @@ GlVertexArray makeMeshArray() {
   return array;
 }
 
-/// In light, as shaders reckon, what is meant for a screen.
+/// Converts sRGB to linear light, as shaders use it.
 glm::vec3 toLinear(const glm::u8vec3& srgb) {
   return glm::dvec3(linearOf(srgb.r), linearOf(srgb.g), linearOf(srgb.b));
 }
 
 }  // namespace
+
+MeshPrograms::MeshPrograms() {
+  for (const unsigned parts : {0u, unsigned{kFading}, unsigned{kTextured}, unsigned{kFading | kTextured}})
+    with(parts);
+}
+
+const GlProgram& MeshPrograms::with(unsigned parts) {
+  GlProgram& program = programs_.at(parts);
+  if (program) return program;
+  std::vector<std::string_view> definitions{(parts & kViews) != 0 ? kTintedCorner : kCorner};
+  for (const auto& [part, definition] : kDefinitions)
+    if ((parts & part) != 0) definitions.push_back(definition);
+  program = linkProgram(kMeshVertexShader, {kLightShader, kWireShader, kMeshFragmentShader}, definitions,
+                        (parts & kWire) != 0 ? kWireGeometryShader : nullptr);
+  return program;
+}
 
 void setFrameState() {
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -66,13 +94,13 @@ void setFrameState() {
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
-void goOnWithPicture(const Framebuffer& target) {
+void continuePicture(const Framebuffer& target) {
   target.bindForDrawing();
   setFrameState();
 }
 
 void startPicture(const Framebuffer& target, const DrawStyle& style) {
-  goOnWithPicture(target);
+  continuePicture(target);
   const GLfloat far_depth = 0;
   if (!style.over) glClearBufferfv(GL_DEPTH, 0, &far_depth);
 }
@@ -90,7 +118,7 @@ void MeshDrawer::begin(const GlBuffer& states, AttributeSet attributes, const Te
   } else {
     glDisableVertexArrayAttrib(array_.get(), kTextureCode);
   }
-  // What an image leaves clear is left out sample by sample, so that nothing has to be sorted.
+  // Alpha to coverage handles transparent texels without sorting.
   if (textures.hasClear()) {
     glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
     glEnable(GL_SAMPLE_ALPHA_TO_ONE);
@@ -122,7 +150,7 @@ void MeshDrawer::end() const {
   glBindVertexArray(0);
 }
 
-/// Coordinates are told to the shader without the whole repeats in their origin, which floats would lose.
+/// Passes the fractional part of the texture origin only: floats would lose precision on whole repeats.
 void MeshDrawer::setTextures() const {
   const TextureSet* const set = textures_->set();
   if (set == nullptr) return;

@@ -1,38 +1,61 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include <glm/glm.hpp>
 
 #include "client/core/view/view.h"
-#include "client/render/draw_style.h"
-#include "client/render/framebuffer.h"
-#include "client/render/gl_names.h"
-#include "client/render/passes/mesh_programs.h"
+#include "client/render/gl/framebuffer.h"
+#include "client/render/gl/gl_names.h"
+#include "client/render/passes/draw_style.h"
 #include "client/render/residency/gpu_pages.h"
 #include "client/render/residency/texture_residency.h"
 
 namespace lode::render {
 
-/// What all triangles of a draw share, as the shaders read it.
+/// Shader programs that draw meshes, one per combination of features: a CPU renderer runs both sides of a
+/// branch for every pixel, so rarely needed features are compiled in, not branched on. Use it on the thread
+/// of its context.
+class MeshPrograms {
+ public:
+  enum Part : uint8_t {
+    kFading = 1,    ///< draws a dithered share of the pixels
+    kTextured = 2,  ///< samples textures
+    kCutOut = 4,    ///< discards transparent pixels; for targets without multisampling
+    kViews = 8,     ///< colour modes other than kSurface
+    kWire = 16,     ///< triangle edges; needs a geometry shader
+  };
+
+  /// Links the programs for kSurface. @throws Error kInternal if the driver rejects a shader.
+  MeshPrograms();
+
+  /// Returns a program, linked at first use. @param parts  bits of Part. @throws as the constructor.
+  const GlProgram& with(unsigned parts);
+
+ private:
+  std::array<GlProgram, 32> programs_;
+};
+
+/// Per-draw state, laid out for the shaders.
 struct DrawState {
   uint32_t flags;
   glm::u8vec4 tint;
-  uint32_t share;  ///< of the pixels: from and to in 256ths, 16 bits each
+  uint32_t share;  ///< dither range: from and to in 256ths, 16 bits each
 };
 
-/// What the draw calls of a model's meshes have in common. Between begin() and end(): use() a program, and
-/// for each page bindPage() and draw indexed triangles whose base instance is the number of a state. Made,
-/// used and destroyed on the thread of its context.
+/// Sets up the OpenGL state for draw calls of a model's meshes. Between begin() and end() call use(), then
+/// for each page bindPage() and draw indexed triangles with the index of a DrawState as base instance.
+/// Create, use and destroy it on the thread of its context.
 class MeshDrawer {
  public:
   /// @throws Error kInternal if the driver rejects a shader.
   MeshDrawer();
 
-  /// @param states      of DrawState, one after the other.
-  /// @param attributes  the model's, of all meshes.
+  /// @param states      buffer with an array of DrawState.
+  /// @param attributes  the attributes of all meshes of the model.
   void begin(const GlBuffer& states, AttributeSet attributes, const TextureResidency& textures);
-  /// @param has_samples  of a pixel, the target.
+  /// Selects a program. @param has_samples  whether the target is multisampled.
   void use(bool fades, bool has_samples, const core::View& view, double lattice_step, const DrawStyle& style);
   void bindPage(const GpuPages& pages, uint32_t page) const;
   void end() const;
@@ -47,11 +70,11 @@ class MeshDrawer {
   const TextureResidency* textures_ = nullptr;  ///< between begin() and end()
 };
 
-/// What drawing starts from, whatever was drawn before.
+/// Sets all state that drawing relies on.
 void setFrameState();
-/// The same for a picture, whose depth is cleared unless it is drawn over what is there.
+/// Binds a target, sets the frame state, and clears the depth unless style.over is set.
 void startPicture(const Framebuffer& target, const DrawStyle& style);
-/// The same for one that goes on.
-void goOnWithPicture(const Framebuffer& target);
+/// Binds a target and sets the frame state, to continue its picture.
+void continuePicture(const Framebuffer& target);
 
 }  // namespace lode::render

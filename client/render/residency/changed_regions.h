@@ -9,22 +9,22 @@
 
 namespace lode::render {
 
-/// Orders nodes depth first: one before all that is below it, and that before anything else.
+/// Sort key for depth-first order: a node precedes its descendants, which precede the next node.
 constexpr std::pair<uint64_t, int> depthFirst(NodeKey node) noexcept {
   return {node.value << 3 * (kMaxDepth - node.depth()), node.depth()};
 }
 
-/// Where what covers a model changes hands: what leaves and what arrives there covers the same, since no
-/// other part reaches below the region's node.
+/// A region of the model whose parts are replaced. The leaving and the arriving parts cover the same region:
+/// no other part lies below its node.
 struct ChangedRegion {
   NodeKey node;
-  std::vector<uint32_t> leaving, arriving;  ///< indices into what changedRegions() was given
+  std::vector<uint32_t> leaving, arriving;  ///< indices into the arguments of changedRegions()
 
   bool operator==(const ChangedRegion&) const = default;
 };
 
-/// Matches the nodes that only the old cover has with those that only the new one has.
-/// @return regions depth first; each has the shallowest of its nodes.
+/// Groups nodes that only the old cover has with nodes that only the new cover has.
+/// @return regions in depth-first order; the node of each is the shallowest of its nodes.
 std::vector<ChangedRegion> changedRegions(std::span<const NodeKey> leaving,
                                           std::span<const NodeKey> arriving);
 

@@ -19,7 +19,7 @@ using core::CutPart;
 using core::Fallback;
 using core::LeftOut;
 
-/// Orders nodes depth first, each after all that is below it.
+/// Sort key for post-order: a node follows its descendants.
 constexpr std::pair<uint64_t, int> depthLast(NodeKey node) noexcept {
   return {((node.value + 1) << 3 * (kMaxDepth - node.depth())) - 1, -node.depth()};
 }
@@ -27,7 +27,7 @@ constexpr std::pair<uint64_t, int> depthLast(NodeKey node) noexcept {
 NodeKey nodeOf(const CutPart& part) { return part.node; }
 NodeKey nodeOf(const LeftOut& left_out) { return left_out.node; }
 
-/// What is at a node: a part, or, if the mesh is null, a place that is left out.
+/// What covers a node: a part, or nothing yet (LeftOut) if the mesh is null.
 struct Covering {
   NodeKey node;
   const Mesh* mesh = nullptr;
@@ -36,7 +36,7 @@ struct Covering {
   std::pair<uint64_t, int> order() const noexcept { return depthFirst(node); }
 };
 
-/// All that covers a cut, depth first, as its parts are.
+/// Returns the parts and left-out nodes of a cut, depth first.
 std::vector<Covering> coverOf(const Cut& cut) {
   std::vector<Covering> cover;
   cover.reserve(cut.parts.size() + cut.left_out.size());
@@ -48,8 +48,8 @@ std::vector<Covering> coverOf(const Cut& cut) {
   return cover;
 }
 
-/// Where what covers one cut differs from what covers the other, depth first: what leaves a region and what
-/// arrives there covers the same, since nothing else reaches below its node, the shallowest that differs.
+/// Returns the regions in which two covers differ, depth first. The node of a region is the shallowest that
+/// differs; no other part reaches below it, so leaving and arriving parts cover the same region.
 std::vector<NodeKey> regionsThatDiffer(const std::vector<Covering>& before,
                                        const std::vector<Covering>& now) {
   std::vector<NodeKey> regions;
@@ -66,7 +66,7 @@ std::vector<NodeKey> regionsThatDiffer(const std::vector<Covering>& before,
   return regions;
 }
 
-/// The same covers both: most cuts of a scene differ from the ones before in the camera alone.
+/// True if both cuts have the same cover. Most successive cuts of a scene differ only in the camera.
 bool haveSameCover(const Cut& a, const Cut& b) {
   const auto isSamePart = [](const CutPart& one, const CutPart& other) {
     return one.node == other.node && one.mesh == other.mesh;
@@ -76,7 +76,7 @@ bool haveSameCover(const Cut& a, const Cut& b) {
          std::ranges::equal(a.left_out, b.left_out, isSamePlace);
 }
 
-/// A cut's parts at a node and below it.
+/// Returns a cut's parts at and below a node.
 std::span<const CutPart> partsIn(NodeKey node, const Cut& cut) {
   const auto first = std::ranges::lower_bound(cut.parts, depthFirst(node), {},
                                               [](const CutPart& part) { return depthFirst(part.node); });
@@ -84,14 +84,14 @@ std::span<const CutPart> partsIn(NodeKey node, const Cut& cut) {
   return {first, std::find_if_not(first, cut.parts.end(), isIn)};
 }
 
-/// Regions that do not overlap, depth first.
+/// Disjoint regions in depth-first order.
 class Regions {
  public:
   explicit Regions(std::vector<NodeKey> nodes) : nodes_(std::move(nodes)) {
     std::ranges::sort(nodes_, {}, depthFirst);
   }
   std::span<const NodeKey> nodes() const noexcept { return nodes_; }
-  /// The index of the one that a node is in.
+  /// Returns the index of the region that contains a node.
   std::optional<size_t> around(NodeKey node) const noexcept {
     const auto after = std::ranges::upper_bound(nodes_, depthFirst(node), {}, depthFirst);
     if (after == nodes_.begin() || !(after - 1)->contains(node)) return std::nullopt;
@@ -102,18 +102,18 @@ class Regions {
   std::vector<NodeKey> nodes_;
 };
 
-/// What a region waits for, and how urgent it is.
+/// A region to switch and its priority.
 struct PlannedRegion {
   ExchangeStep step;
   bool visible = false;
-  float error_px = 0;  ///< of what is there now
+  float error_px = 0;  ///< largest error of the parts drawn now
 
   std::tuple<bool, float, uint32_t, std::pair<uint64_t, int>> order() const {
     return {!visible, -error_px, step.instance, depthFirst(*step.region)};
   }
 };
 
-/// But for what is left out of the older cut.
+/// Plans one region. The caller raises error_px where the older cut leaves nodes out.
 PlannedRegion planRegion(const Cut& from, const Cut& to, uint32_t instance, NodeKey region) {
   PlannedRegion planned;
   planned.step.instance = instance;
@@ -127,7 +127,7 @@ PlannedRegion planRegion(const Cut& from, const Cut& to, uint32_t instance, Node
   return planned;
 }
 
-/// Those at one place, depth first.
+/// Plans the regions of one instance, depth first.
 std::vector<PlannedRegion> regionsBetween(const Cut& from, const Cut& to, uint32_t instance) {
   if (haveSameCover(from, to)) return {};
   std::vector<PlannedRegion> planned;
@@ -139,7 +139,7 @@ std::vector<PlannedRegion> regionsBetween(const Cut& from, const Cut& to, uint32
   return planned;
 }
 
-/// The older cut's in regions that are kept, the newer's elsewhere, where both may have the same.
+/// Merges two lists: elements of `from` inside the kept regions, elements of `to` outside them.
 template <typename T>
 std::vector<T> mixed(const std::vector<T>& from, const std::vector<T>& to, const Regions& kept) {
   std::vector<T> both;
@@ -150,7 +150,7 @@ std::vector<T> mixed(const std::vector<T>& from, const std::vector<T>& to, const
   return both;
 }
 
-/// What the pixels of a cut's picture are in those of another's.
+/// Factor from pixels of one cut's view to pixels of another's.
 float pixelRatio(const Cut& from, const Cut& to) {
   return static_cast<float>(focalPx(to.view) / focalPx(from.view));
 }
@@ -160,7 +160,7 @@ void measureIn(float pixel_ratio, CutPart& part) {
   part.threshold_px *= pixel_ratio;
 }
 
-/// The fallbacks of both cuts, of a node that both have one for the newer's.
+/// Returns the fallbacks of both cuts; the newer cut's where both have one for a node.
 std::vector<Fallback> fallbacksOf(const Cut& from, const Cut& to) {
   std::vector<Fallback> both = to.fallbacks;
   for (const Fallback& fallback : from.fallbacks)
@@ -171,10 +171,10 @@ std::vector<Fallback> fallbacksOf(const Cut& from, const Cut& to) {
   return both;
 }
 
-/// Gives a cut of parts and left_out_below that are left out, both depth first, those fallbacks that these
-/// need.
+/// Assigns to a cut those of the fallbacks that its left-out nodes need. The cut's parts and left_out are
+/// depth first.
 void assign(std::vector<Fallback> fallbacks, Cut& cut) {
-  std::unordered_map<uint64_t, std::vector<LeftOut>> left_out_below;  // by the node of their fallback
+  std::unordered_map<uint64_t, std::vector<LeftOut>> left_out_below;  // by fallback node
   for (const Fallback& fallback : fallbacks)
     left_out_below.emplace(fallback.part.node.value, std::vector<LeftOut>());
   for (const LeftOut& left_out : std::exchange(cut.left_out, {})) {

@@ -11,38 +11,38 @@
 
 namespace lode::render {
 
-/// A part of the newer cut at a place where the model stands.
+/// A part of the newer cut of one instance.
 struct InstancePart {
   uint32_t instance = 0;
-  uint32_t number = 0;  ///< for core::partOf()
+  uint32_t number = 0;  ///< argument of core::partOf()
 };
 
-/// Parts of the newer cuts whose meshes have to be there together.
+/// Parts of the newer cuts whose meshes must be resident before any of them is drawn.
 struct ExchangeStep {
   std::vector<InstancePart> parts;
-  uint32_t instance = 0;          ///< of the region
-  std::optional<NodeKey> region;  ///< that changes hands then; none: all that is whole, or the fallbacks
+  uint32_t instance = 0;          ///< instance of the region
+  std::optional<NodeKey> region;  ///< region to switch then; none for the first step (fallbacks or all)
 };
 
-/// How the cuts of a model at its places take the places of others: region by region, each as soon as all
-/// that it shows is on the GPU, those first that are in sight and were coarsest, wherever they stand. In
-/// between a mixture of both covers the model, of each region the newer or the older cut's parts, which is as
-/// free of holes as they are: where it leaves places out, a fallback of either stands by. Needs no OpenGL.
+/// Plans the switch from older to newer cuts of a model's instances. Regions switch one by one, each when all
+/// of its meshes are on the GPU: visible regions first, those with the largest error first, across instances.
+/// In between a mixed cut covers the model: it has the newer or the older parts of each region and fallbacks
+/// of either for regions left out, so it has no more holes than the two cuts. Uses no OpenGL.
 class CutExchange {
  public:
-  using Cuts = std::vector<std::shared_ptr<const core::Cut>>;  ///< by place
+  using Cuts = std::vector<std::shared_ptr<const core::Cut>>;  ///< by instance
 
-  /// @param from  of the same build and number as `to`; none: all of `to` is one step.
+  /// @param from  cuts of the same build, as many as `to`; empty: all of `to` is one step.
   CutExchange(Cuts from, Cuts to);
 
   std::span<const ExchangeStep> steps() const noexcept { return steps_; }
-  /// What to draw once the first `steps` are done: at a place where none are `from`, where all are `to`, else
-  /// their mixture, with the parts of both; one that was made before where no more are done.
+  /// Returns the cuts to draw after the first `steps` steps: per instance `from` if none of its steps is
+  /// done, `to` if all are, else a mixed cut. Reuses the mixed cut of an instance that made no progress.
   Cuts after(size_t steps);
 
  private:
   struct Mixture {
-    size_t steps = 0;  ///< that are done at the place
+    size_t steps = 0;  ///< steps of the instance done so far
     std::shared_ptr<const core::Cut> cut;
   };
 
@@ -51,7 +51,7 @@ class CutExchange {
 
   Cuts from_, to_;
   std::vector<ExchangeStep> steps_;
-  std::vector<Mixture> mixtures_;  ///< by place, the last
+  std::vector<Mixture> mixtures_;  ///< by instance, the latest
 };
 
 }  // namespace lode::render

@@ -1,21 +1,62 @@
 #include "client/render/residency/gpu_pages.h"
 
 #include <algorithm>
+#include <cassert>
+#include <iterator>
 
 namespace lode::render {
 namespace {
 
 constexpr uint64_t kMostPageBytes = 1u << 31;
-/// So many meshes have room in a page, so that less than an eighth of it is lost at its end, but where it
-/// were larger than a driver makes in a moment.
+/// A page has room for kMeshesOfPage meshes, so that its unused end is under an eighth of it.
+/// kMostBytesForThem limits this, as drivers take long to create larger buffers.
 constexpr uint64_t kMeshesOfPage = 8, kMostBytesForThem = 32u << 20;
 
 }  // namespace
 
+BlockAllocator::BlockAllocator(uint32_t capacity_bytes) {
+  const uint32_t capacity = capacity_bytes / kAlignment * kAlignment;
+  if (capacity > 0) free_.emplace(0, capacity);
+}
+
+std::optional<uint32_t> BlockAllocator::allocate(uint32_t bytes) {
+  const uint32_t wanted = roundUp(bytes);
+  auto best = free_.end();
+  for (auto it = free_.begin(); it != free_.end(); ++it) {
+    if (it->second >= wanted && (best == free_.end() || it->second < best->second)) best = it;
+  }
+  if (best == free_.end()) return std::nullopt;
+  const auto [offset, length] = *best;
+  free_.erase(best);
+  if (length > wanted) free_.emplace(offset + wanted, length - wanted);
+  used_bytes_ += wanted;
+  return offset;
+}
+
+void BlockAllocator::release(uint32_t offset, uint32_t bytes) {
+  uint32_t length = roundUp(bytes);
+  assert(used_bytes_ >= length);
+  used_bytes_ -= length;
+  auto next = free_.lower_bound(offset);
+  if (next != free_.end() && offset + length == next->first) {
+    length += next->second;
+    next = free_.erase(next);
+  }
+  if (next != free_.begin()) {
+    const auto before = std::prev(next);
+    assert(before->first + before->second <= offset);
+    if (before->first + before->second == offset) {
+      before->second += length;
+      return;
+    }
+  }
+  free_.emplace(offset, length);
+}
+
 GpuPages::GpuPages(uint64_t budget_bytes, uint32_t page_bytes)
     : budget_bytes_(budget_bytes), page_bytes_(page_bytes) {}
 
-/// @return 0 if the budget does not allow a page that holds needed_bytes.
+/// @return 0 if the budget does not allow a page of needed_bytes.
 uint32_t GpuPages::sizeOfNewPage(uint32_t needed_bytes, uint64_t capacity_bytes) const noexcept {
   const uint64_t left = budget_bytes_ - std::min(budget_bytes_, capacity_bytes);
   const uint64_t needed = BlockAllocator::roundUp(needed_bytes);
@@ -32,7 +73,7 @@ bool GpuPages::addPage(uint32_t needed_bytes) {
   GlBuffer buffer = GlBuffer::create();
   glNamedBufferStorage(buffer.get(), bytes, nullptr, 0);
   if (glGetError() != GL_NO_ERROR) {
-    budget_bytes_ = most_bytes_;  // the driver has no more, whatever we were allowed
+    budget_bytes_ = most_bytes_;  // the driver is out of memory: ask for no more than it gave before
     return false;
   }
   auto page = std::make_unique<Page>(Page{std::move(buffer), bytes, BlockAllocator(bytes)});

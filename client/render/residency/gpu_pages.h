@@ -1,37 +1,64 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "client/render/gl_names.h"
-#include "client/render/residency/block_allocator.h"
+#include "client/render/gl/gl_names.h"
 
 namespace lode::render {
 
-/// A range of one page.
+/// Allocates ranges of a buffer: best fit, lowest offset on ties; release() coalesces neighbours. Pure
+/// bookkeeping, not thread safe.
+class BlockAllocator {
+ public:
+  static constexpr uint32_t kAlignment = 48;  ///< of offsets and lengths: common multiple of the two
+                                              ///< vertex sizes, 16 and 24 bytes
+
+  /// @param capacity_bytes  rounded down to the alignment.
+  explicit BlockAllocator(uint32_t capacity_bytes);
+
+  /// @param bytes  > 0. @return the offset in bytes, or nothing if no free range is long enough.
+  std::optional<uint32_t> allocate(uint32_t bytes);
+  /// @param offset, bytes  as returned by and passed to allocate().
+  void release(uint32_t offset, uint32_t bytes);
+
+  uint32_t usedBytes() const noexcept { return used_bytes_; }
+  bool empty() const noexcept { return used_bytes_ == 0; }
+  static constexpr uint32_t roundUp(uint32_t bytes) noexcept {
+    return (bytes + kAlignment - 1) / kAlignment * kAlignment;
+  }
+
+ private:
+  std::map<uint32_t, uint32_t> free_;  ///< offset -> bytes
+  uint32_t used_bytes_ = 0;
+};
+
+/// A range of a page.
 struct GpuBlock {
   uint32_t page = 0;
   uint32_t offset_bytes = 0;
   uint32_t bytes = 0;
 };
 
-/// The GPU memory of meshes: a few large buffers, made as they are needed and never more than the budget,
-/// each sub-allocated. Used on the thread of its context.
+/// GPU memory for meshes: a few large buffers (pages), created on demand within a budget and suballocated.
+/// Use it on the thread of its context.
 class GpuPages {
  public:
   GpuPages(uint64_t budget_bytes, uint32_t page_bytes);
 
-  /// Pages that there are stay while they hold something.
+  /// Changes the budget. Pages above it stay until they are empty.
   void setBudget(uint64_t bytes) noexcept { budget_bytes_ = bytes; }
-  /// @return nothing if no page has room and none can be added. bytes > 0.
+  /// @param bytes  > 0. @return nothing if no page has room and none can be added.
   std::optional<GpuBlock> allocate(uint32_t bytes);
   void release(const GpuBlock& block);
-  /// Frees the buffers of pages that hold nothing, but one.
+  /// Frees empty pages except one.
   void dropEmptyPages();
-  /// Frees everything, and makes room for blocks of these sizes, allocated in this order: in pages where they
-  /// fit, else in one for all of them. @return false if the budget does not allow it; then nothing is freed.
+  /// Frees everything and makes room for blocks of these sizes, to be allocated in this order: in ordinary
+  /// pages if they fit, else in one page for all. @return false, with nothing freed, if the budget is too
+  /// small.
   bool clearFor(const std::vector<uint64_t>& sizes);
 
   GLuint buffer(uint32_t page) const noexcept { return pages_[page] ? pages_[page]->buffer.get() : 0; }
@@ -53,8 +80,8 @@ class GpuPages {
   uint64_t budget_bytes_;
   uint32_t page_bytes_;
   uint64_t used_bytes_ = 0, capacity_bytes_ = 0;
-  uint64_t most_bytes_ = 0;                   ///< that pages have ever taken
-  std::vector<std::unique_ptr<Page>> pages_;  ///< null: a page that was dropped
+  uint64_t most_bytes_ = 0;                   ///< peak of capacity_bytes_
+  std::vector<std::unique_ptr<Page>> pages_;  ///< null: a freed page
 };
 
 }  // namespace lode::render

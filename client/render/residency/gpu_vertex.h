@@ -11,7 +11,7 @@
 
 namespace lode::render {
 
-/// A vertex as the GPU keeps it, of a model without texture coordinates.
+/// A vertex in GPU memory, for models without texture coordinates.
 struct GpuVertex {
   uint32_t position_low;   ///< bits 0..31 of the position code
   uint32_t position_high;  ///< bits 32..62
@@ -20,24 +20,25 @@ struct GpuVertex {
 };
 static_assert(sizeof(GpuVertex) == core::kDrawnVertexBytes);
 
-/// The same with texture coordinates.
+/// A vertex in GPU memory, with texture coordinates.
 struct GpuTexturedVertex {
   GpuVertex vertex;
-  glm::u16vec2 texture;  ///< codes
+  glm::u16vec2 texture;  ///< quantized coordinates
   uint16_t material;
   uint16_t unused;
 };
 static_assert(sizeof(GpuTexturedVertex) == core::kDrawnTexturedVertexBytes);
 
-/// Bytes of one vertex of meshes with these attributes.
+/// Returns the size of a vertex of meshes with these attributes.
 constexpr uint32_t vertexBytes(AttributeSet attributes) noexcept {
   return attributes.has(AttributeSet::kTexture) ? sizeof(GpuTexturedVertex) : sizeof(GpuVertex);
 }
 
-/// Packs as many vertices of a mesh as fill `out`, from `first` on, each of vertexBytes(mesh.attributes).
+/// Packs vertices of a mesh into `out` until it is full, starting at `first`. Each takes
+/// vertexBytes(mesh.attributes).
 void packVertices(const Mesh& mesh, size_t first, std::span<std::byte> out);
 
-/// True if the mesh brings normals to shade with, its own or computed ones.
+/// True if meshes with these attributes have vertex normals: the file's or computed ones.
 constexpr bool hasNormals(AttributeSet attributes) noexcept {
   return attributes.has(AttributeSet::kNormal | AttributeSet::kComputedNormal);
 }

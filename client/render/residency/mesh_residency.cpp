@@ -15,11 +15,11 @@
 namespace lode::render {
 namespace {
 
-/// Of thresholds: half the triangles.
+/// Aborts an upload if the newer cut's threshold is this factor coarser (about half the triangles).
 constexpr double kOvertaking = 1.4;
-constexpr uint32_t kPieceBytes = 256u << 10;  ///< between two looks at the clock
+constexpr uint32_t kPieceBytes = 256u << 10;  ///< uploaded between two checks of the clock
 
-/// Calls visit(mesh) for each part and fallback that has triangles; of several places once for a mesh.
+/// Calls visit(mesh) for each part and fallback that has triangles.
 template <typename Visit>
 void forEachMesh(const core::ViewCuts& view_cuts, Visit visit) {
   for (size_t number = 0; number < partCount(*view_cuts.all); ++number) {
@@ -28,7 +28,7 @@ void forEachMesh(const core::ViewCuts& view_cuts, Visit visit) {
   }
 }
 
-/// Each once.
+/// Returns each mesh of the cuts once.
 std::vector<std::shared_ptr<const Mesh>> meshesOf(const core::ViewCuts& view_cuts) {
   std::vector<std::shared_ptr<const Mesh>> meshes;
   std::unordered_set<const Mesh*> known;
@@ -38,7 +38,7 @@ std::vector<std::shared_ptr<const Mesh>> meshesOf(const core::ViewCuts& view_cut
   return meshes;
 }
 
-/// That cuts take of the GPU, with their fallbacks.
+/// Returns the GPU memory that cuts and their fallbacks take.
 uint64_t bytesOf(const core::ViewCuts& view_cuts) {
   uint64_t bytes = 0;
   for (const auto& mesh : meshesOf(view_cuts)) bytes += core::drawnBytes(*mesh);
@@ -50,7 +50,7 @@ static_assert(sizeof(LatticeBox) == core::kDrawnClusterBytes);
 
 }  // namespace
 
-/// What is left of a frame's UploadBudget.
+/// Tracks a frame's UploadBudget.
 struct MeshResidency::Allowance {
   UploadBudget budget;
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
@@ -93,24 +93,24 @@ uint64_t MeshResidency::uploadInRenderThread(const UploadBudget& budget) {
   mixtures_.clear();
   Allowance allowance{budget};
   while (begin() && staging_.open(allowance.budget.wait)) {
-    const bool goes_on = advance(allowance);
+    const bool is_done = advance(allowance);
     staging_.close();
-    if (!goes_on && !allowance.budget.wait) break;
+    if (!is_done && !allowance.budget.wait) break;
   }
-  if (target_ && steps_done_ > steps_drawn_) drawWhatIsThere();
+  if (target_ && steps_done_ > steps_drawn_) switchToResidentSteps();
   return allowance.used_bytes;
 }
 
-/// There is a newer cut that is much coarser, as when a camera begins to move: nobody waits for what is fine.
+/// True if a much coarser cut is waiting, as when a camera starts to move: the fine one is then obsolete.
 bool MeshResidency::isOvertaken() const noexcept {
   return target_ && newest_ && newest_ != target_ && !has_room_alone_ &&
          thresholdRad(*newest_->all) >= kOvertaking * thresholdRad(*target_->all);
 }
 
-/// @return false if there is nothing to do.
+/// Starts the next upload if none is in progress. @return false if there is nothing to upload.
 bool MeshResidency::begin() {
   if (isOvertaken()) {
-    if (steps_done_ > steps_drawn_) drawWhatIsThere();
+    if (steps_done_ > steps_drawn_) switchToResidentSteps();
     if (target_) endExchange();
   }
   if (target_) return true;
@@ -131,7 +131,7 @@ bool MeshResidency::begin() {
   return true;
 }
 
-/// What is drawn and the target.
+/// True if the drawn cuts and the target can be mixed: same build, same number of instances.
 bool MeshResidency::mayMix() const noexcept {
   return !instances_.empty() && instances_.size() == target_->cuts.size() &&
          instances_.front().cut->build == target_->cuts.front()->build;
@@ -158,7 +158,7 @@ bool MeshResidency::pinned(const Entry& entry) const noexcept {
   return entry.used_by == drawn_serial_ || (target_ && entry.used_by == target_serial_);
 }
 
-/// Until all of the target is on the GPU, or a region of it while there is a newer one.
+/// Uploads until the target is resident, or only its next region if a newer target waits.
 /// @return false if the allowance ended first or the target was rejected.
 bool MeshResidency::advance(Allowance& allowance) {
   const size_t steps = exchange_->steps().size();
@@ -168,7 +168,7 @@ bool MeshResidency::advance(Allowance& allowance) {
     next_in_step_ = 0;
     if (steps_done_ > 1 && newest_ != target_) break;
   }
-  drawWhatIsThere();
+  switchToResidentSteps();
   if (target_) endExchange();
   return true;
 }
@@ -179,7 +179,7 @@ bool MeshResidency::advanceStep(const ExchangeStep& step, Allowance& allowance) 
     const core::CutPart& part = partOf(*target_->cuts[part_at.instance], part_at.number);
     if (!part.mesh || part.mesh->triangles.empty()) continue;
     const auto it = entries_.find(part.mesh);
-    Entry* entry = it != entries_.end() ? &it->second : instance(part.mesh);
+    Entry* entry = it != entries_.end() ? &it->second : allocate(part.mesh);
     if (entry == nullptr) {
       makeRoom(allowance);
       return false;
@@ -189,12 +189,12 @@ bool MeshResidency::advanceStep(const ExchangeStep& step, Allowance& allowance) 
   return true;
 }
 
-/// What has lost its place to regions of the target goes first, then all that is drawn.
+/// Makes evictable what the target's resident regions replace; if that is nothing, evicts all other meshes.
 void MeshResidency::makeRoom(Allowance& allowance) {
   if (steps_done_ > steps_drawn_) {
-    drawWhatIsThere();
+    switchToResidentSteps();
   } else if (!has_room_alone_ && makeRoomForTargetAlone()) {
-    allowance.budget.wait = true;  // nothing is drawn until the whole target is there
+    allowance.budget.wait = true;  // nothing is drawn until the whole target is resident
   } else {
     reject();
   }
@@ -212,7 +212,7 @@ bool MeshResidency::uploadMesh(const Mesh& mesh, Entry& entry, Allowance& allowa
   return true;
 }
 
-/// @return bytes uploaded; 0 if the limit does not allow one element.
+/// Uploads the next piece of a mesh. @return bytes uploaded; 0 if the limit is below one element.
 uint32_t MeshResidency::uploadPiece(const Mesh& mesh, Entry& entry, uint32_t limit_bytes) {
   const GLuint buffer = pages_.buffer(entry.block.page);
   const auto vertices = static_cast<uint32_t>(mesh.positions.size());
@@ -239,7 +239,8 @@ uint32_t MeshResidency::uploadPiece(const Mesh& mesh, Entry& entry, uint32_t lim
   return uploadNext(std::span<const LatticeBox>(boxes), entry.clusters_done, limit_bytes, buffer, boxes_at);
 }
 
-/// Of what lies in a buffer from an offset on. @return bytes uploaded; 0 if the limit does not allow one.
+/// Uploads the next elements of an array at buffer offset `at`. @return bytes uploaded; 0 if the limit is
+/// below one element.
 template <typename Element>
 uint32_t MeshResidency::uploadNext(std::span<const Element> elements, uint32_t& done, uint32_t limit_bytes,
                                    GLuint buffer, uint64_t at) {
@@ -253,8 +254,8 @@ uint32_t MeshResidency::uploadNext(std::span<const Element> elements, uint32_t& 
   return static_cast<uint32_t>(room.size());
 }
 
-/// @return null if there is no room, although all that is not drawn or wanted was evicted.
-MeshResidency::Entry* MeshResidency::instance(const std::shared_ptr<const Mesh>& mesh) {
+/// Allocates a block for a mesh and evicts unpinned meshes as needed. @return null if there is no room.
+MeshResidency::Entry* MeshResidency::allocate(const std::shared_ptr<const Mesh>& mesh) {
   const uint64_t bytes = core::drawnBytes(*mesh);
   if (bytes > options_.budget_bytes || bytes > (1u << 31)) return nullptr;
   std::optional<GpuBlock> block;
@@ -282,8 +283,8 @@ bool MeshResidency::evictOldest() {
   return true;
 }
 
-/// Gives up what is drawn now, so that the target can take its place within the same frame: its largest
-/// meshes first, which leaves the fewest gaps.
+/// Evicts all meshes, the drawn ones too, so that the target can replace them within the same frame.
+/// Allocates its largest meshes first, which leaves the fewest gaps.
 bool MeshResidency::makeRoomForTargetAlone() {
   std::vector<std::shared_ptr<const Mesh>> meshes = meshesOf(*target_);
   const auto bytesOf = [](const std::shared_ptr<const Mesh>& mesh) { return core::drawnBytes(*mesh); };
@@ -296,7 +297,7 @@ bool MeshResidency::makeRoomForTargetAlone() {
   drawn_serial_ = 0;
   kept_from_ = std::max(kept_from_, target_serial_);
   entries_.clear();
-  for (const std::shared_ptr<const Mesh>& mesh : meshes) instance(mesh);
+  for (const std::shared_ptr<const Mesh>& mesh : meshes) allocate(mesh);
   startExchange({});
   has_room_alone_ = true;
   return true;
@@ -307,7 +308,7 @@ void MeshResidency::reject() {
   endExchange();
 }
 
-/// What is drawn stays.
+/// Ends the upload of the target. The drawn meshes stay.
 void MeshResidency::endExchange() {
   if (steps_drawn_ > 0) before_ = target_;
   target_.reset();
@@ -316,15 +317,15 @@ void MeshResidency::endExchange() {
   trimTo(options_.spare_bytes);
 }
 
-/// The target, or, where not all of it is there, its mixture with what was drawn before.
-void MeshResidency::drawWhatIsThere() {
+/// Draws the target, or its mixture with the cuts drawn before if not all of it is resident.
+void MeshResidency::switchToResidentSteps() {
   CutExchange::Cuts cuts = exchange_->after(steps_done_);
   steps_drawn_ = steps_done_;
   instances_.resize(cuts.size());
   for (size_t i = 0; i < cuts.size(); ++i) {
     if (cuts[i] == instances_[i].cut) continue;
     if (cuts[i] != target_->cuts[i]) mixtures_.push_back(cuts[i]);
-    list(instances_[i], std::move(cuts[i]));
+    setDrawnCut(instances_[i], std::move(cuts[i]));
   }
   drawn_serial_ = ++serial_;
   complete_ = nullptr;
@@ -338,7 +339,7 @@ void MeshResidency::drawWhatIsThere() {
   trimTo(options_.spare_bytes);
 }
 
-void MeshResidency::list(DrawnInstance& instance, std::shared_ptr<const core::Cut> cut) {
+void MeshResidency::setDrawnCut(DrawnInstance& instance, std::shared_ptr<const core::Cut> cut) {
   instance.cut = std::move(cut);
   instance.drawn.clear();
   instance.entries.clear();
@@ -379,25 +380,25 @@ void MeshResidency::keepFrom(uint64_t serial) {
   if (serial > before) trimTo(options_.spare_bytes);
 }
 
-/// Evicts, oldest first, until meshes that are neither drawn, kept nor wanted take at most spare_bytes.
+/// Evicts, oldest first, until meshes neither drawn, kept nor part of the target take at most spare_bytes.
 void MeshResidency::trimTo(uint64_t spare_bytes) {
   struct Spare {
     uint64_t age = 0;
     Entries::iterator entry;
   };
-  constexpr uint64_t kNeverAgain = 0;
+  constexpr uint64_t kExpired = 0;
   std::vector<Spare> spare;
   uint64_t bytes = 0;
   for (auto it = entries_.begin(); it != entries_.end(); ++it) {
     if (pinned(it->second) || it->second.used_by >= kept_from_) continue;
     bytes += it->second.block.bytes;
-    // Meshes that nobody holds any more can never be asked for again: they go first. Looked at once, since
-    // another thread may let go of one at any time.
-    spare.push_back({it->first.expired() ? kNeverAgain : it->second.used_by, it});
+    // Expired meshes can never be drawn again: evict them first. Check each once, since another thread may
+    // release a mesh at any time.
+    spare.push_back({it->first.expired() ? kExpired : it->second.used_by, it});
   }
   std::stable_sort(spare.begin(), spare.end(), [](const Spare& a, const Spare& b) { return a.age < b.age; });
   for (const auto& [age, it] : spare) {
-    if (bytes <= spare_bytes && age != kNeverAgain) break;
+    if (bytes <= spare_bytes && age != kExpired) break;
     bytes -= it->second.block.bytes;
     pages_.release(it->second.block);
     entries_.erase(it);

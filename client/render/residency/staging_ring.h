@@ -7,15 +7,15 @@
 
 #include <glm/glm.hpp>
 
-#include "client/render/gl_names.h"
+#include "client/render/gl/gl_names.h"
 
 namespace lode::render {
 
-/// Memory that stays mapped and through which bytes go to buffers of the GPU: three segments, one a frame, so
-/// that the CPU writes one while the GPU still reads the others. Used on the thread of its context.
+/// Persistently mapped memory for uploads: a ring of three segments, one per frame, so that the CPU writes
+/// one while the GPU still reads the others. Use it on the thread of its context.
 class StagingRing {
  public:
-  /// @throws Error kIo if the driver has no memory for it.
+  /// @throws Error kIo if the driver is out of memory.
   explicit StagingRing(uint32_t segment_bytes);
   ~StagingRing();
   StagingRing(const StagingRing&) = delete;
@@ -24,13 +24,13 @@ class StagingRing {
   /// Begins a segment. @return false if the GPU still reads it and `wait` is false.
   bool open(bool wait);
   uint32_t freeBytes() const noexcept { return segment_bytes_ - used_bytes_; }
-  /// Room to write to, `bytes` <= freeBytes(); then copy it with copyTo().
+  /// Returns `bytes` <= freeBytes() of the segment to write to. Call copyTo() after writing.
   std::span<std::byte> take(uint32_t bytes);
-  /// Has the GPU copy what was written to the last take().
+  /// Copies the range of the last take() into a buffer, on the GPU.
   void copyTo(GLuint buffer, uint64_t offset_bytes) const;
-  /// The same into a rectangle of one layer of a texture: RGBA texels by rows, as many as were taken.
+  /// Copies the range of the last take(), RGBA texels by rows, into a rectangle of a texture layer.
   void copyTo(GLuint texture_array, GLint layer, glm::ivec2 corner, glm::ivec2 size) const;
-  /// Ends the segment begun by open(); it is not written to again before the GPU has read it.
+  /// Ends the segment begun by open(). It is reused only after the GPU has read it.
   void close();
 
   static constexpr uint32_t kSegments = 3;

@@ -10,13 +10,13 @@
 namespace lode::render {
 namespace {
 
-constexpr uint32_t kFirstLayers = 4;  // of the array; doubled when it is full
-constexpr uint32_t kHeadWords = 4;    // of a texture in the table
-constexpr uint32_t kPageThere = 1u << 31;
+constexpr uint32_t kFirstLayers = 4;  // initial layers of the array, doubled when it is full
+constexpr uint32_t kHeadWords = 4;    // words of a texture's header in the table
+constexpr uint32_t kResidentBit = 1u << 31;
 
-/// What the shader finds for a tile: its layer and corner.
+/// Encodes a table entry: layer and corner of a resident tile.
 uint32_t pageOf(const TileCell& cell) {
-  return kPageThere | cell.layer << 8 | cell.corner.y / core::kLeastTileCellPx << 4 |
+  return kResidentBit | cell.layer << 8 | cell.corner.y / core::kLeastTileCellPx << 4 |
          cell.corner.x / core::kLeastTileCellPx;
 }
 
@@ -30,7 +30,7 @@ uint64_t texelBytes(const TileImage& image) {
   return texels * sizeof(glm::u8vec4);
 }
 
-/// Its coarser levels are means of it.
+/// Checks the finest level only: coarser ones are means of it.
 bool isOpaque(const TileImage& image) {
   return std::ranges::all_of(image.texels, [](const glm::u8vec4& texel) { return texel.a == 255; });
 }
@@ -43,6 +43,46 @@ uint32_t layersOf(uint64_t budget_bytes) {
 }
 
 }  // namespace
+
+std::optional<TileCell> TileCells::allocate(glm::uvec2 size) {
+  static_assert(edgeOf(kOrders - 1) == core::kLeastTileCellPx);
+  uint32_t wanted = kOrders - 1;
+  while (wanted > 0 && edgeOf(wanted) < std::max(size.x, size.y)) --wanted;
+  uint32_t order = wanted;
+  while (order > 0 && free_[order].empty()) --order;
+  if (free_[order].empty()) {
+    if (layers_ >= most_layers_) return std::nullopt;
+    free_[0].insert({layers_++, 0, 0});
+  }
+  const auto [layer, y, x] = *free_[order].begin();
+  free_[order].erase(free_[order].begin());
+  while (order < wanted) {
+    const uint32_t edge = edgeOf(++order);
+    free_[order].insert({{layer, y, x + edge}, {layer, y + edge, x}, {layer, y + edge, x + edge}});
+  }
+  return TileCell{layer, {x, y}, edgeOf(wanted)};
+}
+
+void TileCells::release(const TileCell& cell) {
+  uint32_t order = 0;
+  while (edgeOf(order) > cell.edge) ++order;
+  glm::uvec2 corner = cell.corner;
+  for (;; --order) {
+    std::set<Place>& free = free_[order];
+    free.insert({cell.layer, corner.y, corner.x});
+    if (order == 0) return;
+    const uint32_t edge = edgeOf(order);
+    corner = corner / (2 * edge) * (2 * edge);
+    const Place quarters[] = {{cell.layer, corner.y, corner.x},
+                              {cell.layer, corner.y, corner.x + edge},
+                              {cell.layer, corner.y + edge, corner.x},
+                              {cell.layer, corner.y + edge, corner.x + edge}};
+    if (!std::all_of(std::begin(quarters), std::end(quarters),
+                     [&](const Place& q) { return free.contains(q); }))
+      return;
+    for (const Place& quarter : quarters) free.erase(quarter);
+  }
+}
 
 TextureResidency::TextureResidency(uint64_t budget_bytes, uint32_t staging_bytes)
     : cells_(layersOf(budget_bytes)), most_layers_(layersOf(budget_bytes)), staging_bytes_(staging_bytes) {}
@@ -60,8 +100,9 @@ void TextureResidency::setBudget(uint64_t bytes) {
   takeSet(nullptr);
 }
 
-/// The table: for each texture its width, height, number of levels with the tail and where the places of its
-/// levels are; those places; the pages of the tiles and of the tail, 0 for one that is not there.
+/// Builds the table. It holds for each texture a header (width, height, number of levels including the tail,
+/// index of its level list); then per texture the level list (index of each level's first entry) and the
+/// entries of its tiles and tail levels, see pageOf(); 0 if not resident.
 void TextureResidency::takeSet(std::shared_ptr<const TextureSet> set) {
   set_ = std::move(set);
   entries_.clear();
@@ -93,7 +134,7 @@ void TextureResidency::takeSet(std::shared_ptr<const TextureSet> set) {
   if (!staging_) staging_.emplace(staging_bytes_);
 }
 
-/// @param cells  none: the tile is not there any more.
+/// @param cells  empty: the tile was evicted.
 void TextureResidency::setPages(const core::TileKey& key, std::span<const TileCell> cells) {
   const Texture& texture = set_->textures[key.texture];
   const auto write = [this](size_t index, uint32_t page) {
@@ -126,11 +167,11 @@ void TextureResidency::show(const std::shared_ptr<const core::Cut>& newest,
     }
     std::reverse(waiting_.begin(), waiting_.end());
   }
-  giveUpOthers();
+  evictUnused();
 }
 
-/// What neither the cut that is wanted nor the one that is drawn has.
-void TextureResidency::giveUpOthers() {
+/// Evicts images that neither the wanted nor the drawn cut has.
+void TextureResidency::evictUnused() {
   std::set<std::weak_ptr<const TileImage>, std::owner_less<>> kept;
   for (const core::ResidentTile& tile : cut_->tiles) kept.insert(tile.image);
   if (drawn_ && drawn_->textures == set_)
@@ -146,7 +187,7 @@ void TextureResidency::giveUpOthers() {
   }
 }
 
-/// Begins again with the largest images, which leaves no gaps: there is room for all that the budget holds.
+/// Evicts everything and uploads again, largest images first: that order leaves no gaps between cells.
 void TextureResidency::repack() {
   for (const auto& [image, entry] : entries_)
     for (const core::TileKey& key : entry.keys) setPages(key, {});
@@ -185,7 +226,7 @@ uint64_t TextureResidency::uploadInRenderThread(const UploadBudget& budget) {
   return uploaded_bytes;
 }
 
-/// @return true if the image has been uploaded; false if it is there already, or there is no room for it.
+/// @return true if the image was uploaded; false if it is resident already or there is no room.
 bool TextureResidency::upload(const core::ResidentTile& tile) {
   if (const auto same = entries_.find(tile.image); same != entries_.end()) {
     same->second.keys.push_back(tile.key);
@@ -209,7 +250,7 @@ bool TextureResidency::upload(const core::ResidentTile& tile) {
   return true;
 }
 
-/// @return a cell for the image and one for each of its tail, or none if there is no room for all.
+/// @return a cell for the image and one per tail level, or none if not all fit.
 std::vector<TileCell> TextureResidency::allocate(const TileImage& image) {
   std::vector<TileCell> cells;
   for (size_t i = 0; i <= image.coarser.size(); ++i) {
@@ -235,8 +276,8 @@ void TextureResidency::copy(const TileImage& image, const TileCell& cell) {
                    glm::ivec2(image.size));
 }
 
-/// What it outgrows is there too until it is copied, and never more than half of the most.
-/// @return false if the driver has no memory for it; then no more is asked for.
+/// Grows the array. The old one exists until it is copied, so at most half of the limit is copied.
+/// @return false if the driver is out of memory; the array then stays as it is.
 bool TextureResidency::growTo(uint32_t layers) {
   uint32_t wanted = std::min(most_layers_, std::max({layers, 2 * array_layers_, kFirstLayers}));
   if (2 * wanted > most_layers_) wanted = most_layers_;

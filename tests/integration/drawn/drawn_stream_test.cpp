@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "client/app/window/memory_shares.h"
-#include "client/render/framebuffer.h"
-#include "client/render/offscreen_context.h"
+#include "client/render/gl/framebuffer.h"
+#include "client/render/gl/offscreen_context.h"
 #include "client/render/renderer.h"
 #include "common/error.h"
 #include "tests/integration/streaming/streaming_fixture.h"

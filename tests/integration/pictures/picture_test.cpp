@@ -84,7 +84,7 @@ TEST(Render, tellsWhatTheColoursMeanThatItWasAskedToShow) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const Json legend = Json::parse(outcome.out, nullptr, false)["legend"];
   ASSERT_FALSE(legend.empty());
-  EXPECT_EQ(legend[0]["meaning"].get<std::string>().substr(0, 4), "lod ");
+  EXPECT_EQ(legend[0]["meaning"].get<std::string>().substr(0, 4), "LOD ");
   EXPECT_EQ(legend[0]["colour"].get<std::string>().substr(0, 1), "#");
 }
 

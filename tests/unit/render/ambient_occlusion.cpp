@@ -26,28 +26,27 @@ Mesh quad(const std::array<glm::uvec3, 4>& corners, glm::u8vec4 colour = kGrey) 
   return mesh;
 }
 
-/// A floor and a wall that stands on its rim, of a side of 4000 steps; the crease is at y = 0, z = 0 of the
-/// corner.
+/// A floor and a wall on its edge, 4000 steps wide; the crease is at y = 0, z = 0 of the corner.
 std::vector<Mesh> floorAndWall(uint32_t scale = 1, uint32_t wall_height = 4000, glm::u8vec4 colour = kGrey) {
   const uint32_t side = 4000 * scale, height = wall_height * scale;
   return {quad({{{0, 0, 0}, {side, 0, 0}, {side, side, 0}, {0, side, 0}}}, colour),
           quad({{{0, side, 0}, {side, side, 0}, {side, side, height}, {0, side, height}}}, colour)};
 }
 
-/// Straight at the crease of floorAndWall(), 45 degrees above the floor.
+/// Looks straight at the crease of floorAndWall() from 45 degrees above the floor.
 core::View atCrease(double scale = 1) {
   const glm::dvec3 crease(2000 * scale, 4000 * scale, 0);
   return lookAt(crease + glm::dvec3(0, -3000, 3000) * scale, crease, {0, 0, 1});
 }
 
-/// A picture without and with what is tested.
+/// A picture without and with ambient occlusion.
 struct Pair {
   render::Image before, after;
 
   double lightAt(const render::Image& image, uint32_t x, uint32_t y) const {
     return std::pow(image.pixel(x, y)[1] / 255.0, 2.2);
   }
-  /// What is left of the light.
+  /// Ratio of the light with to without.
   double factor(uint32_t x, uint32_t y) const { return lightAt(after, x, y) / lightAt(before, x, y); }
   int largestChange() const {
     int largest = 0;
@@ -144,7 +143,7 @@ TEST_F(Occlusion, leavesAPlaneNearlyAsItWasWhileItFadesByAPixel) {
 }
 
 TEST_F(Occlusion, touchesNoSampleOfTheBackground) {
-  // A dark step, hardly higher than wide: what its outline shares its pixels with is brighter by far.
+  // A dark step about as high as wide; the surfaces that share its outline's pixels are much brighter.
   const core::View view = atCrease();
   const Pair pair = drawBoth(floorAndWall(1, 150, {5, 5, 5, 255}), view);
   int darkened = 0;

@@ -1,10 +1,10 @@
-#include "client/render/residency/block_allocator.h"
-
 #include <random>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "client/render/residency/gpu_pages.h"
 
 namespace lode::render {
 namespace {

@@ -33,7 +33,7 @@ TEST(ChangedRegions, areApartWhereNodesAreAndHaveOneSideWhereTheOtherHasNothing)
                 {kHere.child(2), {1}, {0}}, {kElsewhere, {0}, {}}, {kRootKey.child(7), {}, {1}}}));
 }
 
-/// A random cover: nodes are split until a coin says no.
+/// A random cover: splits each node with a random choice.
 void cover(NodeKey node, std::mt19937& random, std::vector<NodeKey>& nodes) {
   if (node.depth() == 5 || random() % 3 == 0) {
     nodes.push_back(node);

@@ -22,7 +22,7 @@ const core::View kAway = lookAt({500, 500, 3000}, {500, 500, 6000});
 const NodeKey kNode = kRootKey.child(3);
 const std::vector kChildren{kNode.child(0), kNode.child(2), kNode.child(5)};
 
-/// Frames of covers without anything on a GPU.
+/// Frames of covers without a GPU.
 struct Frames {
   CrossFade fade;
   uint64_t serial = 0;
@@ -59,7 +59,7 @@ struct Frames {
     draw(now_s);
   }
 
-  /// That a node's place is covered with, at a dither value.
+  /// The part that covers a node at a dither value.
   int surfacesAt(NodeKey place, float value) const {
     return static_cast<int>(std::ranges::count_if(fade.items(), [&](const FadedItem& faded) {
       return faded.item.node.contains(place) && value >= faded.from && value < faded.to;
@@ -128,7 +128,7 @@ TEST(CrossFade, showsOneSurfaceAtEachPixelHoweverChangesFollowOneAnother) {
     for (int frame = 0; frame < 100; ++frame, now_s += 0.03) {
       if (frame % 3 == 0) {
         nodes = changed(nodes, random);
-        // Some steps are too large to fade: they end the fades around them.
+        // Some errors are too large to fade: they end the fades around them.
         frames.take(nodes);
         for (DrawItem& item : frames.drawn) item.error_model = random() % 20 == 0 ? 1000.0f : 0.0f;
       }
@@ -195,7 +195,7 @@ TEST(CrossFade, doesNotHeedWhatWasLeftOutBeforeAnEarlierFade) {
   frames.draw(1, kAway);
   frames.take({kNode, other});
   frames.draw(2, kAway);
-  frames.take({kNode, other.child(0)});  // so that something fades all the time
+  frames.take({kNode, other.child(0)});  // keeps a fade running
   frames.draw(2 + kFadeS / 2, kAway);
   frames.take({kNode.child(0), kNode.child(7), other.child(0)});
   frames.draw(2 + kFadeS, kAway);

@@ -20,7 +20,7 @@ using render::ExchangeStep;
 
 std::shared_ptr<const Mesh> aMesh() { return std::make_shared<const Mesh>(); }
 
-/// Meshes of a model, each node's LODs made once.
+/// Meshes of a model; creates each node's LODs once.
 class Meshes {
  public:
   std::shared_ptr<const Mesh> of(NodeKey node, uint32_t lod) {
@@ -33,7 +33,7 @@ class Meshes {
   std::map<std::pair<NodeKey, uint32_t>, std::shared_ptr<const Mesh>> known_;
 };
 
-/// Cuts as a refiner makes them, of nodes that split, are left out or have fallbacks by chance.
+/// Random cuts as a refiner makes them: nodes split, are left out or have fallbacks by chance.
 class RandomCuts {
  public:
   RandomCuts(uint32_t seed, Meshes& meshes) : random_(seed), meshes_(meshes) {}
@@ -83,7 +83,7 @@ class RandomCuts {
   std::vector<core::LeftOut> lacking_;
 };
 
-/// Of a model that stands in one place.
+/// Exchange of a model with one instance.
 class OneExchange {
  public:
   OneExchange(std::shared_ptr<const Cut> from, std::shared_ptr<const Cut> to)
@@ -97,7 +97,7 @@ class OneExchange {
 
 constexpr uint32_t kSeeds = 30;
 
-/// Calls check(from, to, exchange) for many.
+/// Calls check(from, to, exchange) for many random cuts.
 template <typename Check>
 void forRandomExchanges(Check check) {
   for (uint32_t seed = 0; seed < kSeeds; ++seed) {
@@ -116,7 +116,7 @@ std::set<const Mesh*> meshesOf(const Cut& cut) {
   return meshes;
 }
 
-/// How much of the model is covered, in cells of depth 4, each of which must be covered once.
+/// Counts the covered cells of depth 4 and checks that each is covered at most once.
 void expectCoveredOnce(const Cut& cut, std::span<const CutPart> parts,
                        std::span<const core::LeftOut> left_out) {
   std::vector<NodeKey> nodes;
@@ -168,8 +168,7 @@ TEST(CutExchange, drawsTheNewerCutWhereARegionHasChangedHandsAndTheOlderElsewher
   });
 }
 
-/// What shownParts() relies on.
-/// @param cuts  that fallbacks may come from.
+/// Checks what shownParts() relies on. @param cuts  cuts that fallbacks may come from.
 void expectSoundFallbacks(const Cut& cut, std::initializer_list<const Cut*> cuts) {
   std::set<NodeKey> nodes;
   for (const Cut* const of : cuts)
@@ -270,7 +269,7 @@ TEST(CutExchange, measuresWhatIsLeftOfTheOlderCutInTheNewerOnesPixels) {
   EXPECT_EQ(mixture->fallbacks[0].part.error_px, 10);
 }
 
-/// Newer cuts that come before those under way are complete.
+/// Shows newer cuts before those in progress are complete.
 TEST(CutExchange, coversTheModelOnceWhereWhatWasDrawnBeforeIsAMixtureItself) {
   for (uint32_t seed = 0; seed < kSeeds; ++seed) {
     SCOPED_TRACE(seed);
@@ -289,7 +288,7 @@ TEST(CutExchange, coversTheModelOnceWhereWhatWasDrawnBeforeIsAMixtureItself) {
   }
 }
 
-/// The first place lacks more in sight than the second, which has one region in sight and one that is not.
+/// The first instance has a larger visible error than the second, which has one visible region and one not.
 class TwoInstances {
  public:
   const CutExchange::Cuts from{

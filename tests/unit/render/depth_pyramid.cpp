@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "client/render/culling/depth_reader.h"
 #include "client/render/renderer.h"
 #include "gl_fixture.h"
 #include "tests/support/test_meshes.h"

@@ -1,4 +1,4 @@
-#include "client/render/eye.h"
+#include "client/render/gl/eye.h"
 
 #include <cmath>
 #include <random>

@@ -1,4 +1,4 @@
-// What is seen of a fade: see cross_fade.cpp for which parts are drawn with which pixels.
+// Tests pictures of a fade; cross_fade.cpp tests which parts are drawn with which dither range.
 
 #include <memory>
 #include <vector>
@@ -17,7 +17,7 @@ using render::kFadeS;
 
 using FadedPicture = GlTest;
 
-/// Shows squares of some colours one after another, in the same place, and what they cover a moment later.
+/// Shows squares of different colours one after another at the same place, and counts their pixels later.
 struct Shares {
   int red = 0, green = 0, blue = 0, background = 0, mixed = 0;
 };
@@ -73,7 +73,7 @@ constexpr int kPixels = kWidthPx * kHeightPx;
 TEST_F(FadedPicture, showsOneOfTheSurfacesAtEachPixelAndNeverTheBackground) {
   Squares squares;
   squares.show(kRed, 0);
-  squares.show(kGreen, 1, 400);  // behind, so that depth would not choose it
+  squares.show(kGreen, 1, 400);  // behind: the depth test would reject it
   for (const double part : {0.1, 0.37, 0.5, 0.9}) {
     const Shares shares = squares.sharesAt(1 + part * kFadeS);
     EXPECT_EQ(shares.background + shares.mixed, 0) << part;
@@ -123,7 +123,7 @@ TEST_F(FadedPicture, keepsWhatLeavesOnTheGpuUntilItIsGone) {
   EXPECT_EQ(squares.renderer.meshes().meshCount(), 1u);
 }
 
-/// A square at two places, of which the other one's stays.
+/// A square as two instances, of which the other one stays unchanged.
 TEST_F(FadedPicture, fadesAtOnePlaceOfAModelAndStaysAtAnother) {
   const auto cutOfSquare = [](glm::u8vec4 colour) {
     auto cut = std::make_shared<Cut>();
@@ -157,7 +157,7 @@ TEST_F(FadedPicture, fadesAtOnePlaceOfAModelAndStaysAtAnother) {
   EXPECT_EQ(sharesAt(1, 1 + kFadeS / 2).green, kPixels) << "it comes into sight again";
 }
 
-/// A budget for two grids and no third.
+/// A budget for two grids, not three.
 TEST_F(FadedPicture, isGivenUpWhereThereIsNoRoomForWhatLeaves) {
   const auto cutOfGrid = [](uint32_t seed) {
     auto cut = std::make_shared<Cut>();
@@ -178,7 +178,7 @@ TEST_F(FadedPicture, isGivenUpWhereThereIsNoRoomForWhatLeaves) {
     renderer.draw(view, target, magentaBehind(), {now_s += 0.05, true});
     EXPECT_LE(renderer.meshes().pages().capacityBytes(), 2 * grid_bytes);
   }
-  // The first had to go for the third, while it faded into the second.
+  // The first was evicted for the third while it faded into the second.
   renderer.draw(view, target, magentaBehind(), {now_s + 0.05, true});
   EXPECT_FALSE(renderer.fading());
 }

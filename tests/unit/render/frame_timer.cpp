@@ -37,7 +37,7 @@ TEST_F(FrameTimer, tellsEachFrameOnceWithWhatBelongsToIt) {
 
 TEST_F(FrameTimer, tellsTheNumberThatItGaveAFrame) {
   render::FrameTimer timer;
-  frame(timer, 1);  // under way while the next is begun
+  frame(timer, 1);  // pending while the next begins
   const std::optional<uint64_t> number = timer.begin();
   timer.end(20, std::nullopt);
   timer.wait();

@@ -1,4 +1,4 @@
-#include "client/render/framebuffer.h"
+#include "client/render/gl/framebuffer.h"
 
 #include <algorithm>
 #include <utility>
@@ -12,7 +12,7 @@ namespace {
 
 using Samples = GlTest;
 
-/// The paint of a square whose sides run across the pixels, before magenta.
+/// A square with edges diagonal to the pixels, in front of magenta.
 render::Image slantedSquare(const render::Framebuffer& target) {
   const core::View view = lookAt({2000, 2000, 4000}, {2000, 2000, 1000}, {0.2, 1, 0});
   render::Renderer renderer;
@@ -25,7 +25,7 @@ render::Image slantedSquare(const render::Framebuffer& target) {
   return target.readPixels();
 }
 
-/// Pixels that are neither the square's nor the background's.
+/// Counts pixels of neither the square's nor the background's colour.
 int mixedPixels(const render::Image& image) {
   int mixed = 0;
   for (size_t i = 0; i < image.rgba.size(); i += 4) {

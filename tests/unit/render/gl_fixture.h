@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "client/render/framebuffer.h"
-#include "client/render/offscreen_context.h"
+#include "client/render/gl/framebuffer.h"
+#include "client/render/gl/offscreen_context.h"
 #include "client/render/renderer.h"
 #include "common/error.h"
 
@@ -16,10 +16,10 @@ namespace lode::test {
 
 constexpr uint32_t kWidthPx = 200, kHeightPx = 150;
 
-/// A test that draws. Skipped where no OpenGL 4.5 context can be made.
+/// A test that draws. Skipped without an OpenGL 4.5 context.
 class GlTest : public ::testing::Test {
  public:
-  /// Magenta behind everything: no shading of a grey model gives it.
+  /// Magenta background: no shading of a grey model is magenta.
   static render::DrawStyle magentaBehind() {
     render::DrawStyle style;
     style.background_top_srgb = style.background_bottom_srgb = glm::vec3(1, 0, 1);
@@ -83,12 +83,12 @@ inline core::View lookAt(glm::dvec3 eye, glm::dvec3 target, glm::dvec3 up = {0, 
   return view;
 }
 
-/// Any magenta of the background in it, in one sample of a pixel at least.
+/// True if at least one sample of the pixel shows the magenta background.
 inline bool showsMagenta(const uint8_t* rgba) { return rgba[1] < 0.8 * rgba[0] && rgba[1] < 0.8 * rgba[2]; }
 
 inline bool isMagenta(const uint8_t* rgba) { return rgba[0] == 255 && rgba[1] == 0 && rgba[2] == 255; }
 
-/// A flat square parallel to the picture of a camera that looks along -z.
+/// A square facing a camera that looks along -z.
 inline Mesh squareAt(uint32_t x, uint32_t y, uint32_t z, uint32_t side, glm::u8vec4 colour) {
   Mesh mesh;
   mesh.attributes.bits = AttributeSet::kColour;

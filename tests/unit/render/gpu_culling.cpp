@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "client/core/lod/triangle_clusters.h"
-#include "client/render/draw_list.h"
+#include "client/render/culling/cluster_culling.h"
 #include "client/render/renderer.h"
 #include "gl_fixture.h"
 #include "tests/support/test_meshes.h"
@@ -51,7 +51,7 @@ TEST_F(GpuCullingTest, findsWhatIsOfMorePlacementsThanADispatchTakes) {
   EXPECT_EQ(culling.draws(kPlacements - 1).size(), 1u);
 }
 
-/// Draws with the GPU, which may read pages of so many bytes.
+/// Draws with GPU culling that may read pages of up to this size.
 render::Image drawReading(uint64_t most_readable_bytes, const std::shared_ptr<const core::Cut>& cut,
                           const core::View& view) {
   render::Renderer renderer;
@@ -66,7 +66,7 @@ render::Image drawReading(uint64_t most_readable_bytes, const std::shared_ptr<co
     culling.findUnhidden();
     renderer.drawFound(0, view, target, {}, culling);
     culling.findAppeared(target);
-    render::goOnWithPicture(target);
+    render::continuePicture(target);
     renderer.drawFound(0, view, target, {}, culling);
     renderer.drawBackground(target, {});
   }

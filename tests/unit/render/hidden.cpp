@@ -3,28 +3,29 @@
 #include <gtest/gtest.h>
 
 #include "client/core/lod/triangle_clusters.h"
-#include "client/render/culling/depth_reader.h"
+#include "client/render/culling/depth_pyramid.h"
 #include "gl_fixture.h"
 #include "tests/support/test_meshes.h"
 
 namespace lode::test {
 namespace {
 
-using render::HiddenParts;
+using render::OcclusionCulling;
 
 using Hidden = GlTest;
-class HiddenBy : public GlTest, public ::testing::WithParamInterface<HiddenParts> {
+class HiddenBy : public GlTest, public ::testing::WithParamInterface<OcclusionCulling> {
  protected:
   void SetUp() override {
     GlTest::SetUp();
-    if (!IsSkipped() && GetParam() == HiddenParts::kFoundOnGpu && !render::GpuCulling::isPossible())
+    if (!IsSkipped() && GetParam() == OcclusionCulling::kOnGpu && !render::GpuCulling::isPossible())
       GTEST_SKIP() << "this driver does not count draws";
   }
   void TearDown() override { EXPECT_TRUE(IsSkipped() || glGetError() == GL_NO_ERROR); }
 };
-INSTANTIATE_TEST_SUITE_P(All, HiddenBy, ::testing::Values(HiddenParts::kReadBack, HiddenParts::kFoundOnGpu),
+INSTANTIATE_TEST_SUITE_P(All, HiddenBy,
+                         ::testing::Values(OcclusionCulling::kReadBack, OcclusionCulling::kOnGpu),
                          [](const auto& way) {
-                           return way.param == HiddenParts::kReadBack ? "reading" : "theGpu";
+                           return way.param == OcclusionCulling::kReadBack ? "reading" : "theGpu";
                          });
 
 std::shared_ptr<const Mesh> clustered(Mesh mesh) {
@@ -43,14 +44,14 @@ std::shared_ptr<const Mesh> plainAt(glm::uvec3 origin, uint32_t seed) {
       80, 80, {.attributes = {AttributeSet::kNormal}, .extent = 8000, .origin = origin, .seed = seed}));
 }
 
-/// Two closed models that hide one another by turns, over an open one.
+/// Two closed models that hide each other by turns, over an open one.
 std::shared_ptr<const core::Cut> scene(uint32_t seed = 1, uint32_t slices = 96) {
   return GlTest::cutOf(std::vector{sphereAt({1000, 1000, 2500}, seed, slices),
                                    sphereAt({4500, 2000, 3000}, seed + 1, slices),
                                    plainAt({500, 500, 500}, seed + 2)});
 }
 
-/// A camera on its way around, now and then below the plain or within a sphere.
+/// A camera that moves around, sometimes below the plain or inside a sphere.
 core::View viewAt(int frame) {
   const double angle = 0.2 * frame;
   const glm::dvec3 middle(4500, 4000, 3500);
@@ -62,10 +63,10 @@ core::View viewAt(int frame) {
   return view;
 }
 
-/// Draws everything with one renderer and without what is hidden with another.
+/// Draws with two renderers: everything, and with occlusion culling.
 class TwoWays {
  public:
-  explicit TwoWays(HiddenParts way, int samples = 4) : way_(way), samples_(samples) {}
+  explicit TwoWays(OcclusionCulling way, int samples = 4) : way_(way), samples_(samples) {}
 
   void show(const std::shared_ptr<const core::Cut>& cut) {
     for (render::Renderer* const renderer : {&all_, &seen_}) {
@@ -76,7 +77,7 @@ class TwoWays {
   void expectSamePicture(const core::View& view, const render::DrawStyle& style = {}, double now_s = 0,
                          bool fades = false) {
     const render::Framebuffer target(view.width_px, view.height_px, samples_);
-    all_triangles = all_.draw(view, target, style, {now_s, fades, HiddenParts::kDrawn}).triangles;
+    all_triangles = all_.draw(view, target, style, {now_s, fades, OcclusionCulling::kOff}).triangles;
     target.resolve();
     const render::Image all = target.readPixels();
     seen_triangles = seen_.draw(view, target, style, {now_s, fades, way_}).triangles;
@@ -88,7 +89,7 @@ class TwoWays {
   uint64_t all_triangles = 0, seen_triangles = 0;
 
  private:
-  const HiddenParts way_;
+  const OcclusionCulling way_;
   const int samples_;
   render::Renderer all_, seen_;
 };
@@ -121,8 +122,8 @@ TEST_P(HiddenBy, isNotDrawnAgainWhileTheCameraRests) {
     ways.expectSamePicture(viewAt(0));
     told.push_back(ways.seen_triangles);
   }
-  const size_t first = GetParam() == HiddenParts::kFoundOnGpu ? 3 : 0;  // what the GPU counts is told later
-  EXPECT_EQ(told[first], ways.all_triangles);                           // nothing is known to be hidden
+  const size_t first = GetParam() == OcclusionCulling::kOnGpu ? 3 : 0;  // counts of the GPU arrive later
+  EXPECT_EQ(told[first], ways.all_triangles);  // nothing is hidden in the first frame
   EXPECT_LT(told[first + 1], 0.8 * static_cast<double>(ways.all_triangles));
   EXPECT_EQ(told[first + 2], told[first + 1]);
 }
@@ -178,10 +179,10 @@ TEST_P(HiddenBy, showsAtOnceOfAPartThatLeavesAndHasComeBack) {
   EXPECT_TRUE(ways.fading());
 }
 
-/// Two places of a model, one behind the other for most cameras.
+/// Two instances of a model, one behind the other for most cameras.
 class TwoPlaces {
  public:
-  TwoPlaces(const std::shared_ptr<const core::Cut>& cut, HiddenParts way) : way_(way) {
+  TwoPlaces(const std::shared_ptr<const core::Cut>& cut, OcclusionCulling way) : way_(way) {
     const std::vector cuts{cut, cut};
     renderer_.show(std::make_shared<const core::ViewCuts>(core::ViewCuts{cuts, core::gatherMeshes(cuts)}));
     renderer_.uploadInRenderThread({.wait = true});
@@ -195,19 +196,19 @@ class TwoPlaces {
       draws.push_back({&renderer_, 1, shifted, {.over = true}});
     else
       renderer_.leaveOut(1);
-    const render::DrawCounts counts = drawer_.draw(draws, target, {.hidden_parts = way_});
+    const render::DrawCounts counts = drawer_.draw(draws, target, {.occlusion_culling = way_});
     renderer_.drawBackground(target, {});
     return counts.triangles;
   }
 
  private:
-  const HiddenParts way_;
+  const OcclusionCulling way_;
   render::Renderer renderer_;
   render::InstanceDrawer drawer_;
 };
 
 TEST_P(HiddenBy, isLeftOutOfEachPlaceByWhatStandsAtOthers) {
-  TwoPlaces all(scene(), HiddenParts::kDrawn), seen(scene(), GetParam());
+  TwoPlaces all(scene(), OcclusionCulling::kOff), seen(scene(), GetParam());
   for (const int frame : {24, 8, 23, 9, 0}) {
     const core::View view = viewAt(frame);
     const render::Framebuffer target(view.width_px, view.height_px);
@@ -222,7 +223,7 @@ TEST_P(HiddenBy, isLeftOutOfEachPlaceByWhatStandsAtOthers) {
     };
     double at_rest = 0;
     for (int again = 0; again < 5; ++again) at_rest = expectSamePicture();
-    if (frame == 8) {  // one stands before the other
+    if (frame == 8) {  // one is in front of the other
       EXPECT_LT(at_rest, 0.75);
       EXPECT_GT(at_rest, 0);
     }
@@ -230,7 +231,7 @@ TEST_P(HiddenBy, isLeftOutOfEachPlaceByWhatStandsAtOthers) {
 }
 
 TEST_P(HiddenBy, showsAtOnceOfAPlaceThatHasLeftSightAndComesBack) {
-  TwoPlaces all(scene(), HiddenParts::kDrawn), seen(scene(), GetParam());
+  TwoPlaces all(scene(), OcclusionCulling::kOff), seen(scene(), GetParam());
   for (const int frame : {8, 8, 8, 23, 24}) {
     const core::View view = viewAt(frame);
     const render::Framebuffer target(view.width_px, view.height_px);

@@ -1,4 +1,4 @@
-#include "client/render/image.h"
+#include "client/render/gl/image.h"
 
 #include <filesystem>
 #include <fstream>

@@ -14,7 +14,7 @@ namespace {
 
 using render::MeshResidency;
 
-/// Uploads in small pieces until the newest cut is drawn, and looks at what is drawn after each.
+/// Uploads in small pieces until the newest cut is drawn, and checks the drawn cut after each.
 template <typename Look>
 int uploadSlowly(MeshResidency& residency, Look look) {
   int frames = 0;
@@ -62,7 +62,7 @@ TEST_F(Residency, drawsACutOfAnotherBuildOnlyWhenAllOfItIsThere) {
   EXPECT_EQ(residency.drawnCut(), next);
 }
 
-/// One of the second cut's regions, in four, is under way when the third comes.
+/// One of the second cut's four regions is in progress when the third cut is shown.
 TEST_F(Residency, turnsToANewerCutOnceARegionOfTheOneUnderWayHasTakenItsPlace) {
   const auto cutFrom = [](uint32_t seed) {
     return cutOf(std::vector{gridOf(seed), gridOf(seed + 1), gridOf(seed + 2), gridOf(seed + 3)});
@@ -85,7 +85,7 @@ TEST_F(Residency, turnsToANewerCutOnceARegionOfTheOneUnderWayHasTakenItsPlace) {
   EXPECT_EQ(bytes, 5 * mesh_bytes) << "a region of the second, and the third";
 }
 
-/// Which would let it wait for all of a region, whose parts are many, when a camera begins to move.
+/// Otherwise it would wait for a region with many parts when a camera starts to move.
 TEST_F(Residency, turnsAtOnceToANewerCutThatIsMuchCoarser) {
   MeshResidency residency({});
   residency.show(cutOf(std::vector{gridOf(1)}));
@@ -100,7 +100,7 @@ TEST_F(Residency, turnsAtOnceToANewerCutThatIsMuchCoarser) {
   EXPECT_LE(bytes, 1000 + core::drawnBytes(*gridOf(3)));
 }
 
-/// While the camera moves pictures may have fewer pixels, which are larger.
+/// While the camera moves, pictures may have a lower resolution.
 TEST_F(Residency, comparesCutsOfPicturesOfOtherResolutionsByWhatTheEyeSees) {
   const auto isOvertaken = [](uint32_t older_px, uint32_t newer_px) {
     const auto pictured = [](uint32_t seed, uint32_t height_px) {
@@ -153,7 +153,7 @@ TEST_F(Residency, givesUpWhatHasLostItsPlaceBeforeTheRestOfTheCutIsThere) {
   EXPECT_TRUE(residency.upToDate());
 }
 
-/// The root's fallback comes first and is drawn for the third child until that is there.
+/// The root's fallback uploads first and is drawn for the third child until that is resident.
 TEST_F(Residency, keepsAFallbackThatIsNotNeededForAWhileUntilTheCutIsDrawn) {
   const auto withFallback = [](std::vector<std::shared_ptr<const Mesh>> meshes, uint32_t seed) {
     auto cut = std::make_shared<core::Cut>(*cutOf(meshes));
@@ -207,7 +207,7 @@ TEST_F(Residency, exchangesTheCutsOfAModelInSeveralPlacesRegionByRegion) {
   residency.uploadInRenderThread({.wait = true});
   const auto next = viewCuts({cutOf(std::vector{gridOf(4), gridOf(5)}), cutOf(std::vector{gridOf(6)})});
   residency.show(next);
-  std::set<size_t> regions;  // that have changed hands
+  std::set<size_t> regions;  // that have switched
   uploadSlowly(residency, [&] {
     size_t changed = 0;
     for (size_t instance = 0; instance < 2; ++instance)
@@ -284,7 +284,7 @@ TEST_F(Residency, completesACutAlthoughNewerOnesKeepComing) {
   EXPECT_GE(switched, 5);
 }
 
-/// Fallbacks come first, and each cut's are others.
+/// Fallbacks upload first, and each cut has different ones.
 TEST_F(Residency, drawsPartsOfCutsWhoseFallbacksAreNeverThereBeforeANewerOneComes) {
   MeshResidency residency({});
   const auto cutWithFallback = [](uint32_t seed) {

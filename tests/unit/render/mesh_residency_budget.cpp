@@ -1,4 +1,4 @@
-// What a budget of GPU memory makes of meshes: which stay, which go, and which cuts find room.
+// Tests of MeshResidency's memory budget: which meshes stay, which are evicted, which cuts fit.
 
 #include <memory>
 #include <vector>

@@ -10,7 +10,7 @@ namespace {
 using render::FarthestDepths;
 using render::Occluders;
 
-// Along -z, a pixel is 1 wide at the distance of 1000.
+// Looks along -z; a pixel is 1 wide at distance 1000.
 const core::View kTowardsWall = [] {
   core::View view = lookAt({0, 0, 1000}, {0, 0, 0});
   view.fov_y_rad = 2 * std::atan(kHeightPx / 2000.0);
@@ -48,15 +48,15 @@ TEST(Occluders, doNotHideWhatReachesPastTheNearPlaneOrTheEye) {
 
 TEST(Occluders, doNotHideWhatShowsThroughOneSquare) {
   FarthestDepths holed = kWall;
-  // 3 squares from the left, 5 from below.
+  // Square 3 from the left, 5 from the bottom.
   holed.depths[size_t{5} * holed.columns + 3] = 0;
   const Occluders occluders(kTowardsWall, 1, holed);
   const glm::dvec2 lower_left(-100, -75);
-  const auto at = [&](double x, double y) {  // in pixels, right at the wall
+  const auto at = [&](double x, double y) {  // in pixels, at the wall
     return boxAt({lower_left.x + x, lower_left.y + y, -0.6}, 0.5);
   };
   EXPECT_FALSE(occluders.hide(at(3.5 * 8, 5.5 * 8)));
-  EXPECT_FALSE(occluders.hide(at(3 * 8 - 1, 5.5 * 8)));  // its rim
+  EXPECT_FALSE(occluders.hide(at(3 * 8 - 1, 5.5 * 8)));  // its edge
   EXPECT_FALSE(occluders.hide(at(3.5 * 8, 6 * 8 + 1)));
   EXPECT_TRUE(occluders.hide(at(2.5 * 8, 5.5 * 8)));
   EXPECT_TRUE(occluders.hide(at(3.5 * 8, 7.5 * 8)));

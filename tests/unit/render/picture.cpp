@@ -11,7 +11,7 @@ namespace {
 
 using Picture = GlTest;
 
-/// Checks every pixel that is not on the outline; at least so many must be inside.
+/// Checks every pixel off the outline; at least this many must be inside.
 void expectSilhouette(const render::Image& image, const Silhouette& silhouette, int least_inside) {
   int inside = 0, holes = 0, strays = 0;
   for (uint32_t y = 0; y < image.height_px; ++y) {
@@ -41,7 +41,7 @@ TEST_F(Picture, coversWhatTheProjectionOfTheMeshCovers) {
   }
 }
 
-/// Two nodes side by side that agree on their border and nothing else.
+/// Two adjacent nodes that agree on their common boundary only.
 std::vector<Mesh> neighbours(glm::uvec3 origin, uint32_t extent, uint32_t gap = 0) {
   MeshOptions left{.attributes = {}, .extent = extent, .origin = origin, .seed = 3, .bump = 0.08};
   MeshOptions right = left;
@@ -56,7 +56,7 @@ struct CrackCase {
   glm::uvec3 origin;
   uint32_t extent;
   double step;
-  glm::dvec3 from;  ///< the middle of the border to the eye, in extents
+  glm::dvec3 from;  ///< from the middle of the boundary to the eye, in extents
 };
 
 const glm::uvec3 kFarCorner(1'000'003, 1'040'017, 1'999'999);
@@ -68,8 +68,8 @@ const CrackCase kCrackCases[] = {
 };
 
 struct BorderCheck {
-  int looked = 0;  ///< places along the border, away from the outline of the whole
-  int holes = 0;   ///< of them, where the background shows
+  int looked = 0;  ///< points checked along the boundary, off the outline
+  int holes = 0;   ///< points that show the background
 };
 
 BorderCheck lookAlongBorder(const CrackCase& test, uint32_t gap) {
@@ -127,13 +127,13 @@ TEST_F(Picture, isTheSameWhereverTheModelLies) {
   for (size_t i = 0; i < at_origin.rgba.size(); ++i) {
     worst = std::max(worst, std::abs(int{at_origin.rgba[i]} - int{far_out.rgba[i]}));
   }
-  EXPECT_LE(worst, 2);  // the low part of the eye is rounded from doubles of another size
+  EXPECT_LE(worst, 2);  // the eye's low part rounds differently
 }
 
 TEST_F(Picture, showsTheNearerOfTwoSurfacesInWhateverOrderTheyAreDrawn) {
   const Mesh red = squareAt(1000, 1000, 2000, 1000, {255, 0, 0, 255});
   const Mesh green = squareAt(1000, 1000, 1999, 1000, {0, 255, 0, 255});
-  // From far away, where 24 bits of ordinary depth could not tell them apart.
+  // From so far that 24 bits of ordinary depth could not separate them.
   const core::View front = [&] {
     core::View view = lookAt({1500, 1500, 1e6}, {1500, 1500, 0});
     view.fov_y_rad = 1e-3;
@@ -273,8 +273,8 @@ TEST_F(Picture, saysWhatThresholdsItShowsAndOfThoseThatItIsToShow) {
   cut->view.height_px = kHeightPx;
   cut->threshold_px = 2;
   cut->parts[0].threshold_px = 2;
-  cut->parts[1].threshold_px = 8;    // it stands in for what is to come
-  cut->parts[2].threshold_px = 100;  // out of the picture
+  cut->parts[1].threshold_px = 8;    // a coarser stand-in
+  cut->parts[2].threshold_px = 100;  // outside the view
   render::Renderer renderer;
   renderer.show(cut);
   renderer.uploadInRenderThread({.wait = true});

@@ -10,7 +10,7 @@ namespace lode::test {
 
 using Residency = GlTest;
 
-/// Grids of one size take the same room, whatever their seed.
+/// Grids of one size take the same memory, whatever their seed.
 inline std::shared_ptr<const Mesh> gridOf(uint32_t seed, uint32_t side = 32) {
   return std::make_shared<const Mesh>(makeGrid(side, side, {.attributes = {}, .seed = seed}));
 }

@@ -10,7 +10,7 @@
 
 namespace lode::test {
 
-/// Pixel coordinates of a point before the camera, in double; the top left corner of the picture is 0, 0.
+/// Pixel coordinates of a point in front of the camera, in double; the top left corner is 0, 0.
 inline glm::dvec2 projectTo(const core::View& view, glm::dvec3 point) {
   const glm::dvec3 relative = point - view.eye_model;
   const double scale = view.height_px / 2.0 / std::tan(view.fov_y_rad / 2) / glm::dot(relative, view.forward);
@@ -18,8 +18,8 @@ inline glm::dvec2 projectTo(const core::View& view, glm::dvec3 point) {
           view.height_px / 2.0 - glm::dot(relative, view.up) * scale};
 }
 
-/// Which pixel centres a mesh covers, by projection in double, without OpenGL. Triangles that reach
-/// behind the camera are left out.
+/// The pixel centres that a mesh covers, by projection in double, without OpenGL. Skips triangles that reach
+/// behind the camera.
 class Silhouette {
  public:
   explicit Silhouette(const core::View& view)

@@ -10,8 +10,8 @@
 namespace lode::test {
 namespace {
 
-/// A textured square of 4096 steps a side in the plane z = 0, seen from the front; u grows with x, v with y.
-/// Its codes go from 0 to 2^15.
+/// A textured square of 4096 steps per side in the plane z = 0, seen from the front; u grows with x, v with
+/// y. Texture codes go from 0 to 2^15.
 class TexturedSquare : public GlTest {
  protected:
   static constexpr double kSide = 4096;
@@ -24,14 +24,14 @@ class TexturedSquare : public GlTest {
     return mesh;
   }
 
-  /// From above the point, with a picture's pixel as large as `pixel_model`.
+  /// A view from above a point with pixels of size `pixel_model`.
   static core::View above(glm::dvec2 point, double pixel_model) {
     core::View view = lookAt({point, 1}, {point, 0});
     view.eye_model.z = pixel_model * view.height_px / (2 * std::tan(view.fov_y_rad / 2));
     return view;
   }
 
-  /// Where the middle of a pixel lies on the square.
+  /// Position of a pixel's centre on the square.
   static glm::dvec2 pointAt(const core::View& view, uint32_t x, uint32_t y) {
     const double pixel_model = view.eye_model.z * 2 * std::tan(view.fov_y_rad / 2) / view.height_px;
     return glm::dvec2(view.eye_model) +
@@ -73,7 +73,7 @@ class TexturedSquare : public GlTest {
     return draw(renderer, view, style, samples);
   }
 
-  /// What the light makes of white and of black at each pixel.
+  /// Lit white and lit black at each pixel.
   void drawReferences(const core::View& view) {
     white_ = drawSquare(view, glm::u8vec4(255), AttributeSet::kColour);
     black_ = drawSquare(view, glm::u8vec4(0, 0, 0, 255), AttributeSet::kColour);
@@ -86,7 +86,7 @@ class TexturedSquare : public GlTest {
     return linear <= 0.0031308 ? linear * 12.92 : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
   }
 
-  /// The byte of a lit surface whose own colour is `linear`.
+  /// The pixel value of a lit surface of colour `linear`.
   double lit(double linear, uint32_t x, uint32_t y, int channel) const {
     const double most = toLinear(white_.pixel(x, y)[channel] / 255.0);
     const double least = toLinear(black_.pixel(x, y)[channel] / 255.0);
@@ -99,7 +99,7 @@ class TexturedSquare : public GlTest {
   render::ColorMode shown_ = render::ColorMode::kSurface;
 };
 
-/// Every texel another colour.
+/// An image in which every texel has a different colour.
 TextureImages noise(uint32_t width, uint32_t height) {
   std::mt19937 random(5);
   return {width, height, [&](uint32_t, uint32_t) {
@@ -121,7 +121,7 @@ struct Place {
 
 class TexturedSquareAt : public TexturedSquare, public testing::WithParamInterface<Place> {};
 
-/// Bilinear filtering of a level that repeats, done by hand.
+/// Reference: bilinear filtering of a repeating level.
 glm::dvec3 sampleByHand(const TileImage& whole, glm::dvec2 uv) {
   const glm::dvec2 size = glm::dvec2(whole.size) - 2.0 * kTileGutterPx;
   const glm::dvec2 place = glm::dvec2(uv.x, 1 - uv.y) * size - 0.5;
@@ -179,7 +179,7 @@ INSTANTIATE_TEST_SUITE_P(Of, TexturedSquareAt,
                                          Place{"ARepeat", {-0.25, 1.25}}),
                          [](const auto& place) { return place.param.name; });
 
-/// Pixels whose neighbourhood is inside one square of the checkered texture and that show another colour.
+/// Counts pixels inside one square of the checkered texture that show another colour.
 int wrongPixels(const render::Image& image, const core::View& view, double side, double margin_texels,
                 const std::function<double(double, uint32_t, uint32_t, int)>& lit,
                 const std::function<glm::dvec2(const core::View&, uint32_t, uint32_t)>& point_at,
@@ -263,7 +263,7 @@ TEST_F(TexturedSquare, isAsEvenAsItsImageFromAfar) {
   }
 }
 
-/// In the light of a surface of this paint.
+/// Expected light of a surface of this colour.
 void expectPaint(const render::Image& image, const render::Image& painted, const std::string& what) {
   const uint8_t* const pixel = image.pixel(image.width_px / 2, image.height_px / 2);
   const uint8_t* const expected = painted.pixel(image.width_px / 2, image.height_px / 2);
@@ -331,7 +331,7 @@ TEST_F(TexturedSquare, isTheImageTimesTheVertexColour) {
   EXPECT_EQ(image.rgba, expected.rgba);
 }
 
-/// Whose left half is clear.
+/// An image whose left half is transparent.
 void expectRightHalf(const render::Image& image) {
   for (uint32_t y = 0; y < image.height_px; y += 10)
     for (uint32_t x = 0; x < image.width_px; ++x) {
@@ -358,7 +358,7 @@ TEST_F(TexturedSquare, leavesOutWhatTheImageLeavesClear) {
   }
 }
 
-/// A floor of stripes along the view, seen at a flat angle: they stay apart far ahead.
+/// A striped floor seen at a grazing angle: the stripes must stay distinct far ahead.
 TEST_F(TexturedSquare, keepsStripesApartAtAFlatAngle) {
   wear({1024, 1024, [](uint32_t x, uint32_t) {
           const uint8_t value = x / 8 % 2 == 0 ? 255 : 0;

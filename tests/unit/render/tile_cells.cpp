@@ -1,9 +1,9 @@
-#include "client/render/residency/tile_cells.h"
-
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "client/render/residency/texture_residency.h"
 
 namespace lode::render {
 namespace {

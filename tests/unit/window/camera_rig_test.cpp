@@ -20,11 +20,11 @@ core::Framing zUp() {
   return framing;
 }
 
-/// A plain at a height.
-render::GroundBelow plainAt(double z) {
-  return [z](const glm::dvec3& point) -> std::optional<render::Ground> {
+/// A horizontal plane at a height.
+GroundBelow plainAt(double z) {
+  return [z](const glm::dvec3& point) -> std::optional<Ground> {
     if (point.z < z) return std::nullopt;
-    return render::Ground{point.z - z, 0};
+    return Ground{point.z - z, 0};
   };
 }
 
@@ -63,7 +63,7 @@ TEST(CameraRig, framesTheFirstViewAgainForAPanelThatWasHidden) {
   EXPECT_NE(rig.view(), beside);
 }
 
-/// A frame may take longer than two of them.
+/// A slow frame may contain several key presses.
 TEST(CameraRig, goesAsManyKindsOnAsTabWasPressedWithinAFrame) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);
@@ -73,7 +73,7 @@ TEST(CameraRig, goesAsManyKindsOnAsTabWasPressedWithinAFrame) {
   EXPECT_EQ(rig.kind(), CameraKind::kWalk);
 }
 
-/// How far it flies in a tenth of a second.
+/// Distance flown in a tenth of a second.
 double flownBy(CameraRig& rig) {
   const glm::dvec3 from = rig.view().eye_model;
   Input input;
@@ -98,7 +98,7 @@ TEST(CameraRig, isAsFastAsAModelIsLargeThatHasGrown) {
 TEST(CameraRig, goesFromOrbitToFlyToWalkAndBackWithoutMovingAtOnce) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);
-  const auto nowhere = [](const glm::dvec3&) { return std::optional<render::Ground>(); };
+  const auto nowhere = [](const glm::dvec3&) { return std::optional<Ground>(); };
   for (const CameraKind next : {CameraKind::kFly, CameraKind::kWalk, CameraKind::kOrbit}) {
     const core::View before = rig.view();
     rig.apply(tab(), 0.01, nowhere);
@@ -116,7 +116,7 @@ TEST(CameraRig, walksFromWhereItWasStoodLookingAhead) {
   ASSERT_EQ(rig.kind(), CameraKind::kWalk);
   rig.standAt({300, 400, 100});
   for (int frame = 0; frame < 200; ++frame) rig.apply({}, 0.02, plainAt(100));
-  EXPECT_FALSE(rig.underWay());
+  EXPECT_FALSE(rig.isMoving());
   EXPECT_NEAR(rig.view().eye_model.x, 300, 1e-6);
   EXPECT_NEAR(rig.view().eye_model.y, 400, 1e-6);
   EXPECT_GT(rig.view().eye_model.z, 105);
@@ -137,7 +137,7 @@ TEST(CameraRig, knowsWhichBookmarksAreSet) {
   EXPECT_FALSE(rig.hasBookmark(2));
 }
 
-/// A path of one camera whose own up is far from the model's.
+/// A path of one camera whose up differs much from the model's.
 core::CameraPath steepPath() {
   core::CameraPath path;
   path.keys.push_back({0, {300, -300, 3000}, {300, 200, 0}, {300, 950, 0}});

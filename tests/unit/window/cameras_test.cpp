@@ -8,7 +8,7 @@
 
 #include "tests/unit/render/silhouette.h"
 
-namespace lode::render {
+namespace lode::app {
 namespace {
 
 using test::projectTo;
@@ -201,4 +201,4 @@ TEST(Heading, worksAboutAnyAxis) {
 }
 
 }  // namespace
-}  // namespace lode::render
+}  // namespace lode::app

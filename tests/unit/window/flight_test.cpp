@@ -6,7 +6,7 @@
 namespace lode::app {
 namespace {
 
-/// Two seconds along x, from 10 on its own clock.
+/// Two seconds along x; the path's clock starts at 10.
 core::CameraPath somePath() {
   core::CameraPath path;
   path.keys = {{10, {0, 0, 5}, {0, 0, 0}, {0, 1, 0}}, {12, {4, 0, 5}, {4, 0, 0}, {0, 1, 0}}};
@@ -49,7 +49,7 @@ TEST(Flight, tellsForEachLapTheMedianThe99thPercentileAndTheLargestByNearestRank
   EXPECT_EQ(json["laps"][1]["work_ms"]["p50"], 7.0);
   EXPECT_EQ(json["frames"].size(), 201u);
   EXPECT_EQ(json["frames"][0]["t"], 10.5);
-  EXPECT_NE(flight.describe().find("lap 1: 200 frames, each 100.0 ms in the median, 198.0 in the 99th"),
+  EXPECT_NE(flight.describe().find("lap 1: 200 frames; frame time 100.0 ms median, 198.0 ms 99th"),
             std::string::npos);
 }
 
@@ -73,10 +73,10 @@ TEST(Flight, tellsTheMedianOfWhatItsFramesWereToTakeNotTheMostLenient) {
     flight.draw(number, {.target_ms = number == 0 ? 100.0 : 25.0});
     flight.finish(number, 20);
   }
-  EXPECT_NE(flight.describe().find("to hold 25.0 ms"), std::string::npos);
+  EXPECT_NE(flight.describe().find("target frame time 25.0 ms"), std::string::npos);
 }
 
-/// The script of a timer that answers late: of the frames before the flight when its own are under way.
+/// Simulates a timer that reports frames from before the flight while the flight's frames are pending.
 TEST(Flight, takesNoWorkOfFramesThatWereDrawnBeforeIt) {
   Flight flight(somePath(), 1);
   flight.cameraAt(0);

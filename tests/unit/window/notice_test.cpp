@@ -27,7 +27,7 @@ TEST(Notice, saysOfALostConnectionWhyAndThatItComesBackByItself) {
   const Notice notice = noticeOf(status, false, OnGpu::kAll);
   EXPECT_EQ(notice.kind, Notice::Kind::kTrouble);
   EXPECT_NE(notice.text.find(status.trouble), std::string::npos);
-  EXPECT_NE(notice.text.find("connects again by itself"), std::string::npos);
+  EXPECT_NE(notice.text.find("reconnects automatically"), std::string::npos);
 }
 
 TEST(Notice, saysOfAStreamThatHasEndedThatThePictureStaysIfThereIsOne) {
@@ -38,7 +38,7 @@ TEST(Notice, saysOfAStreamThatHasEndedThatThePictureStaysIfThereIsOne) {
   const Notice with_picture = noticeOf(status, false, OnGpu::kFull);
   EXPECT_EQ(with_picture.kind, Notice::Kind::kFailure);
   EXPECT_NE(with_picture.text.find("no such model"), std::string::npos);
-  EXPECT_NE(with_picture.text.find("What is here stays"), std::string::npos);
+  EXPECT_NE(with_picture.text.find("keeps what is loaded"), std::string::npos);
   status.cut.reset();
   EXPECT_EQ(noticeOf(status, false, OnGpu::kFull).text, "no such model");
 }
@@ -46,8 +46,7 @@ TEST(Notice, saysOfAStreamThatHasEndedThatThePictureStaysIfThereIsOne) {
 TEST(Notice, saysOfAPartThatCannotBeHadThatThePictureDoesWithoutIt) {
   stream::StreamStatus status = statusOf(true);
   status.failure = "blob 7 is damaged";
-  EXPECT_EQ(noticeOf(status, false, OnGpu::kAll).text,
-            "blob 7 is damaged\nThe picture does without that part.");
+  EXPECT_EQ(noticeOf(status, false, OnGpu::kAll).text, "blob 7 is damaged\nThat part stays at lower detail.");
 }
 
 TEST(Notice, namesTheOptionThatGivesMoreMemory) {
@@ -68,7 +67,7 @@ TEST(Notice, saysCalmlyThatTheCacheHasNoMoreAndHowToHaveTheRest) {
   status.failure = "the cache does not have all that the view needs: run without --offline";
   const Notice notice = noticeOf(status, true, OnGpu::kAll);
   EXPECT_EQ(notice.kind, Notice::Kind::kTrouble);
-  EXPECT_NE(notice.text.find("as finely as the cache has it"), std::string::npos);
+  EXPECT_NE(notice.text.find("no finer detail"), std::string::npos);
   EXPECT_NE(notice.text.find("without --offline"), std::string::npos);
   status.cut.reset();
   EXPECT_EQ(noticeOf(status, true, OnGpu::kAll).kind, Notice::Kind::kFailure) << "there is nothing to see";
@@ -84,8 +83,8 @@ TEST(Notice, saysOfflineAsAHintWhereTheCacheHasAllAndAsTroubleWhereItHasNot) {
 TEST(Notice, saysTheFirstThatABuildHasWarnedOfAndHowManyMore) {
   EXPECT_EQ(warningOf({}), "");
   const std::vector<std::string> warnings{"3 faces dropped", "no normals", "no colours"};
-  EXPECT_EQ(warningOf(std::span(warnings).first(1)), "built with a warning: 3 faces dropped");
-  EXPECT_EQ(warningOf(warnings), "built with a warning: 3 faces dropped\nand 2 more, on stderr");
+  EXPECT_EQ(warningOf(std::span(warnings).first(1)), "build warning: 3 faces dropped");
+  EXPECT_EQ(warningOf(warnings), "build warning: 3 faces dropped\nand 2 more, on stderr");
 }
 
 TEST(Notice, saysOfThreeMissingModelsWhyAndThatTheRestIsShown) {
@@ -104,5 +103,36 @@ TEST(Notice, saysOfWhatCannotBeOpenedWhyAndHowToCloseTheWindow) {
   EXPECT_EQ(notice.text, "a.lode is damaged: build it again\nEsc or Q closes the window.");
 }
 
+TEST(BuildStage, hasItsPlaceAmongThem) {
+  EXPECT_EQ(describeStage("scan"), "scan, 1 of 6");
+  EXPECT_EQ(describeStage("border"), "border, 4 of 6");
+  EXPECT_EQ(describeStage("pack"), "pack, 6 of 6");
+}
+
+TEST(BuildStage, isNamedAloneWhereItIsNotKnown) { EXPECT_EQ(describeStage("polish"), "polish"); }
+
+const core::ModelBox kModel{{-1, -1, -1}, {1, 1, 1}};
+
+core::View from(glm::dvec3 eye_model) {
+  core::View view;
+  view.eye_model = eye_model;
+  return view;
+}
+
+TEST(LostSight, isNotToldWhereTheModelIsSeen) {
+  EXPECT_EQ(lostSightText(kModel, from({0, 0, 5})), "");
+  EXPECT_EQ(lostSightText(kModel, from({0, 0, 0})), "") << "from inside";
+}
+
+TEST(LostSight, isToldOfAModelBesideOrBehindTheEye) {
+  for (const glm::dvec3 eye_model : {glm::dvec3(0, 0, -5), glm::dvec3(50, 0, 5)})
+    EXPECT_NE(lostSightText(kModel, from(eye_model)).find("out of view"), std::string_view::npos);
+}
+
+TEST(LostSight, isToldOfAModelOfAFewPixels) {
+  EXPECT_NE(lostSightText(kModel, from({0, 0, 1e4})).find("a dot"), std::string_view::npos);
+}
+
 }  // namespace
+
 }  // namespace lode::app

@@ -9,7 +9,7 @@ TEST(PathRecorder, notesACameraEveryTenthOfASecondFromItsFirst) {
   PathRecorder recorder;
   recorder.start();
   const core::CameraKey camera{0, {1, 2, 3}, {0, 0, 0}, {0, 0, 1}};
-  for (const double t_s : {7.0, 7.05, 7.125, 7.2, 7.25}) recorder.see(t_s, camera, 40);
+  for (const double t_s : {7.0, 7.05, 7.125, 7.2, 7.25}) recorder.add(t_s, camera, 40);
   const auto path = recorder.finish();
   ASSERT_TRUE(path);
   EXPECT_EQ(path->fov_y_deg, 40);
@@ -21,7 +21,7 @@ TEST(PathRecorder, notesACameraEveryTenthOfASecondFromItsFirst) {
 
 TEST(PathRecorder, hasNoPathWhereItSawNothing) {
   PathRecorder recorder;
-  recorder.see(0, {}, 45);
+  recorder.add(0, {}, 45);
   EXPECT_FALSE(recorder.finish());
   recorder.start();
   EXPECT_TRUE(recorder.recording());
@@ -29,5 +29,15 @@ TEST(PathRecorder, hasNoPathWhereItSawNothing) {
   EXPECT_FALSE(recorder.recording());
 }
 
+TEST(CameraPathWriter, writesWhatIsReadBackAsTheSamePath) {
+  core::CameraPath path;
+  path.fov_y_deg = 33.3;
+  path.keys = {{0, {1e6 + 0.1, 2, 3}, {0.1, -5, 1e-9}, {0, 0, 1}}, {0.1, {1, 2, 3}, {4, 5, 6}, {0, 1, 0}}};
+  const core::CameraPath again = core::parseCameraPath(writeCameraPath(path), "p");
+  EXPECT_EQ(again.fov_y_deg, path.fov_y_deg);
+  EXPECT_EQ(again.keys, path.keys);
+}
+
 }  // namespace
+
 }  // namespace lode::app

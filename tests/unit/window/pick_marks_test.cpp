@@ -36,7 +36,7 @@ TEST(PickMarks, joinTheTwoPointsByALineThatSaysHowLongItIs) {
   EXPECT_EQ(marks.distance, "3");
 }
 
-/// Its corners are all on one side of the line, the nearest a gap away.
+/// Checks that all corners are on one side of the line, the nearest at the gap's distance.
 TEST(PickMarks, haveTheirTextBesideTheLineHoweverShortAndSteepThatIs) {
   const glm::dvec2 text(60, 16), window(800, 600);
   for (const glm::dvec2 to :

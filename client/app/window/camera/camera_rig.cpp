@@ -8,11 +8,11 @@
 namespace lode::app {
 namespace {
 
-constexpr double kCrossingSeconds = 4;      ///< in which a flight at first speed passes the whole model
-constexpr double kPadHeightsASecond = 1.2;  ///< a stick at its end drags over so many heights of the picture
-constexpr double kPadStepsASecond = 6;      ///< and turns the wheel so far, as W and S do
-constexpr double kEyeHeight = 0.005;        ///< of the model's size, at which a walk begins
-constexpr double kDropHeights = 2;          ///< that it comes down from
+constexpr double kCrossingSeconds = 4;        ///< time to cross the model when flying at initial speed
+constexpr double kPadHeightsPerSecond = 1.2;  ///< drag of a fully deflected stick, in picture heights
+constexpr double kPadStepsPerSecond = 6;      ///< its zoom in wheel steps, like W and S
+constexpr double kEyeHeight = 0.005;          ///< initial eye height as a share of the model's size
+constexpr double kDropHeights = 2;            ///< height in eye heights from which standAt() descends
 
 double sizeOf(const ModelSummary& model) {
   if (model.box.empty()) return model.lattice.step;
@@ -39,27 +39,27 @@ void CameraRig::startAt(const core::CameraPath& path) {
   restart(start_, start_distance_model_);
 }
 
-/// For the window as it is now.
+/// Frames the model for the window's current size.
 void CameraRig::frame() {
   if (view_.width_px > 0 && view_.height_px > 0)
     framing_.aspect = static_cast<double>(view_.width_px) / view_.height_px;
   startAt(core::framingCamera(model_, framing_));
   const core::ModelBox box = core::toModelBox(model_.box, model_.lattice.step);
-  if (framing_.covered > 0) turnAbout((box.min + box.max) / 2.0);  // it is not straight ahead
+  if (framing_.covered > 0) turnAbout((box.min + box.max) / 2.0);  // the model is not straight ahead then
 }
 
-/// All cameras go on from a view; the orbit turns about what lies so far ahead.
+/// Restarts all cameras from a view. The orbit turns about the point at this distance.
 void CameraRig::restart(core::View from, double distance_model) {
   from.width_px = view_.width_px;  // the window may have another size by now
   from.height_px = view_.height_px;
   view_ = from;
-  const double size = sizeOf(model_);  // which may have grown
-  orbit_ = render::OrbitCamera(from, distance_model, up_);
-  fly_ = render::FlyCamera(from, size / kCrossingSeconds, up_);
-  walk_ = render::WalkCamera(from, size * kEyeHeight, up_);
+  const double size = sizeOf(model_);  // may have grown
+  orbit_ = OrbitCamera(from, distance_model, up_);
+  fly_ = FlyCamera(from, size / kCrossingSeconds, up_);
+  walk_ = WalkCamera(from, size * kEyeHeight, up_);
 }
 
-/// Its up says nothing of a model's axis where it looks straight along that, or leans.
+/// Uses the view's up if the camera looks along the up axis or is rolled, else the up axis.
 core::CameraKey CameraRig::camera() const {
   constexpr double kAlong = 1e-5, kUpright = 1e-9;
   const glm::dvec3 eye = model_.lattice.origin + view_.eye_model;
@@ -78,15 +78,15 @@ void CameraRig::standAt(const glm::dvec3& point_model) {
   if (kind_ != CameraKind::kWalk) return;
   core::View above = view_;
   above.eye_model = point_model + up_ * (walk_.eyeHeightModel() * kDropHeights);
-  above.forward = render::Heading(view_, up_).level();
-  walk_ = render::WalkCamera(above, walk_.eyeHeightModel(), up_);
+  above.forward = Heading(view_, up_).level();
+  walk_ = WalkCamera(above, walk_.eyeHeightModel(), up_);
 }
 
-/// The model stands on another side, and is framed anew.
+/// Switches to the next up axis and frames the model.
 void CameraRig::turnUp() {
   constexpr std::array<glm::dvec3, 6> kTurns{glm::dvec3{0, 1, 0}, {0, 0, 1},  {1, 0, 0},
                                              {0, -1, 0},          {0, 0, -1}, {-1, 0, 0}};
-  // After a guess comes the other axis that is likely.
+  // If z was guessed, y, the other likely axis, comes next.
   const auto now = !framing_.up && up_ == kTurns[1] ? kTurns.end() - 1 : std::ranges::find(kTurns, up_);
   framing_.up = kTurns[static_cast<size_t>(now - kTurns.begin() + 1) % kTurns.size()];
   up_ = *framing_.up;
@@ -103,11 +103,11 @@ void CameraRig::useBookmark(size_t number, bool set) {
   restart(bookmark->view, bookmark->distance_model);
 }
 
-/// What walks always looks for its ground, which may have come nearer.
+/// True if the camera must be updated. A walk always is, since the ground may change as it loads.
 bool CameraRig::isSteered(const Input& input) const noexcept {
   return input.turned_px != glm::dvec2(0) || input.shifted_px != glm::dvec2(0) || input.wheel != 0 ||
          input.pad_turn != glm::dvec2(0) || input.fly.right != 0 || input.fly.up != 0 ||
-         input.fly.forward != 0 || kind_ == CameraKind::kWalk || underWay();
+         input.fly.forward != 0 || kind_ == CameraKind::kWalk || isMoving();
 }
 
 void CameraRig::startAgain() {
@@ -118,8 +118,8 @@ void CameraRig::startAgain() {
     restart(start_, start_distance_model_);
 }
 
-/// While nothing steers it, the view stays to the bit: a camera that is computed anew differs in rounding.
-void CameraRig::apply(const Input& input, double seconds, const render::GroundBelow& ground) {
+/// Leaves the view bit-identical while nothing steers it: recomputing it would change the rounding.
+void CameraRig::apply(const Input& input, double seconds, const GroundBelow& ground) {
   if (input.reset_camera) startAgain();
   for (int i = 0; i < input.next_axis; ++i) turnUp();
   if (input.bookmark != 0) useBookmark(static_cast<size_t>(input.bookmark), input.set_bookmark);
@@ -128,8 +128,8 @@ void CameraRig::apply(const Input& input, double seconds, const render::GroundBe
     kind_ = static_cast<CameraKind>((static_cast<int>(kind_) + input.next_camera) % kCameraKindCount);
   }
   if (!isSteered(input)) return;
-  const glm::dvec2 looked_px =
-      input.turned_px + input.shifted_px - input.pad_turn * (kPadHeightsASecond * seconds * view_.height_px);
+  const glm::dvec2 looked_px = input.turned_px + input.shifted_px -
+                               input.pad_turn * (kPadHeightsPerSecond * seconds * view_.height_px);
   const auto steer = [&](auto& camera, const auto&... where) {
     camera.changeSpeed(input.wheel);
     camera.look(looked_px, view_);
@@ -139,7 +139,7 @@ void CameraRig::apply(const Input& input, double seconds, const render::GroundBe
   switch (kind_) {
     case CameraKind::kOrbit:
       orbit_.advance(seconds);
-      orbit_.zoom(input.wheel + input.fly.forward * kPadStepsASecond * seconds);
+      orbit_.zoom(input.wheel + input.fly.forward * kPadStepsPerSecond * seconds);
       orbit_.drag(looked_px - input.shifted_px, view_.height_px);
       orbit_.shift(input.shifted_px, view_);
       orbit_.apply(view_);

@@ -5,7 +5,6 @@
 
 #include <glm/glm.hpp>
 
-#include "client/app/window/camera/camera_kind.h"
 #include "client/app/window/camera/cameras.h"
 #include "client/app/window/camera/walk_camera.h"
 #include "client/app/window/input.h"
@@ -15,37 +14,37 @@
 
 namespace lode::app {
 
-/// The camera of the window: orbits, flies or walks, whichever the user chose, and goes on from where it is
-/// when that changes.
+/// The camera of the window: orbits, flies or walks as the user chose. Switching keeps the view.
 class CameraRig {
  public:
-  /// @param model    is looked at again whenever a camera begins: its box may have grown.
-  /// @param framing  says what is up, whatever the path's cameras have as theirs.
-  /// @param path     its first key is where the camera starts, and what is seen, leaning too, until it is
-  ///                 moved; nothing: the camera that frames the model.
+  /// @param model    read again whenever a camera starts, since its box may grow; must outlive this.
+  /// @param framing  has the up axis, which overrides that of the path's cameras.
+  /// @param path     its first key is the initial view, with its roll until the camera moves; nothing: frames
+  /// the
+  ///                 model.
   CameraRig(const ModelSummary& model, core::Framing framing, const std::optional<core::CameraPath>& path,
             uint32_t width_px, uint32_t height_px);
 
-  /// @param ground  where it walks.
-  void apply(const Input& input, double seconds, const render::GroundBelow& ground);
-  /// If it walks: goes on from above this point, and looks ahead on the level.
+  /// Applies the input of a frame. @param ground  for walking.
+  void apply(const Input& input, double seconds, const GroundBelow& ground);
+  /// If it walks: continues above this point, looking ahead horizontally.
   void standAt(const glm::dvec3& point_model);
-  /// Where it is, in true coordinates, at t = 0.
+  /// Returns the camera in true coordinates, at t = 0.
   core::CameraKey camera() const;
-  /// Looks from elsewhere, and goes on from there. @param camera  in true coordinates.
+  /// Moves to a camera. @param camera  in true coordinates.
   void lookFrom(const core::CameraKey& camera, double fov_y_deg);
-  /// An orbit turns about this point from now on; the view stays.
+  /// Sets the point that an orbit turns about. The view stays.
   void turnAbout(const glm::dvec3& point_model) noexcept { orbit_.turnAbout(point_model); }
-  /// An orbit comes nearer to this point, in a moment.
+  /// Starts a flight of the orbit camera towards this point.
   void flyTo(const glm::dvec3& point_model) noexcept { orbit_.flyTo(point_model); }
   void resize(uint32_t width_px, uint32_t height_px) noexcept;
-  /// When it frames the model again, it does so beside what covers so much of the picture: see core::Framing.
+  /// Sets the share of the picture that the panel covers, for framing the model: see core::Framing.
   void frameBeside(double covered) noexcept { framing_.covered = covered; }
 
   const core::View& view() const noexcept { return view_; }
   CameraKind kind() const noexcept { return kind_; }
-  /// It moves without anybody's doing.
-  bool underWay() const noexcept {
+  /// True while it moves without input.
+  bool isMoving() const noexcept {
     return kind_ == CameraKind::kOrbit ? orbit_.isFlying() : kind_ == CameraKind::kWalk && walk_.isSettling();
   }
   const glm::dvec3& up() const noexcept { return up_; }
@@ -77,9 +76,9 @@ class CameraRig {
     CameraKind kind;
   };
   std::array<std::optional<Bookmark>, 9> bookmarks_;
-  render::OrbitCamera orbit_{core::View{}, 1, {0, 1, 0}};
-  render::FlyCamera fly_{core::View{}, 1, {0, 1, 0}};
-  render::WalkCamera walk_{core::View{}, 1, {0, 1, 0}};
+  OrbitCamera orbit_{core::View{}, 1, {0, 1, 0}};
+  FlyCamera fly_{core::View{}, 1, {0, 1, 0}};
+  WalkCamera walk_{core::View{}, 1, {0, 1, 0}};
 };
 
 }  // namespace lode::app

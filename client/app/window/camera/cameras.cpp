@@ -4,19 +4,19 @@
 #include <cmath>
 #include <numbers>
 
-namespace lode::render {
+namespace lode::app {
 namespace {
 
 constexpr double kMaxTiltRad = std::numbers::pi / 2 - 1e-3;
-constexpr double kClosestPart = 1e-5;  ///< of the first distance
+constexpr double kClosestPart = 1e-5;  ///< minimum as a share of the initial distance
 constexpr double kZoomStep = 0.85;
 constexpr double kFlightSeconds = 0.6;
-constexpr double kFlightPart = 0.4;  ///< of the way that is left when a flight has ended
+constexpr double kFlightPart = 0.4;  ///< share of the distance left after a flight
 constexpr double kSpeedStep = 1.25;
 constexpr double kSpeedRange = 1e4;
 constexpr double kFastFactor = 4;
 
-/// Model units that one pixel covers at a distance.
+/// Returns the size of a pixel at a distance, in model units.
 double modelPerPixel(const core::View& view, double distance_model) noexcept {
   return 2 * distance_model * std::tan(view.fov_y_rad / 2) / std::max(1u, view.height_px);
 }
@@ -134,4 +134,4 @@ void FlyCamera::apply(core::View& view) const noexcept {
   view.eye_model = eye_model_;
 }
 
-}  // namespace lode::render
+}  // namespace lode::app

@@ -3,14 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "client/app/cli/made_path.h"
+#include "client/app/window/pacing.h"
+#include "common/error.h"
+
 namespace lode::app {
 namespace {
 
-/// Of the values of one lap's frames, by nearest rank.
+/// Percentiles of a lap's values, by nearest rank.
 struct Spread {
   double p50 = 0, p99 = 0, max = 0;
 
@@ -48,6 +53,12 @@ std::vector<Lap> lapsOf(const std::vector<FlownFrame>& frames) {
   return laps;
 }
 
+[[noreturn]] void refuse(const std::string& target, const stream::StreamStatus& status) {
+  const std::string& why = status.failure.empty() ? status.trouble : status.failure;
+  throw Error(ErrorCode::kTimeout, target + " gave no first picture to start the flight from" +
+                                       (why.empty() ? "; allow more with --timeout" : ": " + why));
+}
+
 }  // namespace
 
 Flight::Flight(core::CameraPath path, int laps) : path_(std::move(path)), laps_(laps) {}
@@ -64,15 +75,15 @@ void Flight::draw(uint64_t number, FlownFrame frame) {
   if (isOver()) return;
   frame.lap = lap_;
   frame.t_s = t_s_;
-  under_way_.push_back({number, frame});
+  pending_.push_back({number, frame});
 }
 
 void Flight::finish(uint64_t number, double work_ms) {
-  const auto drawn = std::ranges::find(under_way_, number, &UnderWay::number);
-  if (drawn == under_way_.end()) return;
+  const auto drawn = std::ranges::find(pending_, number, &Pending::number);
+  if (drawn == pending_.end()) return;
   drawn->frame.work_ms = work_ms;
   frames_.push_back(drawn->frame);
-  under_way_.erase(drawn);
+  pending_.erase(drawn);
 }
 
 std::string Flight::describe() const {
@@ -84,15 +95,14 @@ std::string Flight::describe() const {
     const Spread threshold = laps[i].spreadOf(&FlownFrame::threshold_px);
     const Spread target = laps[i].spreadOf(&FlownFrame::target_ms);
     char text[400];
-    std::snprintf(
-        text, sizeof text,
-        "lap %zu: %zu frames, each %.1f ms in the median, %.1f in the 99th percentile, %.1f at most; "
-        "uploads %.2f, %.2f, %.2f ms; %.2f px off in the median, %.2f at most",
-        i + 1, laps[i].frames.size(), work.p50, work.p99, work.max, upload.p50, upload.p99, upload.max,
-        threshold.p50, threshold.max);
+    std::snprintf(text, sizeof text,
+                  "lap %zu: %zu frames; frame time %.1f ms median, %.1f ms 99th percentile, %.1f ms maximum; "
+                  "upload %.2f, %.2f, %.2f ms; threshold %.2f px median, %.2f px maximum",
+                  i + 1, laps[i].frames.size(), work.p50, work.p99, work.max, upload.p50, upload.p99,
+                  upload.max, threshold.p50, threshold.max);
     lines += text;
     if (target.p50 > 0) {
-      std::snprintf(text, sizeof text, "; to hold %.1f ms in the median", target.p50);
+      std::snprintf(text, sizeof text, "; target frame time %.1f ms median", target.p50);
       lines += text;
     }
     lines += '\n';
@@ -122,6 +132,49 @@ nlohmann::ordered_json Flight::toJson() const {
                               {"threshold_px", frame.threshold_px},
                               {"triangles", frame.triangles}});
   return json;
+}
+
+Pilot::Pilot(const ViewOptions& options, std::optional<core::CameraPath> path)
+    : options_(options), path_(std::move(path)) {}
+
+/// True once there is a picture to start from.
+bool Pilot::mayBegin(const ViewedScene& scene, bool is_time_over, const core::View& view) const {
+  const double drawn_px = scene.drawnThresholdRad() * focalPx(view);
+  if (drawn_px > 0 && drawn_px <= kLargestThresholdPx) return true;
+  const stream::StreamStatus& status = scene.status();
+  const bool is_all_there = (status.ended || status.exhausted) && scene.uploaded();
+  if (is_all_there || is_time_over) refuse(options_.common.target, status);
+  return false;
+}
+
+Pilot::State Pilot::fly(const ViewedScene& scene, bool is_time_over, CameraRig& rig) {
+  if (!flight_) {
+    if (!mayBegin(scene, is_time_over, rig.view())) return State::kWaiting;
+    flight_.emplace(path_ ? *path_ : makePath(MadePath::kOrbit, scene.summary(), 0), options_.laps);
+    start_ = Clock::now();
+  }
+  const std::chrono::duration<double> flown = Clock::now() - start_;
+  const std::optional<core::CameraKey> camera = flight_->cameraAt(flown.count());
+  if (!camera) return State::kOver;
+  rig.lookFrom(*camera, flight_->fovYDeg());
+  return State::kFlying;
+}
+
+void Pilot::draw(uint64_t number, const FlownFrame& frame) {
+  if (flight_) flight_->draw(number, frame);
+}
+
+void Pilot::finish(uint64_t number, double work_ms) {
+  if (flight_) flight_->finish(number, work_ms);
+}
+
+void Pilot::print() const {
+  const std::string closed = options_.common.target + ": the window was closed before the flight ";
+  if (!flight_) throw Error(ErrorCode::kTimeout, closed + "began");
+  const std::string said = options_.json ? flight_->toJson().dump() + "\n" : flight_->describe();
+  std::fputs(said.c_str(), stdout);
+  if (!flight_->isOver())
+    throw Error(ErrorCode::kTimeout, closed + "was over; the times above are of the part flown");
 }
 
 }  // namespace lode::app

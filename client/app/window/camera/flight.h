@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -8,47 +9,50 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "client/app/window/camera/camera_rig.h"
+#include "client/app/window/scene/viewed_scene.h"
+#include "client/app/window/view_command.h"
 #include "client/core/view/camera_path.h"
 
 namespace lode::app {
 
-/// One frame of a flight.
+/// A frame of a flight.
 struct FlownFrame {
   int lap = 0;
-  double t_s = 0;           ///< of the path
-  double work_ms = 0;       ///< without the wait for the display
-  double upload_ms = 0;     ///< of them: since the frame before
-  double target_ms = 0;     ///< that it was to take at most; 0: whatever it takes
-  double scale = 1;         ///< of the picture's sides,
-  double threshold_px = 0;  ///< in the pixels of that
+  double t_s = 0;           ///< path time
+  double work_ms = 0;       ///< frame time without waiting for the display
+  double upload_ms = 0;     ///< part of it spent on uploads since the previous frame
+  double target_ms = 0;     ///< target frame time; 0: none
+  double scale = 1;         ///< resolution scale per side
+  double threshold_px = 0;  ///< in scaled pixels
   uint64_t triangles = 0;
 };
 
-/// A camera path that a window flies, and what its frames took. Pure: no clock, no GL.
+/// A camera path that a window follows, and the times of its frames. Pure: no clock, no GL.
 class Flight {
  public:
-  /// @param laps  >= 1: how often the path is flown, from its first key each time.
+  /// @param laps  >= 1: number of times the path is flown, each from its first key.
   Flight(core::CameraPath path, int laps);
 
-  /// The camera, so many seconds after the flight began; nothing once it is over.
+  /// Returns the camera at a time since the start; nothing once the flight is over.
   std::optional<core::CameraKey> cameraAt(double seconds);
-  /// All laps are flown.
+  /// True once all laps are flown.
   bool isOver() const noexcept { return lap_ >= laps_; }
   double fovYDeg() const noexcept { return path_.fov_y_deg; }
 
-  /// A frame was drawn whose work is told later, by its number; what is drawn once the flight is over is no
-  /// frame of it.
+  /// Adds a frame that was drawn; finish() adds its time later. Ignored once the flight is over.
   void draw(uint64_t number, FlownFrame frame);
-  /// What a frame took; nothing is told of one that this flight did not draw.
+  /// Sets the time of a frame. Ignores frames that draw() did not add.
   void finish(uint64_t number, double work_ms);
 
-  /// A line for each lap: frames, their times, thresholds and uploads, medians, 99th percentiles and largest.
+  /// Returns a line per lap: frames; median, 99th percentile and maximum of frame times, uploads and
+  /// thresholds.
   std::string describe() const;
-  /// The same, each frame, and whether it was interrupted.
+  /// Returns the same figures, each frame, and whether the flight was interrupted.
   nlohmann::ordered_json toJson() const;
 
  private:
-  struct UnderWay {
+  struct Pending {
     uint64_t number = 0;
     FlownFrame frame;
   };
@@ -56,8 +60,40 @@ class Flight {
   core::CameraPath path_;
   int laps_, lap_ = 0;
   double t_s_ = 0;
-  std::deque<UnderWay> under_way_;
+  std::deque<Pending> pending_;
   std::vector<FlownFrame> frames_;
+};
+
+/// Flies the window's camera from the first picture on, ignoring the user, and prints frame times.
+class Pilot {
+ public:
+  /// @param path  path to fly; none: an orbit.
+  Pilot(const ViewOptions& options, std::optional<core::CameraPath> path);
+
+  enum class State { kWaiting, kFlying, kOver };
+  /// Moves the camera along the path.
+  /// @throws Error if there will be no first picture: nothing more loads, or the time is over.
+  State fly(const ViewedScene& scene, bool is_time_over, CameraRig& rig);
+
+  /// True after the first picture.
+  bool isUnderWay() const noexcept { return flight_.has_value(); }
+
+  /// See Flight.
+  void draw(uint64_t number, const FlownFrame& frame);
+  void finish(uint64_t number, double work_ms);
+
+  /// Prints the frame times. @throws Error afterwards if the flight is not over.
+  void print() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool mayBegin(const ViewedScene& scene, bool is_time_over, const core::View& view) const;
+
+  const ViewOptions options_;
+  const std::optional<core::CameraPath> path_;
+  std::optional<Flight> flight_;  ///< set at the first picture
+  Clock::time_point start_;
 };
 
 }  // namespace lode::app

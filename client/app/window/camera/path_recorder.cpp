@@ -3,13 +3,23 @@
 #include <fstream>
 #include <utility>
 
-#include "client/app/window/camera/camera_path_writer.h"
+#include <nlohmann/json.hpp>
+
 #include "client/app/window/output/picture_file.h"
 #include "common/error.h"
 
 namespace lode::app {
 
-void PathRecorder::see(double t_s, core::CameraKey camera, double fov_y_deg) {
+std::string writeCameraPath(const core::CameraPath& path) {
+  const auto vector = [](const glm::dvec3& v) { return nlohmann::json::array({v.x, v.y, v.z}); };
+  nlohmann::json json{{"fov_y_deg", path.fov_y_deg}, {"keys", nlohmann::json::array()}};
+  for (const core::CameraKey& key : path.keys)
+    json["keys"].push_back(
+        {{"t", key.t}, {"eye", vector(key.eye)}, {"target", vector(key.target)}, {"up", vector(key.up)}});
+  return json.dump() + "\n";
+}
+
+void PathRecorder::add(double t_s, core::CameraKey camera, double fov_y_deg) {
   constexpr double kKeySeconds = 0.1;
   if (!path_) return;
   auto& keys = path_->keys;
@@ -34,10 +44,9 @@ std::optional<std::string> PathRecorder::save() {
   if (!path) return std::nullopt;
   const std::string file = timedName("json");
   std::ofstream stream(file, std::ios::binary);
-  stream << core::writeCameraPath(*path) << std::flush;
+  stream << writeCameraPath(*path) << std::flush;
   if (!stream)
-    throw Error(ErrorCode::kIo,
-                file + " cannot be written: start the window in a folder where files can be made");
+    throw Error(ErrorCode::kIo, file + " cannot be written: start the window in a writable folder");
   return file;
 }
 

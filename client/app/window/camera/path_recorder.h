@@ -7,18 +7,21 @@
 
 namespace lode::app {
 
-/// Notes where a camera goes, for `render --frames` and `replay`.
+/// Writes a path as JSON. core::parseCameraPath() reads it back exactly.
+std::string writeCameraPath(const core::CameraPath& path);
+
+/// Records a camera path for `render --frames` and `replay`.
 class PathRecorder {
  public:
   bool recording() const noexcept { return path_.has_value(); }
   void start() { path_.emplace(); }
-  /// A camera at a time. Keys are a tenth of a second apart, and at most as many as a path may have.
-  /// @param t_s  since any moment
-  void see(double t_s, core::CameraKey camera, double fov_y_deg);
-  /// Ends it. Nothing without a key.
+  /// Adds a camera as a key if a tenth of a second has passed since the last key and the path is not full.
+  /// @param t_s  time from a monotonic clock
+  void add(double t_s, core::CameraKey camera, double fov_y_deg);
+  /// Ends the recording. @return nothing if it has no key.
   std::optional<core::CameraPath> finish();
-  /// Ends it, and writes it into the current folder. @return the file; nothing without a key. @throws Error
-  /// kIo.
+  /// Ends the recording and writes it into the current folder. @return the file; nothing if it has no key.
+  /// @throws Error kIo.
   std::optional<std::string> save();
 
  private:

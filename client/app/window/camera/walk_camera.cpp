@@ -3,17 +3,33 @@
 #include <algorithm>
 #include <cmath>
 
-namespace lode::render {
+#include "client/core/lod/cut.h"
+
+namespace lode::app {
 namespace {
 
-constexpr double kHeightsASecond = 2.5;  ///< first speed, in heights of the eye
+constexpr double kHeightsASecond = 2.5;  ///< initial speed, in eye heights
 constexpr double kFastWalkFactor = 4;
 constexpr double kWalkSpeedStep = 1.25, kWalkSpeedRange = 1e4;
 constexpr double kGrowthASecond = 2, kHeightRange = 1e3;
-constexpr double kClimb = 1;       ///< heights above the eye up to which ground that rises is noticed
-constexpr double kLeast = 0.25;    ///< of the height is kept at once, before the rest is made up smoothly
-constexpr double kSettleS = 0.15;  ///< after which a third of a difference in height is left
-constexpr double kSettled = 1e-3;  ///< of the height: too little to be seen
+constexpr double kClimb = 1;       ///< eye heights above the eye to search for rising ground
+constexpr double kLeast = 0.25;    ///< share of the eye height kept at once; the rest is made up smoothly
+constexpr double kSettleS = 0.15;  ///< time constant of adapting the height
+constexpr double kSettled = 1e-3;  ///< share of the eye height that is too small to notice
+
+constexpr double kMostUncertain = 0.01;  ///< share of a part's size: limit of its error
+
+/// Converts a part's projected error back to model units. Limits it by the part's size, since the error of a
+/// part around the eye was projected at the near distance.
+double uncertaintyOf(const core::CutPart& part, const core::View& view, double step) {
+  LatticeBox lattice_box;
+  for (const PositionCode code : part.mesh->positions) lattice_box.add(unpackPosition(code));
+  const core::ModelBox box = core::toModelBox(lattice_box, step);
+  const double distance_model = std::max(core::distanceToBox(view.eye_model, box), view.near_model);
+  const double model_per_px =
+      2 * distance_model * std::tan(view.fov_y_rad / 2) / std::max(1u, view.height_px);
+  return std::min(part.error_px * model_per_px, kMostUncertain * glm::distance(box.min, box.max));
+}
 
 }  // namespace
 
@@ -39,7 +55,7 @@ void WalkCamera::move(const FlyKeys& keys, double seconds, const GroundBelow& gr
   const double way_model =
       height_model_ * kHeightsASecond * speed_factor_ * seconds * (keys.fast ? kFastWalkFactor : 1);
   eye_model_ += (heading_.right() * keys.right + heading_.level() * keys.forward) * way_model;
-  // A slope of 45 degrees rises as far as the step goes.
+  // A slope of 45 degrees rises by the length of the step.
   const double climb_model = kClimb * height_model_ + way_model;
   follow(ground(eye_model_ + heading_.axis() * climb_model), climb_model, seconds);
 }
@@ -47,7 +63,8 @@ void WalkCamera::move(const FlyKeys& keys, double seconds, const GroundBelow& gr
 void WalkCamera::follow(const std::optional<Ground>& ground, double climb_model, double seconds) noexcept {
   is_settling_ = false;
   if (!ground) return;
-  const double foot_model = climb_model + height_model_ - ground->depth_model;  // ground above the foot: > 0
+  const double foot_model =
+      climb_model + height_model_ - ground->depth_model;  // > 0: the ground is above the foot
   double rise_model = std::max(0.0, foot_model);
   if (foot_model < -ground->uncertainty_model) rise_model = foot_model + ground->uncertainty_model;
   if (std::abs(rise_model) < kSettled * height_model_) return;
@@ -63,4 +80,17 @@ void WalkCamera::apply(core::View& view) const noexcept {
   view.eye_model = eye_model_;
 }
 
-}  // namespace lode::render
+std::optional<Ground> groundBelow(const core::CutProbe& probe, const core::View& view,
+                                  const glm::dvec3& point_model, const glm::dvec3& up) {
+  core::View down = view;
+  down.eye_model = point_model;
+  down.forward = -up;
+  const glm::dvec3 aside = std::abs(up.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  down.up = glm::normalize(aside - up * glm::dot(aside, up));
+  const core::Cut& cut = *probe.cut();
+  const std::optional<core::Hit> hit = probe.cast({point_model, -up}, core::shownParts(cut, down));
+  if (!hit) return std::nullopt;
+  return Ground{hit->distance_model, uncertaintyOf(*hit->part, cut.view, probe.step())};
+}
+
+}  // namespace lode::app

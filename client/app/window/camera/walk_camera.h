@@ -6,37 +6,38 @@
 #include <glm/glm.hpp>
 
 #include "client/app/window/camera/cameras.h"
+#include "client/core/lod/cut_probe.h"
 #include "client/core/view/view.h"
 
-namespace lode::render {
+namespace lode::app {
 
-/// What lies below a point, as far as it is known yet.
+/// Ground below a point, as far as loaded data shows it.
 struct Ground {
   double depth_model = 0;        ///< straight down from the point
-  double uncertainty_model = 0;  ///< by which finer data may show it to be higher or lower
+  double uncertainty_model = 0;  ///< finer data may move it up or down by this much
 };
-/// Nothing where there is no ground.
+/// Returns the ground below a point, or nothing.
 using GroundBelow = std::function<std::optional<Ground>(const glm::dvec3& point_model)>;
 
-/// Walks: keys move it over the ground, to which its eye keeps a height, the mouse turns it, the wheel sets
-/// its speed. It has no weight: it follows the ground smoothly, over an edge too, and where there is none it
-/// stays as high as it is. It never goes further down than the ground surely is: what comes in finer never
-/// lies above it, and it falls through nothing that is still loading. Model frame, like View. Pure: no clock,
-/// no input device.
+/// Walks: keys move it over the ground at a constant eye height, the mouse turns it, the wheel changes its
+/// speed. There is no gravity: it follows the ground smoothly, also over edges, and keeps its height where
+/// there is no ground. It descends only as far as the uncertainty of the ground allows, so that finer data
+/// never ends up above the eye and the camera does not fall through parts that still load. Model frame, like
+/// View. Pure: no clock, no input device.
 class WalkCamera {
  public:
   /// @param eye_height_model  > 0. @param axis  up.
   WalkCamera(const core::View& start, double eye_height_model, glm::dvec3 axis) noexcept;
 
-  /// As FlyCamera.
+  /// See FlyCamera::look().
   void look(glm::dvec2 pixels, const core::View& view) noexcept;
-  /// Ahead and aside on the level; keys for up and down make it taller or smaller.
+  /// Moves horizontally; the keys for up and down change the eye height.
   void move(const FlyKeys& keys, double seconds, const GroundBelow& ground);
-  /// Each step forward is a quarter faster; the speed stays within a factor of 10^4 of the first.
+  /// See FlyCamera::changeSpeed().
   void changeSpeed(double steps) noexcept;
 
   double eyeHeightModel() const noexcept { return height_model_; }
-  /// It is on its way up or down.
+  /// True while it still adapts its height to the ground.
   bool isSettling() const noexcept { return is_settling_; }
   void apply(core::View& view) const noexcept;
 
@@ -50,4 +51,9 @@ class WalkCamera {
   bool is_settling_ = false;
 };
 
-}  // namespace lode::render
+/// Finds the ground straight below a point in a cut: in its parts, or in a fallback where a part is missing.
+/// @param view  the camera's view, for its field of view. @param up  unit length.
+std::optional<Ground> groundBelow(const core::CutProbe& probe, const core::View& view,
+                                  const glm::dvec3& point_model, const glm::dvec3& up);
+
+}  // namespace lode::app

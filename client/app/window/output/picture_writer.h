@@ -7,7 +7,7 @@
 #include <future>
 #include <optional>
 
-#include "client/render/image.h"
+#include "client/render/gl/image.h"
 
 namespace lode::app {
 

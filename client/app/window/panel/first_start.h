@@ -4,11 +4,11 @@
 
 namespace lode::app {
 
-/// Whether this user has seen the help, remembered by an empty file. A folder that cannot be written only
-/// shows it again.
+/// Remembers by an empty file whether this user has seen the help. If the folder is not writable, the help is
+/// shown again.
 class FirstStart {
  public:
-  /// @param folder  made when there is something to remember.
+  /// @param folder  created by helpWasSeen().
   explicit FirstStart(std::filesystem::path folder);
 
   bool isHelpDue() const;

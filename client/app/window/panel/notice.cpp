@@ -1,13 +1,14 @@
 #include "client/app/window/panel/notice.h"
 
 #include <algorithm>
+#include <array>
 
 namespace lode::app {
 namespace {
 
 constexpr size_t kMostMissing = 3;
 
-/// @param lines  at least one.
+/// Joins the first `most` lines and says how many follow. @param lines  at least one.
 std::string firstOf(std::span<const std::string> lines, size_t most) {
   std::string text = lines.front();
   for (const std::string& line : lines.first(std::min(most, lines.size())).subspan(1)) text += "\n" + line;
@@ -15,38 +16,51 @@ std::string firstOf(std::span<const std::string> lines, size_t most) {
   return text;
 }
 
+struct StageNumber {
+  std::string_view stage;
+  int number;
+};
+
+/// Build stages in order: docs/json.md, `--json-progress`.
+constexpr std::array kStages{StageNumber{"scan", 1},        StageNumber{"textures", 1},
+                             StageNumber{"dereference", 2}, StageNumber{"sort", 3},
+                             StageNumber{"partition", 4},   StageNumber{"border", 4},
+                             StageNumber{"simplify", 5},    StageNumber{"pack", 6}};
+
+constexpr float kDotPx = 8;
+
 }  // namespace
 
 Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) {
   using enum Notice::Kind;
   if (status.exhausted && status.cut)
-    return {
-        kTrouble,
-        "offline: shown as finely as the cache has it; once without --offline brings the rest of this view"};
+    return {kTrouble,
+            "offline: the cache has no finer detail of this view; open it once without --offline to load it"};
   if (!status.failure.empty() && !status.cut) return {kFailure, status.failure};
   if (!status.failure.empty())
-    return {kFailure, status.failure + (status.ended ? "\nWhat is here stays; nothing more will come."
-                                                     : "\nThe picture does without that part.")};
+    return {kFailure,
+            status.failure + (status.ended ? "\nThe view keeps what is loaded; no more detail will load."
+                                           : "\nThat part stays at lower detail.")};
   if (!status.trouble.empty())
-    return {kTrouble,
-            "no connection: " + status.trouble + "\nThe picture stays; it connects again by itself."};
+    return {kTrouble, "no connection: " + status.trouble +
+                          "\nThe view keeps what is loaded and reconnects automatically."};
   if (on_gpu == OnGpu::kFull)
     return {kTrouble,
-            "no room on the GPU for more detail: allow more in the settings (O) or with --memory-budget, or "
-            "a larger error (-)"};
+            "no GPU memory for more detail: raise the memory in the settings (O) or with --memory-budget, or "
+            "press - for a coarser view"};
   if (status.settled && status.limited && on_gpu == OnGpu::kAll)
-    return {
-        kTrouble,
-        "the memory budget allows no more detail: allow more in the settings (O) or with --memory-budget"};
+    return {kTrouble,
+            "no memory for more detail: raise the memory in the settings (O) or with --memory-budget"};
   if (!offline) return {};
-  const bool is_all_there = status.cut && status.cut->converged;
-  if (status.settled && !is_all_there)
-    return {kTrouble, "offline: the cache has no more of this place; without --offline the server is asked"};
-  return {kHint, "offline: from the cache alone"};
+  const bool is_complete = status.cut && status.cut->converged;
+  if (status.settled && !is_complete)
+    return {kTrouble,
+            "offline: parts of this view are not in the cache; open it without --offline to load them"};
+  return {kHint, "offline: using the cache only"};
 }
 
 std::string warningOf(std::span<const std::string> warnings) {
-  return warnings.empty() ? "" : "built with a warning: " + firstOf(warnings, 1);
+  return warnings.empty() ? "" : "build warning: " + firstOf(warnings, 1);
 }
 
 std::string missingText(std::span<const std::string> missing) {
@@ -55,6 +69,21 @@ std::string missingText(std::span<const std::string> missing) {
 
 Notice noticeOf(const Error& error) {
   return {Notice::Kind::kFailure, std::string(error.what()) + "\nEsc or Q closes the window."};
+}
+
+std::string describeStage(std::string_view stage) {
+  const auto* const found = std::ranges::find(kStages, stage, &StageNumber::stage);
+  if (found == kStages.end()) return std::string(stage);
+  return std::string(stage) + ", " + std::to_string(found->number) + " of " +
+         std::to_string(kStages.back().number);
+}
+
+std::string_view lostSightText(const core::ModelBox& model, const core::View& view) {
+  if (!core::boxMayBeVisible(model, view)) return "the model is out of view; R resets the view";
+  const auto size_model = static_cast<float>(glm::distance(model.min, model.max));
+  if (core::screenErrorPx(size_model, core::distanceToBox(view.eye_model, model), view) < kDotPx)
+    return "the model is a dot from here; R resets the view";
+  return "";
 }
 
 }  // namespace lode::app

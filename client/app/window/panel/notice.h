@@ -3,19 +3,21 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 
+#include "client/core/view/view.h"
 #include "client/stream/streamer.h"
 #include "common/error.h"
 
 namespace lode::app {
 
-/// A line over the picture on how the stream fares, with what to do where something can be done.
+/// A line over the picture: the state of the stream and, if the user can do something, what to do.
 struct Notice {
   enum class Kind : uint8_t {
     kNone,
-    kHint,     ///< all is well
-    kTrouble,  ///< it may pass by itself, or there is less to see than asked for
-    kFailure,  ///< it will not
+    kHint,     ///< information
+    kTrouble,  ///< temporary, or less detail than requested
+    kFailure,  ///< permanent
   };
   Kind kind = Kind::kNone;
   std::string text;
@@ -26,13 +28,20 @@ struct Notice {
 /// How much of the newest cut is on the GPU.
 enum class OnGpu : uint8_t { kNotYetAll, kAll, kFull };
 
-/// The gravest that there is to say. @param offline  only the cache is asked.
+/// Returns the most serious notice that applies. @param offline  only the cache is used.
 Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu);
-/// What a build has warned of, in few lines: the first of it, and how many more are on stderr.
+/// Summarizes the warnings of a build: the first one and the number of others, which are on stderr.
 std::string warningOf(std::span<const std::string> warnings);
-/// Which models a scene is shown without: the first three, and how many more are on stderr.
+/// Summarizes the missing models of a scene: the first three and the number of others, which are on stderr.
 std::string missingText(std::span<const std::string> missing);
-/// That nothing could be opened, and how to close the window.
+/// Reports that the target could not be opened, and how to close the window.
 Notice noticeOf(const Error& error);
+
+/// Describes a build stage by name and number: "sort, 3 of 6". A stage that only some models need has the
+/// number of the stage before it. Returns unknown names unchanged.
+std::string describeStage(std::string_view stage);
+
+/// Says that the model is outside the view or only a dot, and which key helps. Empty if the model is visible.
+std::string_view lostSightText(const core::ModelBox& model, const core::View& view);
 
 }  // namespace lode::app

@@ -10,17 +10,17 @@
 #include <imgui.h>
 
 #include "client/app/window/panel/panel_figures.h"
-#include "client/app/window/panel/panel_fit.h"
 #include "client/app/window/panel/panel_font.h"
-#include "client/app/window/panel/panel_frame.h"
 #include "client/app/window/panel/panel_help.h"
-#include "client/app/window/panel/panel_marks.h"
+#include "client/app/window/panel/panel_layout.h"
+#include "client/app/window/panel/panel_window.h"
+#include "client/app/window/panel/pick_marks.h"
 #include "client/app/window/sharpness.h"
 
 namespace lode::app {
 namespace {
 
-constexpr float kNameEm = 5.5f;  ///< in sizes of a letter
+constexpr float kNameEm = 5.5f;  ///< width of the name column in font sizes
 const ImVec4 kGood(0.55f, 0.85f, 0.60f, 1), kWarning(1.0f, 0.72f, 0.40f, 1), kBad(1.0f, 0.50f, 0.45f, 1),
     kBar(0.26f, 0.48f, 0.72f, 1);
 
@@ -34,7 +34,7 @@ float textPx(const std::string& text, float width_px) {
   return ImGui::CalcTextSize(text.c_str(), nullptr, false, width_px).y;
 }
 
-/// Letters lie on a bar that is long enough for them, above others.
+/// True if the text fits on a bar of this width; else it is drawn above the bar.
 bool isOnBar(const std::string& text, float width_px) {
   return ImGui::CalcTextSize(text.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x <= width_px;
 }
@@ -46,7 +46,7 @@ float barPx(const std::string& text, float width_px) {
   return textPx(text, width_px) + lineGapPx() + thinBarPx();
 }
 
-/// A bar with its figures.
+/// Draws a bar with a text.
 void bar(double part, const std::string& text, float width_px) {
   const bool is_on = isOnBar(text, width_px);
   if (!is_on) ImGui::TextUnformatted(text.c_str());
@@ -69,10 +69,10 @@ void drawFigures(std::span<const Figure> figures, const std::vector<bool>& shown
   if (std::ranges::find(shown, true) == shown.end() ||
       !ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit))
     return;
-  // Widths that do not follow the figures: the panel would lag a frame behind them.
+  // Fixed column widths: widths that follow the contents would lag a frame behind.
   ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, namePx());
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthFixed, valuePx());
-  ImGui::PushTextWrapPos(0);  // where the column ends
+  ImGui::PushTextWrapPos(0);  // wraps at the end of the column
   for (size_t i = 0; i < figures.size(); ++i) {
     if (!shown[i]) continue;
     nameRow(figures[i].name);
@@ -85,13 +85,13 @@ void drawFigures(std::span<const Figure> figures, const std::vector<bool>& shown
   ImGui::EndTable();
 }
 
-/// How sharp the picture is, or how far on the way to that; empty where the notice says it.
+/// Describes the sharpness of the picture or the progress of refinement; empty if the notice does.
 std::string sharpnessOf(const PanelContent& content) {
   if (!content.lost.empty()) return std::string(content.lost);
   if (content.converged) return convergedText(content.error_px, content.threshold_px);
   if (content.limited) return limitedText(content.error_px);
   if (content.exhausted) return "";
-  if (content.lacking) return lackingText(content.error_px);
+  if (content.incomplete) return lackingText(content.error_px);
   if (content.waiting_for_server) return waitingText(content.error_px);
   return refiningText(
       {content.error_px, content.threshold_px, content.requests.tiles, content.received_bytes});
@@ -99,7 +99,7 @@ std::string sharpnessOf(const PanelContent& content) {
 
 bool isRefining(const PanelContent& content) {
   return content.lost.empty() && !content.converged && !content.limited && !content.exhausted &&
-         !content.lacking && !content.waiting_for_server;
+         !content.incomplete && !content.waiting_for_server;
 }
 
 float sharpnessPx(const PanelContent& content) {
@@ -121,7 +121,7 @@ void drawSharpness(const PanelContent& content) {
 
 float frameTimesPx() { return ImGui::GetFontSize() * 3.5f + 2 * lineGapPx(); }
 
-/// With a line at what is aimed at.
+/// Draws a histogram of frame times with a line at the target.
 void drawFrameTimes(std::span<const float> frames_ms, size_t oldest, double aimed_ms) {
   const auto aimed = static_cast<float>(aimed_ms);
   const float most_ms = std::max({1.0f, 1.25f * aimed, *std::ranges::max_element(frames_ms)});
@@ -205,7 +205,7 @@ struct Word {
   ImVec4 colour;
 };
 
-/// What is never left out, errors first; warnings go with the figures.
+/// Returns the texts that are never dropped; missing models and warnings only while the panel is visible.
 std::vector<Word> wordsOf(const PanelContent& content) {
   const Notice& notice = content.notice;
   const ImVec4& colour = notice.kind == Notice::Kind::kFailure   ? kBad
@@ -213,7 +213,7 @@ std::vector<Word> wordsOf(const PanelContent& content) {
                                                                  : kMuted;
   std::vector<Word> words{{content.title, ImGui::GetStyleColorVec4(ImGuiCol_Text)}};
   if (notice.kind != Notice::Kind::kNone) words.push_back({notice.text, colour});
-  if (content.recording) words.push_back({"recording the camera; P ends it", kBad});
+  if (content.recording) words.push_back({"recording the camera path; P stops", kBad});
   if (!content.message.empty()) words.push_back({content.message, kWarning});
   if (content.visible && !content.missing.empty()) words.push_back({content.missing, kBad});
   if (content.visible && !content.warning.empty()) words.push_back({content.warning, kWarning});
@@ -233,11 +233,11 @@ float wordsPx(const PanelContent& content) {
 }
 
 constexpr int kRankOfSharpness = -3, kRankOfPick = -2, kRankOfKeys = -1, kRankOfFrameTimes = 100;
-constexpr const char* kKeys = "F1: what keys do";
+constexpr const char* kKeys = "F1: help";
 
 }  // namespace
 
-/// First what the window is high enough for, the rest below, where the wheel leads.
+/// Draws the parts that fit into the window first, then the others, which scrolling reaches.
 void Panel::drawOpen(const PanelContent& content) const {
   const float outside_px = 2 * (kPanelMarginPx + ImGui::GetStyle().WindowPadding.y);
   float room_px = ImGui::GetIO().DisplaySize.y - outside_px - wordsPx(content);
@@ -258,7 +258,7 @@ void Panel::drawOpen(const PanelContent& content) const {
             std::span(content.legend).subspan(is_legend_whole ? legend.size() : legend.size() - 1));
 }
 
-/// @param shown  of all parts, in their order.
+/// @param shown  which parts to draw, in order.
 void Panel::drawParts(const PanelContent& content, std::span<const Figure> figures,
                       const std::vector<bool>& shown, std::span<const render::LegendEntry> legend) const {
   const auto rest = shown.begin() + static_cast<std::ptrdiff_t>(figures.size());
@@ -288,10 +288,10 @@ void Panel::prepare(double scale, const PanelContent& content) {
   bool is_new = std::exchange(scale_, static_cast<float>(scale)) != static_cast<float>(scale);
   for (const std::string* text : {&content.title, &content.waiting, &content.notice.text, &content.message,
                                   &content.missing, &content.warning})
-    is_new |= letters_.see(*text);
-  for (const std::string& line : content.pick) is_new |= letters_.see(line);
-  for (const render::LegendEntry& entry : content.legend) is_new |= letters_.see(entry.meaning);
-  if (is_new) setPanelFont(scale_, letters_);
+    is_new |= characters_.add(*text);
+  for (const std::string& line : content.pick) is_new |= characters_.add(line);
+  for (const render::LegendEntry& entry : content.legend) is_new |= characters_.add(entry.meaning);
+  if (is_new) setPanelFont(scale_, characters_);
 }
 
 void Panel::draw(const PanelContent& content) {
@@ -300,7 +300,7 @@ void Panel::draw(const PanelContent& content) {
   ImGui_ImplOpenGL3_NewFrame();
   layOut(content);
   ImGui::EndFrame();
-  layOut(content);  // now that the sizes of all are known
+  layOut(content);  // again, now that ImGui knows all sizes
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }

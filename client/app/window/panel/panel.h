@@ -11,16 +11,16 @@
 
 #include "client/app/window/panel/panel_content.h"
 #include "client/app/window/panel/panel_figures.h"
-#include "client/app/window/panel/panel_letters.h"
-#include "client/app/window/panel/panel_scroll.h"
+#include "client/app/window/panel/panel_font.h"
 #include "client/app/window/panel/panel_settings.h"
+#include "client/app/window/panel/panel_window.h"
 
 struct GLFWwindow;
 
 namespace lode::app {
 
-/// The panel over the picture. Made after the window and its callbacks, destroyed before it, used on its
-/// thread.
+/// The panel over the picture. Create it after the window and its callbacks, destroy it before the window,
+/// use it on the window's thread.
 class Panel {
  public:
   explicit Panel(GLFWwindow* window);
@@ -28,16 +28,16 @@ class Panel {
   Panel(const Panel&) = delete;
   Panel& operator=(const Panel&) = delete;
 
-  /// For what is drawn next. Another scale or letters than before take a moment.
-  /// @param scale  of the text: 1 for a plain display.
+  /// Loads the font for the next draw() if the scale changed or the content has new characters; that is slow.
+  /// @param scale  text scale: 1 for a standard display.
   void prepare(double scale, const PanelContent& content);
-  /// Draws into the window's own framebuffer.
+  /// Draws into the window's framebuffer.
   void draw(const PanelContent& content);
-  /// Where it takes the mouse since it was drawn last.
+  /// The area of the last draw() that captures the mouse.
   const std::optional<Covered>& covered() const noexcept { return covered_; }
-  /// What the wheel scrolls at a place of the picture since it was drawn last; null: nothing.
+  /// Returns the scrollable panel window at a pixel of the picture as of the last draw(); null: none.
   PanelScroll* scrolledAt(const glm::dvec2& place_px);
-  /// What the user has set there since the last call.
+  /// Returns the settings that the user changed since the last call.
   std::optional<Settings> takeSettings() { return std::exchange(changed_, std::nullopt); }
 
  private:
@@ -47,10 +47,10 @@ class Panel {
                  std::span<const render::LegendEntry> legend) const;
 
   static constexpr size_t kFramesShown = 120;
-  std::array<float, kFramesShown> frames_ms_{};  ///< a ring
+  std::array<float, kFramesShown> frames_ms_{};  ///< ring buffer
   size_t next_frame_ = 0;
   float scale_ = 0;
-  PanelLetters letters_;
+  PanelCharacters characters_;
   std::optional<Covered> covered_;
   PanelScroll scroll_, help_scroll_;
   std::optional<Settings> changed_;

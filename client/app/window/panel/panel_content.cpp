@@ -1,8 +1,12 @@
 #include "client/app/window/panel/panel_content.h"
 
-namespace lode::app {
+#include <algorithm>
+#include <cmath>
 
+namespace lode::app {
 namespace {
+
+constexpr double kAlmost = 0.99;  ///< shown until converged, even if the error meets the threshold already
 
 OnGpu onGpu(const ViewedScene& scene) {
   if (scene.overBudget()) return OnGpu::kFull;
@@ -11,7 +15,18 @@ OnGpu onGpu(const ViewedScene& scene) {
 
 }  // namespace
 
-void describe(const ViewedScene& scene, const Looked& looked, PanelContent& content) {
+double RefiningProgress::update(float error_px, float threshold_px, bool converged) noexcept {
+  if (converged) {
+    start_px_ = 0;
+    return 1;
+  }
+  start_px_ = std::max(start_px_, error_px);
+  if (start_px_ <= threshold_px) return kAlmost;
+  const double done = std::log2(start_px_ / std::max(error_px, threshold_px));
+  return std::min(kAlmost, done / std::log2(start_px_ / threshold_px));
+}
+
+void describe(const ViewedScene& scene, const ViewState& state, PanelContent& content) {
   const stream::StreamStatus& status = scene.status();
   const core::EngineCounts& counts = status.counts;
   content.received_bytes = counts.received_bytes;
@@ -22,11 +37,11 @@ void describe(const ViewedScene& scene, const Looked& looked, PanelContent& cont
   content.tiles_left_out = counts.tiles_left_out;
   content.exhausted = status.exhausted;
   const bool is_whole = status.cut && status.cut->converged && status.cut->lost_tiles == 0;
-  content.converged = looked.is_settled && scene.upToDate() && is_whole;
-  content.limited = looked.is_settled && (status.limited || scene.overBudget());
-  content.lacking = looked.is_settled && scene.upToDate() && !is_whole && !status.failure.empty();
-  content.waiting_for_server = !looked.is_settled && !status.trouble.empty();
-  content.notice = noticeOf(status, looked.is_offline, onGpu(scene));
+  content.converged = state.is_settled && scene.upToDate() && is_whole;
+  content.limited = state.is_settled && (status.limited || scene.overBudget());
+  content.incomplete = state.is_settled && scene.upToDate() && !is_whole && !status.failure.empty();
+  content.waiting_for_server = !state.is_settled && !status.trouble.empty();
+  content.notice = noticeOf(status, state.is_offline, onGpu(scene));
   const ViewedScene::GpuUse gpu = scene.gpuUse();
   content.gpu_bytes = gpu.bytes;
   content.tiles = gpu.tiles;

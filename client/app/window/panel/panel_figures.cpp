@@ -8,9 +8,9 @@
 namespace lode::app {
 namespace {
 
-constexpr const char* kNoBreak = "\u00a0";  ///< a space that no line ends at
-constexpr double kLeastTripMs = 0.05;       ///< what is less would be called nothing
-constexpr double kAlmostInTime = 1.1;       ///< frames that take so much of the target's time keep to it
+constexpr const char* kNoBreak = "\u00a0";  ///< no-break space
+constexpr double kLeastTripMs = 0.05;       ///< shorter times would print as 0.0
+constexpr double kAlmostInTime = 1.1;       ///< tolerance of the target frame time
 
 std::string countOf(uint64_t value) {
   std::string digits = std::to_string(value);
@@ -42,8 +42,7 @@ std::string networkOf(const PanelContent& content) {
   std::string text = describeBytes(content.received_bytes);
   if (content.link_bytes_per_s > 0)
     text += ", " + describeBytes(static_cast<uint64_t>(content.link_bytes_per_s)) + "/s";
-  if (content.round_trip_ms >= kLeastTripMs)
-    text += formatted(", %.1f ms there and back", content.round_trip_ms);
+  if (content.round_trip_ms >= kLeastTripMs) text += formatted(", %.1f ms round trip", content.round_trip_ms);
   return text;
 }
 
@@ -60,15 +59,15 @@ Figure memoryFigure(const char* name, uint64_t bytes, uint64_t budget_bytes, int
 
 std::string tilesOf(const PanelContent& content) {
   const std::string tiles = countOf(content.tiles) + " tiles";
-  return content.tiles_left_out == 0 ? tiles : tiles + ", no room for " + countOf(content.tiles_left_out);
+  return content.tiles_left_out == 0 ? tiles : tiles + ", no memory for " + countOf(content.tiles_left_out);
 }
 
-/// The rate that the frame-rate control tries to keep is a floor, and not always kept.
+/// The frame-rate control treats its target as a minimum and does not always reach it.
 std::string thresholdOf(const PanelContent& content) {
   std::string text = formatted("%.2f px", content.threshold_px);
   if (content.target_ms <= 0) return text;
-  text += formatted(" while it moves, for at least %.0f frames a second", 1000 / content.target_ms);
-  if (content.frame_ms > kAlmostInTime * content.target_ms) text += ", which it does not reach";
+  text += formatted(" while moving, for at least %.0f frames per second", 1000 / content.target_ms);
+  if (content.frame_ms > kAlmostInTime * content.target_ms) text += ", not reached";
   return text;
 }
 
@@ -87,7 +86,7 @@ std::vector<Figure> figuresOf(const PanelContent& content) {
   figures.push_back({"threshold", thresholdOf(content), -1, 0});
   if (content.scale < 1)
     figures.push_back(
-        {"pixels", formatted("%.0f %% while it moves", 100 * content.scale * content.scale), -1, 11});
+        {"pixels", formatted("%.0f %% while moving", 100 * content.scale * content.scale), -1, 11});
   figures.push_back({"view", std::string(content.show), -1, 9});
   figures.push_back({"camera", nameOf(content.camera), -1, 10});
   figures.push_back(

@@ -7,17 +7,17 @@
 
 namespace lode::app {
 
-/// A line of the panel's table.
+/// A row of the panel's table.
 struct Figure {
   const char* name = "";
   std::string value;
-  double part = -1;  ///< of a bar behind it, 0 to 1; below: there is none
-  int rank = 0;      ///< the lower, the longer it stays where a window has no room for all
+  double part = -1;  ///< length of its bar, 0 to 1; negative: no bar
+  int rank = 0;      ///< rows with higher ranks are dropped first if the window is too low
 
   bool operator==(const Figure&) const = default;
 };
 
-/// What the panel's table says, in its order. Pure.
+/// Returns the rows of the panel's table in order. Pure.
 std::vector<Figure> figuresOf(const PanelContent& content);
 
 }  // namespace lode::app

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <fstream>
 #include <vector>
 
@@ -12,21 +13,49 @@
 namespace lode::app {
 namespace {
 
+constexpr char32_t kLastOfLatin = 0x17f;
+constexpr size_t kMostOthers = 4096;  ///< keeps the atlas small
+
+/// Returns the number of continuation bytes after a first byte. Source: RFC 3629, 3.
+int following(unsigned char first) {
+  if (first >= 0xf0 && first <= 0xf4) return 3;
+  if (first >= 0xe0 && first < 0xf0) return 2;
+  return first >= 0xc2 && first < 0xe0 ? 1 : 0;
+}
+
 constexpr const char* kFontFile = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // fonts-dejavu-core
-/// Of Debian's fonts-noto-cjk, fonts-droid-fallback, fonts-wqy-microhei, fonts-wqy-zenhei,
+/// Packages in Debian: fonts-noto-cjk, fonts-droid-fallback, fonts-wqy-microhei, fonts-wqy-zenhei,
 /// fonts-ipafont-gothic.
 constexpr std::array<const char*, 5> kOtherFonts{"/usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc",
                                                  "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf",
                                                  "/usr/share/fonts/truetype/wqy/wqy-microhei.ttc",
                                                  "/usr/share/fonts/truetype/wqy/wqy-zenhei.ttc",
                                                  "/usr/share/fonts/opentype/ipafont-gothic/ipag.ttf"};
-constexpr size_t kPlainRanges = 3;  ///< values of ranges that are of Latin alone
-constexpr float kOwnTextPx = 13;    ///< ImGui's letters are bitmaps: legible at whole multiples of this only
+constexpr size_t kPlainRanges = 3;  ///< length of ranges() with Latin only
+constexpr float kOwnTextPx = 13;    ///< ImGui's own font is a bitmap: legible only at multiples of this size
 
 }  // namespace
 
-void setPanelFont(float scale, const PanelLetters& letters) {
-  const std::vector<ImWchar> ranges = letters.ranges<ImWchar>(IM_UNICODE_CODEPOINT_MAX);
+bool PanelCharacters::add(std::string_view text) {
+  const size_t before = others_.size();
+  for (size_t at = 0; at < text.size();) {
+    const auto first = static_cast<unsigned char>(text[at++]);
+    const int more = following(first);
+    char32_t letter = more == 0 ? first : first & (0x3f >> more);
+    int taken = 0;
+    for (; taken < more && at < text.size(); ++taken, ++at) {
+      const auto next = static_cast<unsigned char>(text[at]);
+      if ((next & 0xc0) != 0x80) break;
+      letter = letter << 6 | (next & 0x3f);
+    }
+    if (more > 0 && taken == more && letter > kLastOfLatin && others_.size() < kMostOthers)
+      others_.insert(letter);
+  }
+  return others_.size() > before;
+}
+
+void setPanelFont(float scale, const PanelCharacters& characters) {
+  const std::vector<ImWchar> ranges = characters.ranges<ImWchar>(IM_UNICODE_CODEPOINT_MAX);
   ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
   fonts.Clear();
   const float size_px = std::round(kTextPx * scale);
@@ -41,7 +70,7 @@ void setPanelFont(float scale, const PanelLetters& letters) {
       std::ranges::find_if(kOtherFonts, [](const char* file) { return bool(std::ifstream(file)); });
   if (other != kOtherFonts.end() && ranges.size() > kPlainRanges) {
     ImFontConfig merged;
-    merged.MergeMode = true;  // letters that are there stay
+    merged.MergeMode = true;  // adds missing characters only
     fonts.AddFontFromFileTTF(*other, size_px, &merged, ranges.data() + 2);
   }
   ImGuiStyle style;

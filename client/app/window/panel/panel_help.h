@@ -1,11 +1,11 @@
 #pragma once
 
-#include "client/app/window/camera/camera_kind.h"
-#include "client/app/window/panel/panel_scroll.h"
+#include "client/app/window/camera/cameras.h"
+#include "client/app/window/panel/panel_window.h"
 
 namespace lode::app {
 
-/// What keys do, in the middle of the picture.
+/// Draws the help on keys and mouse in the middle of the picture.
 void drawHelp(CameraKind camera, PanelScroll& scroll);
 
 }  // namespace lode::app

@@ -11,15 +11,15 @@ namespace lode::app {
 namespace {
 
 constexpr float kSettingsEm = 21, kSliderEm = 9;
-constexpr ImGuiSliderFlags kEven = ImGuiSliderFlags_NoInput | ImGuiSliderFlags_AlwaysClamp;
-constexpr ImGuiSliderFlags kByOctaves = kEven | ImGuiSliderFlags_Logarithmic;
+constexpr ImGuiSliderFlags kLinear = ImGuiSliderFlags_NoInput | ImGuiSliderFlags_AlwaysClamp;
+constexpr ImGuiSliderFlags kLogarithmic = kLinear | ImGuiSliderFlags_Logarithmic;
 
 void drawMemory(uint64_t& memory_bytes) {
   auto step = static_cast<int>(memoryStepAt(memory_bytes));
   if (ImGui::SliderInt("memory", &step, 0, kMemorySteps.size() - 1, describeBytes(memory_bytes).c_str(),
-                       kEven))
+                       kLinear))
     memory_bytes = kMemorySteps[static_cast<size_t>(step)];
-  ImGui::TextDisabled("half of it on the GPU; --memory-budget is what it begins with");
+  ImGui::TextDisabled("half of it on the GPU; --memory-budget sets the initial value");
 }
 
 }  // namespace
@@ -38,18 +38,18 @@ Covered drawSettings(float margin_px, Settings& settings) {
                    ImGuiWindowFlags_NoNav);
   ImGui::PushItemWidth(kSliderEm * em);
   ImGui::PushTextWrapPos(0);
-  ImGui::Checkbox("paint alone, without light", &settings.unlit);
+  ImGui::Checkbox("surface colours without light", &settings.unlit);
   ImGui::Checkbox("ambient occlusion", &settings.darkens_hollows);
-  ImGui::Checkbox("fade arrivals in", &settings.fades);
-  ImGui::SliderFloat("exposure", &settings.exposure, kLeastExposure, kLargestExposure, "%.2f", kByOctaves);
+  ImGui::Checkbox("fade in new detail", &settings.fades);
+  ImGui::SliderFloat("exposure", &settings.exposure, kLeastExposure, kLargestExposure, "%.2f", kLogarithmic);
   ImGui::Checkbox("fixed threshold", &settings.fixes_threshold);
   ImGui::SliderFloat("threshold", &settings.threshold_px, kLeastThresholdPx, kLargestThresholdPx, "%.2f px",
-                     kByOctaves);
+                     kLogarithmic);
   ImGui::BeginDisabled(settings.fixes_threshold);
-  ImGui::SliderFloat("frames a second", &settings.fps, kLeastFps, kLargestFps, "%.0f", kByOctaves);
+  ImGui::SliderFloat("frames per second", &settings.fps, kLeastFps, kLargestFps, "%.0f", kLogarithmic);
   ImGui::EndDisabled();
   drawMemory(settings.memory_bytes);
-  ImGui::TextDisabled("O closes this");
+  ImGui::TextDisabled("O closes the settings");
   ImGui::PopTextWrapPos();
   ImGui::PopItemWidth();
   const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();

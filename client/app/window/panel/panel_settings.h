@@ -8,7 +8,7 @@
 
 namespace lode::app {
 
-/// A part of the window that takes the mouse, in the pointer's units from the top left corner.
+/// An area of the window that captures the mouse, in pointer units from the top left corner.
 struct Covered {
   glm::dvec2 from{0}, to{0};
 
@@ -17,7 +17,7 @@ struct Covered {
   }
 };
 
-/// The settings at the top right. @param settings  changed as the user does. @return where they are.
+/// Draws the settings at the top right. @param settings  updated by user input. @return the area covered.
 Covered drawSettings(float margin_px, Settings& settings);
 
 }  // namespace lode::app

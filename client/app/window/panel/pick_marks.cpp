@@ -1,5 +1,7 @@
 #include "client/app/window/panel/pick_marks.h"
 
+#include <imgui.h>
+
 namespace lode::app {
 
 PickMarks marksOf(const Picks& picks, const core::View& view) {
@@ -24,6 +26,32 @@ glm::dvec2 besideLine(const core::PictureLine& line, const glm::dvec2& text, con
   const glm::dvec2 middle = (line.from_px + line.to_px) / 2.0;
   const glm::dvec2 corner = middle + aside * (glm::dot(glm::abs(aside), text) / 2 + gap) - text / 2.0;
   return glm::clamp(corner, glm::dvec2(gap), glm::max(glm::dvec2(gap), window - text - gap));
+}
+
+void drawMarks(const PickMarks& marks, const ImVec4& colour) {
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  const ImU32 light = ImGui::GetColorU32(colour), dark = IM_COL32(0, 0, 0, 200);
+  const float em = ImGui::GetFontSize();
+  const ImVec2 unit_px = ImGui::GetIO().DisplayFramebufferScale;
+  const auto placeOf = [&](const glm::dvec2& px) {
+    return ImVec2(static_cast<float>(px.x) / unit_px.x, static_cast<float>(px.y) / unit_px.y);
+  };
+  if (marks.line) {
+    const ImVec2 from = placeOf(marks.line->from_px), to = placeOf(marks.line->to_px);
+    list->AddLine(from, to, dark, em / 4);
+    list->AddLine(from, to, light, em / 10);
+    const ImVec2 text = ImGui::CalcTextSize(marks.distance.c_str());
+    const ImVec2 window = ImGui::GetIO().DisplaySize;
+    const glm::dvec2 corner =
+        besideLine({{from.x, from.y}, {to.x, to.y}}, {text.x, text.y}, {window.x, window.y}, em / 2);
+    const ImVec2 at(static_cast<float>(corner.x), static_cast<float>(corner.y));
+    list->AddRectFilled({at.x - em / 4, at.y}, {at.x + text.x + em / 4, at.y + text.y}, dark, em / 4);
+    list->AddText(at, light, marks.distance.c_str());
+  }
+  for (const glm::dvec2& point_px : marks.points_px) {
+    list->AddCircleFilled(placeOf(point_px), em / 3, dark);
+    list->AddCircleFilled(placeOf(point_px), em / 5, light);
+  }
 }
 
 }  // namespace lode::app

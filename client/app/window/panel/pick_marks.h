@@ -7,22 +7,29 @@
 #include "client/app/window/scene/picks.h"
 #include "client/app/window/scene/projection.h"
 
+struct ImVec4;
+
 namespace lode::app {
 
-/// Where what is measured shows in a picture.
+/// Marks of a measurement in the picture.
 struct PickMarks {
-  std::vector<glm::dvec2> points_px;      ///< of those in front of the eye
-  std::optional<core::PictureLine> line;  ///< between two points,
-  std::string distance;                   ///< and how long it is
+  std::vector<glm::dvec2> points_px;      ///< picked points in front of the eye
+  std::optional<core::PictureLine> line;  ///< line between two points
+  std::string distance;                   ///< its length as text
 
   bool operator==(const PickMarks&) const = default;
 };
 
+/// Projects the picks into a view's picture.
 PickMarks marksOf(const Picks& picks, const core::View& view);
 
-/// Where a text of a size hides nothing of a line, by its middle, and is in the window, where that has room.
-/// @param gap  between the line and the text. @return the text's upper left corner.
+/// Places a text beside the middle of a line without covering it, inside the window if there is room.
+/// @param text  size of the text. @param gap  distance from the line. @return the text's upper left corner.
 glm::dvec2 besideLine(const core::PictureLine& line, const glm::dvec2& text, const glm::dvec2& window,
                       double gap) noexcept;
+
+/// Draws marks over the picture and below the panel, within an ImGui frame. A dark outline keeps them legible
+/// on any model.
+void drawMarks(const PickMarks& marks, const ImVec4& colour);
 
 }  // namespace lode::app

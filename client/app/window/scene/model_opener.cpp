@@ -5,7 +5,7 @@
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/first_camera.h"
-#include "client/app/window/panel/build_stage.h"
+#include "client/app/window/panel/notice.h"
 #include "common/start_thread.h"
 
 namespace lode::app {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "client/app/window/scene/paint.h"
-#include "client/render/shown_colours.h"
+#include "client/render/passes/color_mode.h"
 
 namespace lode::app {
 namespace {

@@ -10,7 +10,7 @@
 #include "client/app/window/scene/scene_stage.h"
 #include "client/core/view/camera_path.h"
 #include "client/core/view/framing.h"
-#include "client/render/framebuffer.h"
+#include "client/render/gl/framebuffer.h"
 #include "client/render/renderer.h"
 #include "client/stream/streamer.h"
 

@@ -5,7 +5,7 @@
 
 #include "client/app/cli/scene_file.h"
 #include "client/core/view/view.h"
-#include "client/render/framebuffer.h"
+#include "client/render/gl/framebuffer.h"
 #include "client/render/renderer.h"
 #include "common/codec/model_summary.h"
 #include "common/lattice.h"

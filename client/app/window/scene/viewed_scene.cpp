@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "client/app/cli/first_camera.h"
-#include "client/app/window/camera/ground_below.h"
+#include "client/app/window/camera/walk_camera.h"
 #include "client/app/window/memory_shares.h"
 #include "client/app/window/scene/scene_status.h"
 #include "client/core/lod/cut.h"
@@ -387,13 +387,13 @@ std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm:
   return nearest;
 }
 
-std::optional<render::Ground> ViewedScene::groundBelow(const core::View& view, const glm::dvec3& point_model,
-                                                       const glm::dvec3& up) {
+std::optional<Ground> ViewedScene::groundBelow(const core::View& view, const glm::dvec3& point_model,
+                                               const glm::dvec3& up) {
   const core::View scene_view = withNear(view);
-  std::optional<render::Ground> highest;
+  std::optional<Ground> highest;
   if (scene_.ground && up == scene_.up) {
     const double height = glm::dot(point_model + whole_.lattice.origin, up) - scene_.ground->height;
-    if (height > 0) highest = render::Ground{height, 0};
+    if (height > 0) highest = Ground{height, 0};
   }
   for (const auto& model : models_) {
     for (size_t instance = 0; instance < model->instances.size(); ++instance) {
@@ -405,7 +405,7 @@ std::optional<render::Ground> ViewedScene::groundBelow(const core::View& view, c
       if (probe == nullptr) continue;
       const auto ground = app::groundBelow(*probe, model->viewAt(instance, scene_view), from, model_up);
       if (ground && (!highest || ground->depth_model * at.scale < highest->depth_model))
-        highest = render::Ground{ground->depth_model * at.scale, ground->uncertainty_model * at.scale};
+        highest = Ground{ground->depth_model * at.scale, ground->uncertainty_model * at.scale};
     }
   }
   return highest;

@@ -18,7 +18,7 @@
 #include "client/app/window/scene/scene_stage.h"
 #include "client/core/view/framing.h"
 #include "client/core/view/view.h"
-#include "client/render/framebuffer.h"
+#include "client/render/gl/framebuffer.h"
 #include "client/render/instance_drawer.h"
 #include "client/render/renderer.h"
 #include "client/stream/streamer.h"
@@ -98,8 +98,8 @@ class ViewedScene {
   /// Returns the nearest surface point drawn at a pixel. @param pixel_px  from the picture's top left corner.
   std::optional<PickedPoint> under(const core::View& view, const glm::dvec2& pixel_px);
   /// Returns the nearest drawn surface straight below a point. @param up  unit length.
-  std::optional<render::Ground> groundBelow(const core::View& view, const glm::dvec3& point_model,
-                                            const glm::dvec3& up);
+  std::optional<Ground> groundBelow(const core::View& view, const glm::dvec3& point_model,
+                                    const glm::dvec3& up);
 
  private:
   struct VisibleInstance {

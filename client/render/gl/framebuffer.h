@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+
+#include "client/render/gl/gl_names.h"
+#include "client/render/gl/image.h"
+
+namespace lode::render {
+
+/// Reads the colours of a framebuffer with one sample per pixel (0: the window's, from its current read
+/// buffer).
+Image readFramebuffer(GLuint framebuffer, uint32_t width_px, uint32_t height_px);
+
+/// An off-screen render target: sRGB colour and reversed 32-bit float depth, plus a resolved colour buffer if
+/// it is multisampled. Use it on the thread of its context.
+class Framebuffer {
+ public:
+  /// @param samples  samples per pixel. The driver's limit clamps it; the driver may raise any value but 1.
+  /// @throws Error kUsage if the driver does not support this size.
+  Framebuffer(uint32_t width_px, uint32_t height_px, int samples = 4);
+
+  uint32_t widthPx() const noexcept { return width_px_; }
+  uint32_t heightPx() const noexcept { return height_px_; }
+  int samples() const noexcept { return samples_; }
+  /// The depth texture; multisampled if samples() > 1.
+  GLuint depth() const noexcept { return samples_ > 1 ? sampled_depth_.get() : plain_depth_.get(); }
+
+  /// Binds this as the draw framebuffer and sets the viewport to its size.
+  void bindForDrawing() const;
+  /// Averages the samples. Call it after drawing, before readPixels() and copyTo().
+  void resolve() const;
+  Image readPixels() const { return readFramebuffer(resolved(), width_px_, height_px_); }
+  /// Copies the resolved picture to a framebuffer (0: the window's) and scales it with linear filtering if
+  /// the sizes differ. Leaves that framebuffer bound for drawing and reading: Mesa reads black from a window
+  /// that was first bound for reading after it was drawn.
+  void copyTo(GLuint framebuffer, uint32_t width_px, uint32_t height_px) const;
+
+ private:
+  GLuint resolved() const noexcept { return samples_ > 1 ? resolved_.get() : drawn_.get(); }
+  void makeSampled(GLsizei width, GLsizei height);
+  void makePlain(GLsizei width, GLsizei height);
+
+  uint32_t width_px_, height_px_;
+  int samples_ = 1;
+  GlRenderbuffer colour_, resolved_colour_;
+  GlMultisampleTexture sampled_depth_;
+  GlTexture plain_depth_;
+  GlFramebuffer drawn_, resolved_;
+};
+
+}  // namespace lode::render

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <memory>
+
+namespace lode::render {
+
+/// An OpenGL 4.5 core context without a display or a window. It is current on the thread that creates it
+/// until that thread destroys it.
+class OffscreenContext {
+ public:
+  /// @throws Error kIo that names the missing part and the package to install.
+  OffscreenContext();
+  ~OffscreenContext();
+  OffscreenContext(const OffscreenContext&) = delete;
+  OffscreenContext& operator=(const OffscreenContext&) = delete;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lode::render
