@@ -11,13 +11,13 @@ files() { git ls-files -z --cached --others --exclude-standard --deduplicate -- 
 files '*.h' '*.cpp' | xargs -0 --no-run-if-empty clang-format-14 "${mode[@]}"
 
 status=0
-while IFS= read -r -d '' script; do
-  [[ -f "$script" && ! -x "$script" && "$(head -c 2 "$script" | tr -d '\0')" == '#!' ]] || continue
+while IFS= read -r script; do
+  [[ ! -x "$script" ]] || continue
   if [[ "${1:-}" == --fix ]]; then
     chmod +x "$script"
   else
     echo "$script begins with #! and is not executable: chmod +x $script" >&2
     status=1
   fi
-done < <(files)
+done < <(files | xargs -0 awk 'FNR == 1 { if (/^#!/) print FILENAME; nextfile }' 2>/dev/null)
 exit "$status"
