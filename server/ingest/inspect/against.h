@@ -17,8 +17,8 @@ struct AgainstOptions {
 };
 
 struct AgainstReport {
-  uint64_t triangles = 0;   ///< of the input, each in exactly one leaf
-  uint64_t dropped = 0;     ///< of the input: degenerate on the lattice, or of bad faces
+  uint64_t triangles = 0;   ///< input triangles, each in exactly one leaf
+  uint64_t dropped = 0;     ///< input triangles that are degenerate on the lattice or belong to bad faces
   uint64_t lods = 0;        ///< number measured
   uint64_t lods_below = 0;  ///< number with a stored error below the measured one
   double least_ratio = 0;   ///< smallest ratio of stored to measured error, counted as at most 2

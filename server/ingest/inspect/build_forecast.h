@@ -13,7 +13,7 @@ namespace lode::ingest {
 struct ForecastInput {
   std::filesystem::path model;  ///< a readable PLY file
   uint64_t vertices = 0, faces = 0, triangles = 0;
-  AttributeSet attributes;           ///< of the file
+  AttributeSet attributes;           ///< the file's attributes
   bool double_positions = false;     ///< positions need more than float
   bool corner_texture = false;       ///< texture coordinates belong to faces' corners
   double scan_cpu_seconds = 0;       ///< CPU time of reading the file

@@ -17,7 +17,7 @@ namespace lode::ingest {
 struct DoctorOptions {
   std::filesystem::path input;
   uint64_t memory_bytes = 0;  ///< memory budget of the build to forecast; 0: defaultMemoryBytes()
-  unsigned threads = 0;       ///< of the build to forecast; 0: one per core
+  unsigned threads = 0;       ///< threads of the build to forecast; 0: one per core
   std::filesystem::path temporary_folder;  ///< for the forecast's trial build; empty: the system's folder
 };
 

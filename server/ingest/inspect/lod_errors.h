@@ -18,7 +18,7 @@ struct LodAt {
 struct MeasuredError {
   float stored_steps = 0;
   float found_steps =
-      0;  ///< of the surface and its boundaries; see LodCheck::found(), BoundaryCheck::found()
+      0;  ///< for the surface and its boundaries; see LodCheck::found(), BoundaryCheck::found()
 };
 
 struct LodErrorOptions {

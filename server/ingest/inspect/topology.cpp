@@ -8,7 +8,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kShares = 4;  ///< of the memory: sorting, a batch of faces, pieces, and the rest
+constexpr uint64_t kShares = 4;  ///< memory is shared by sorting, a batch of faces, pieces, and the rest
 
 AttributeSet normalsOf(AttributeSet attributes) noexcept {
   AttributeSet normals;

@@ -24,13 +24,13 @@ struct Topology {
   uint64_t duplicate_vertices = 0;      ///< at the position of an earlier one; skipped vertices are at 0
   uint64_t unused_vertices = 0;         ///< used by no face
   uint64_t flat_faces = 0;              ///< fewer than three distinct positions
-  uint64_t open_edges = 0;              ///< of one face
-  uint64_t non_manifold_edges = 0;      ///< of three or more faces
-  uint64_t misoriented_edges = 0;       ///< of two faces that use it in the same direction
+  uint64_t open_edges = 0;              ///< edges of one face
+  uint64_t non_manifold_edges = 0;      ///< edges of three or more faces
+  uint64_t misoriented_edges = 0;       ///< edges of two faces that use it in the same direction
   uint64_t pieces = 0;                  ///< sets of faces connected by vertices
   uint64_t opposed_faces = 0;           ///< their vertices' mean normal points to the back
   uint64_t lost_triangles = 0;          ///< on the lattice that a build chooses; see LostTriangles
-  double lattice_step = 0;              ///< of that lattice; 0 if there is none
+  double lattice_step = 0;              ///< step of that lattice; 0 if there is none
   std::string_view lattice_problem;     ///< why there is no lattice, and what to do
   glm::dvec3 used_min{0}, used_max{0};  ///< box of the vertices that faces use; 0 without any
 };
@@ -74,7 +74,7 @@ class TopologyCounter {
   std::optional<PieceCounter> pieces_;
   std::optional<VertexSet> used_;            ///< first vertices of the positions that faces use
   std::optional<LostTriangleCounter> lost_;  ///< empty if there is no lattice
-  std::vector<Member> members_;              ///< of the current batch
+  std::vector<Member> members_;              ///< vertices of the current batch
   std::vector<Member> face_;                 ///< corners of the current face
   std::vector<glm::dvec3> corners_;          ///< positions of the current face
   Topology topology_;

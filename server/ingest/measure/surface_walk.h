@@ -54,7 +54,7 @@ class SurfaceWalk {
   float distanceFrom(glm::vec3 point, uint32_t& triangle, float tolerance) const noexcept;
   /// A point on the mesh.
   struct Place {
-    uint32_t triangle = 0;  ///< of the mesh
+    uint32_t triangle = 0;  ///< number in the mesh
     glm::vec3 shares{0};    ///< barycentric weights of its corners
     float distance = 0;     ///< distance from the measured point; see distance()
   };

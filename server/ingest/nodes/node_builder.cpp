@@ -105,10 +105,10 @@ BuiltNode NodeBuilder::buildInner(NodeKey key, std::span<BuiltNode> children, Ro
 }
 
 size_t NodeBuilder::sampleCapacity() const noexcept {
-  const uint32_t budget = settings_.triangles_per_node;
+  const uint32_t capacity = settings_.triangles_per_node;
   const uint32_t least =
-      std::min(kSamplesOfSmallNode, std::min(budget, kSamplesOfSmallNode) * kSamplesPerTriangle);
-  return std::max(least, budget / kTrianglesPerSample);
+      std::min(kSamplesOfSmallNode, std::min(capacity, kSamplesOfSmallNode) * kSamplesPerTriangle);
+  return std::max(least, capacity / kTrianglesPerSample);
 }
 
 void NodeBuilder::gatherSamples(BuiltNode& built, std::span<BuiltNode> children,

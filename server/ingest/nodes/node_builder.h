@@ -27,7 +27,7 @@ namespace lode::ingest {
 struct FinishedLod {
   SimplifiedMesh simplified;
   EncodedPayload payload;
-  std::vector<Deviation> deviations;      ///< of the samples; see deviationsFrom()
+  std::vector<Deviation> deviations;      ///< one per sample; see deviationsFrom()
   float deviation_steps = 0;              ///< see lodDeviation()
   std::optional<SurfaceSample> farthest;  ///< see LodDeviation; here `near` is a position of the LOD
   float boundary_gap_steps = 0;           ///< see boundaryGap()
@@ -65,7 +65,7 @@ class NodeBuilder {
   struct Settings {
     Lattice lattice;
     glm::uvec3 extent{0};
-    AttributeSet attributes;  ///< of payloads: the file's, plus computed normals if it has none
+    AttributeSet attributes;  ///< payload attributes: the file's, plus computed normals if it has none
     uint32_t triangles_per_node = 0;
     Simplifier simplifier = Simplifier::kCollapse;
     float snap_error_steps = 0;  ///< rounding error of the leaves' vertices

@@ -7,47 +7,55 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kBudget = 16384;
+constexpr size_t kTargetCapacity = 16384;
 
-TEST(LodTargets, halveUntilTheNodesBudget) {
-  const LodRule rule{.depth = 5, .locked = 100, .original_triangles = 1 << 20, .triangles_per_node = kBudget};
+TEST(LodTargets, halveDownToTheNodesCapacity) {
+  const LodRule rule{
+      .depth = 5, .locked = 100, .original_triangles = 1 << 20, .triangles_per_node = kTargetCapacity};
   EXPECT_EQ(lodTargets(40000, rule), (std::vector<size_t>{20000, 10000}));
 }
 
 TEST(LodTargets, stopAtEightTimesTheLockedVertices) {
   const LodRule rule{
-      .depth = 5, .locked = 3000, .original_triangles = 1 << 20, .triangles_per_node = kBudget};
+      .depth = 5, .locked = 3000, .original_triangles = 1 << 20, .triangles_per_node = kTargetCapacity};
   EXPECT_EQ(lodTargets(40000, rule), (std::vector<size_t>{20000}));
 }
 
 TEST(LodTargets, stopAtTwelveTimesTheLockedVerticesBelowTheRootOfALargeModel) {
-  LodRule rule{.depth = 1, .locked = 3000, .original_triangles = 16 * kBudget, .triangles_per_node = kBudget};
+  LodRule rule{.depth = 1,
+               .locked = 3000,
+               .original_triangles = 16 * kTargetCapacity,
+               .triangles_per_node = kTargetCapacity};
   EXPECT_EQ(lodTargets(100000, rule), (std::vector<size_t>{70710, 50000, 35355}));
   --rule.original_triangles;
   EXPECT_EQ(lodTargets(100000, rule), (std::vector<size_t>{50000, 25000, 12500}));
 }
 
 TEST(LodTargets, goOnToFourTimesTheLockedVerticesWhereThereAreVeryMany) {
-  const LodRule rule{
-      .depth = 5, .locked = 40000, .original_triangles = uint64_t{1} << 30, .triangles_per_node = kBudget};
+  const LodRule rule{.depth = 5,
+                     .locked = 40000,
+                     .original_triangles = uint64_t{1} << 30,
+                     .triangles_per_node = kTargetCapacity};
   const std::vector<size_t> targets = lodTargets(700000, rule);
   EXPECT_LE(targets.back(), 4 * rule.locked);
   EXPECT_GT(targets[targets.size() - 2], 4 * rule.locked);
 }
 
 TEST(LodTargets, stopAtTwoToTheSeventeenthWhereEightTimesTheLockedVerticesIsMore) {
-  const LodRule rule{
-      .depth = 5, .locked = 20000, .original_triangles = uint64_t{1} << 30, .triangles_per_node = kBudget};
+  const LodRule rule{.depth = 5,
+                     .locked = 20000,
+                     .original_triangles = uint64_t{1} << 30,
+                     .triangles_per_node = kTargetCapacity};
   EXPECT_EQ(lodTargets(520000, rule), (std::vector<size_t>{260000, 130000}));
 }
 
-TEST(LodTargets, stopAtEightBudgetsWhereTwelveTimesTheLockedVerticesIsMore) {
+TEST(LodTargets, stopAtEightCapacitiesWhereTwelveTimesTheLockedVerticesIsMore) {
   const LodRule rule{.depth = 1, .locked = 900, .original_triangles = 1 << 20, .triangles_per_node = 512};
   EXPECT_EQ(lodTargets(16000, rule).back(), 4000u);
   EXPECT_EQ(mostTriangles(rule), 4096u);
 }
 
-TEST(LodTargets, stopAtTwoToTheFourteenthWhereEightBudgetsAreLessAndTheRootIsNotMadeOfThem) {
+TEST(LodTargets, stopAtTwoToTheFourteenthWhereEightCapacitiesAreLessAndTheRootIsNotMadeOfThem) {
   LodRule rule{.depth = 2, .locked = 900, .original_triangles = 1 << 20, .triangles_per_node = 512};
   EXPECT_EQ(mostTriangles(rule), 8 * 900u);
   rule.locked = 3000;
@@ -56,16 +64,17 @@ TEST(LodTargets, stopAtTwoToTheFourteenthWhereEightBudgetsAreLessAndTheRootIsNot
 
 TEST(LodTargets, endBelowTheMostThatIsToldBeforehand) {
   for (const size_t locked : {0u, 700u, 3000u, 20000u, 60000u}) {
-    for (const size_t budget : {size_t{512}, kBudget}) {
+    for (const size_t capacity : {size_t{512}, kTargetCapacity}) {
       const LodRule rule{
-          .depth = 1, .locked = locked, .original_triangles = 1 << 20, .triangles_per_node = budget};
-      EXPECT_LE(lodTargets(600000, rule).back(), mostTriangles(rule)) << locked << ", " << budget;
+          .depth = 1, .locked = locked, .original_triangles = 1 << 20, .triangles_per_node = capacity};
+      EXPECT_LE(lodTargets(600000, rule).back(), mostTriangles(rule)) << locked << ", " << capacity;
     }
   }
 }
 
 TEST(LodTargets, leaveANodeThatIsNearlyAllBorderMoreThanItsBorder) {
-  const LodRule rule{.depth = 5, .locked = 90, .original_triangles = 1 << 20, .triangles_per_node = kBudget};
+  const LodRule rule{
+      .depth = 5, .locked = 90, .original_triangles = 1 << 20, .triangles_per_node = kTargetCapacity};
   EXPECT_EQ(lodTargets(141, rule), (std::vector<size_t>{107}));
 }
 
@@ -91,8 +100,10 @@ TEST(LodTargets, leaveOutWhatNoStoreTakes) {
 }
 
 TEST(LodTargets, goOnToWhatAStoreTakesThoughLockedVerticesAllowLess) {
-  const LodRule rule{
-      .depth = 5, .locked = 700000, .original_triangles = uint64_t{1} << 30, .triangles_per_node = kBudget};
+  const LodRule rule{.depth = 5,
+                     .locked = 700000,
+                     .original_triangles = uint64_t{1} << 30,
+                     .triangles_per_node = kTargetCapacity};
   const std::vector<size_t> targets = lodTargets(4 * size_t{kMaxLodTriangles}, rule);
   ASSERT_EQ(targets.size(), 1u);
   EXPECT_LE(targets[0], kMaxLodTriangles);
@@ -100,45 +111,53 @@ TEST(LodTargets, goOnToWhatAStoreTakesThoughLockedVerticesAllowLess) {
 }
 
 TEST(LodTargets, alwaysReduceOnce) {
-  const LodRule rule{.depth = 5, .locked = 0, .original_triangles = 100, .triangles_per_node = kBudget};
+  const LodRule rule{
+      .depth = 5, .locked = 0, .original_triangles = 100, .triangles_per_node = kTargetCapacity};
   EXPECT_EQ(lodTargets(100, rule), (std::vector<size_t>{50}));
 }
 
 TEST(LodTargets, goDownTo512AtTheRoot) {
   const std::vector<size_t> targets =
-      lodTargets(16000, {.original_triangles = 16000, .triangles_per_node = kBudget});
+      lodTargets(16000, {.original_triangles = 16000, .triangles_per_node = kTargetCapacity});
   EXPECT_LE(targets.back(), kRootTriangles);
   EXPECT_GT(targets[targets.size() - 2], kRootTriangles);
 }
 
 TEST(LodTargets, areNoneForASmallRootThatIsALeaf) {
-  const LodRule rule{.is_leaf = true, .original_triangles = 512, .triangles_per_node = kBudget};
+  const LodRule rule{.is_leaf = true, .original_triangles = 512, .triangles_per_node = kTargetCapacity};
   EXPECT_TRUE(lodTargets(512, rule).empty());
 }
 
-TEST(SpareTargets, halveUntilAQuarterOfTheBudget) {
-  const LodRule rule{
-      .depth = 2, .locked = 0, .original_triangles = 8 * kBudget, .triangles_per_node = kBudget};
+TEST(FarLodTargets, halveDownToAQuarterOfTheCapacity) {
+  const LodRule rule{.depth = 2,
+                     .locked = 0,
+                     .original_triangles = 8 * kTargetCapacity,
+                     .triangles_per_node = kTargetCapacity};
   EXPECT_EQ(farLodTargets(16000, rule), (std::vector<size_t>{8000, 4000}));
   EXPECT_TRUE(farLodTargets(4096, rule).empty());
 }
 
-TEST(SpareTargets, stopAtTwoTrianglesALockedVertex) {
-  const LodRule rule{
-      .depth = 2, .locked = 4000, .original_triangles = 8 * kBudget, .triangles_per_node = kBudget};
+TEST(FarLodTargets, stopAtTwoTrianglesALockedVertex) {
+  const LodRule rule{.depth = 2,
+                     .locked = 4000,
+                     .original_triangles = 8 * kTargetCapacity,
+                     .triangles_per_node = kTargetCapacity};
   EXPECT_EQ(farLodTargets(32000, rule), (std::vector<size_t>{16000, 8000}));
 }
 
-TEST(SpareTargets, leaveANodeThatIsNearlyAllBorderMoreThanItsBorder) {
-  const LodRule rule{
-      .depth = 2, .locked = 9000, .original_triangles = 8 * kBudget, .triangles_per_node = kBudget};
+TEST(FarLodTargets, leaveANodeThatIsNearlyAllBorderMoreThanItsBorder) {
+  const LodRule rule{.depth = 2,
+                     .locked = 9000,
+                     .original_triangles = 8 * kTargetCapacity,
+                     .triangles_per_node = kTargetCapacity};
   EXPECT_EQ(farLodTargets(19200, rule), (std::vector<size_t>{12400}));
 }
 
-TEST(SpareTargets, areNoneOfTheRootAndCloseToTheLeaves) {
-  LodRule rule{.depth = 2, .original_triangles = 8 * kBudget - 1, .triangles_per_node = kBudget};
+TEST(FarLodTargets, areNoneOfTheRootAndCloseToTheLeaves) {
+  LodRule rule{
+      .depth = 2, .original_triangles = 8 * kTargetCapacity - 1, .triangles_per_node = kTargetCapacity};
   EXPECT_TRUE(farLodTargets(16000, rule).empty());
-  rule = {.depth = 0, .original_triangles = 8 * kBudget, .triangles_per_node = kBudget};
+  rule = {.depth = 0, .original_triangles = 8 * kTargetCapacity, .triangles_per_node = kTargetCapacity};
   EXPECT_TRUE(farLodTargets(16000, rule).empty());
 }
 
