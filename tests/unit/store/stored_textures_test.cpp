@@ -86,7 +86,7 @@ TEST_F(StoredTextures, whoseTilesAreNotThoseOfTheTableAreRefused) {
   const auto footer = encodeFooter(new_header);
   std::copy(footer.begin(), footer.end(), bytes.end() - kFooterBytes);
   test::writeFile(path_, file);
-  EXPECT_NE(test::messageOf([&] { Reader reader(path_); }).find("texture leaf: size or name"),
+  EXPECT_NE(test::messageOf([&] { Reader reader(path_); }).find("texture leaf: size or digest"),
             std::string::npos);
 }
 
