@@ -1,9 +1,9 @@
 #include <csignal>
 #include <memory>
+#include <type_traits>
 
 #include "common/byte_size.h"
 #include "common/command_line.h"
-#include "common/limits.h"
 #include "common/printable.h"
 #include "server/app/command.h"
 #include "server/app/interruption.h"
@@ -86,6 +86,31 @@ ingest::BuildReport buildUnlessInterrupted(const BuildArguments& arguments) {
   }
 }
 
+template <class Value>
+void addResultOption(CLI::App& command, const ingest::ResultOption<Value>& option,
+                     ingest::ResultOptions& options) {
+  Value& value = options.*option.member;
+  if constexpr (std::is_same_v<Value, bool>) {
+    command.add_flag(option.name, value, option.help);
+  } else if constexpr (std::is_same_v<Value, ingest::Simplifier>) {
+    const auto set = [&value](const std::string& name) {
+      value = name == nameOf(ingest::Simplifier::kCluster) ? ingest::Simplifier::kCluster
+                                                           : ingest::Simplifier::kCollapse;
+    };
+    command.add_option_function<std::string>(option.name, set, option.help)
+        ->check(CLI::IsMember({std::string(nameOf(ingest::Simplifier::kCollapse)),
+                               std::string(nameOf(ingest::Simplifier::kCluster))}));
+  } else {
+    CLI::Option* const added = command.add_option(option.name, value, option.help);
+    if constexpr (std::is_floating_point_v<Value>)
+      added->check(numberFrom(option.least, option.most));
+    else
+      added->check(CLI::Range(option.least, option.most));
+    if (option.unit != nullptr) added->type_name(option.unit);
+    added->capture_default_str();
+  }
+}
+
 void runBuild(const BuildArguments& arguments) {
   const ingest::BuildOptions& options = arguments.options;
   checkOutput(options);
@@ -116,33 +141,10 @@ void addBuildCommand(CLI::App& program) {
       ->add_option("--tmp", options.temporary_folder,
                    "folder for temporary files (default: the folder of the output)")
       ->type_name("DIR");
-  command->add_option("--triangles-per-node", options.triangles_per_node, "split nodes with more triangles")
-      ->check(CLI::Range(ingest::kMinTrianglesPerNode, kMaxLodTriangles))
-      ->capture_default_str();
-  command
-      ->add_option_function<std::string>(
-          "--simplifier",
-          [arguments](const std::string& name) {
-            arguments->options.simplifier =
-                name == "cluster" ? ingest::Simplifier::kCluster : ingest::Simplifier::kCollapse;
-          },
-          "simplifier of nodes: collapse, or cluster for a fast preview (default: collapse)")
-      ->check(CLI::IsMember({"collapse", "cluster"}));
-  command
-      ->add_option(
-          "--crease-angle", options.crease_angle_deg,
-          "if the file has no normals: angle between faces above which an edge is sharp; 180: no sharp edges")
-      ->check(numberFrom(0.0, 180.0))
-      ->type_name("DEGREES")
-      ->capture_default_str();
+  ingest::forEachResultOption([&](const auto& option) { addResultOption(*command, option, options); });
   command->add_flag("--resume", options.resume,
                     "continue a build that was killed or interrupted; if this one is interrupted, keep its "
                     "work for --resume");
-  command->add_flag(
-      "--skip-bad", options.skip_bad,
-      "drop and count faces with bad indices or coordinates; set NaN and infinite colours, normals and "
-      "texture coordinates to 0 and count them separately");
-  command->add_flag("--strict", options.strict, "treat warnings as errors");
   command->add_flag("--json", arguments->json, "print the result as one JSON object");
   CLI::Option* const quiet = command->add_flag("--quiet", arguments->quiet, "print warnings only");
   command

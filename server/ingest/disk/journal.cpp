@@ -19,13 +19,13 @@
 namespace lode::ingest {
 namespace {
 
-// To be changed with the meaning of any entry.
+// Change it whenever the format of any entry changes.
 constexpr std::array<char, 8> kMagic{'L', 'O', 'D', 'E', 'J', 'N', '0', '6'};
 
-/// Stands before each entry's bytes; the checksum is of the other fields and the bytes.
+/// Precedes the bytes of an entry. The checksum covers the other fields and the bytes.
 struct EntryHeader {
   uint64_t checksum = 0;
-  uint64_t number = 0;  ///< entries before it
+  uint64_t number = 0;  ///< sequence number, from 0
   uint64_t bytes = 0;
   uint64_t kind = 0;
 };
@@ -36,7 +36,7 @@ constexpr size_t kCheckedFrom = sizeof(EntryHeader::checksum);
               std::string("cannot ") + what + " " + path.string() + ": " + fileErrorInWords(errno));
 }
 
-/// @return false if the file ends before.
+/// @return false if the file is too short.
 bool readWhole(int file, const std::filesystem::path& path, uint64_t offset, std::span<std::byte> bytes) {
   const std::optional<size_t> got = readAt(file, offset, bytes);
   if (!got) fail(path, "read");
@@ -82,7 +82,7 @@ Journal Journal::open(const std::filesystem::path& path, const Sink& sink) {
   journal.readHeader();
   while (journal.readEntry(file_bytes, sink)) {
   }
-  if (::ftruncate(journal.file_, static_cast<off_t>(journal.end_)) != 0) fail(path, "cut");
+  if (::ftruncate(journal.file_, static_cast<off_t>(journal.end_)) != 0) fail(path, "truncate");
   return journal;
 }
 
@@ -90,12 +90,12 @@ void Journal::readHeader() {
   std::array<char, kMagic.size()> magic{};
   if (!readWhole(file_, path_, 0, std::as_writable_bytes(std::span(magic))) || magic != kMagic) {
     throw Error(ErrorCode::kFormat,
-                path_.string() + ": is not the journal of a build by this version; build without --resume");
+                path_.string() + ": is not a build journal of this version; build without --resume");
   }
   end_ = kMagic.size();
 }
 
-/// @return false if no whole entry stands at the end of the last.
+/// @return false if no intact entry follows.
 bool Journal::readEntry(uint64_t file_bytes, const Sink& sink) {
   EntryHeader header;
   if (file_bytes < end_ || file_bytes - end_ < sizeof(header)) return false;
@@ -115,8 +115,8 @@ bool Journal::readEntry(uint64_t file_bytes, const Sink& sink) {
 
 void Journal::append(uint32_t kind, std::span<const std::byte> bytes) {
   if (bytes.size() > kMaxEntryBytes) {
-    throw Error(ErrorCode::kLimit, path_.string() + ": an entry of " + std::to_string(bytes.size()) +
-                                       " bytes, the limit is " + std::to_string(kMaxEntryBytes));
+    throw Error(ErrorCode::kLimit, path_.string() + ": entry has " + std::to_string(bytes.size()) +
+                                       " bytes; the limit is " + std::to_string(kMaxEntryBytes));
   }
   EntryHeader header{0, entries_, bytes.size(), kind};
   std::vector<std::byte> entry(sizeof(header) + bytes.size());

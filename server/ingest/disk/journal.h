@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -8,22 +10,22 @@
 
 namespace lode::ingest {
 
-/// What a build has finished, in the order in which it did: a file of entries, each with its length, its
-/// place in the order and a checksum. An entry is appended when the data that it vouches for are on the disk,
-/// and is there itself when append() returns. A kill can tear the last entry only; from the first entry that
-/// is not whole on, the file counts as not written. Not thread safe.
+/// Record of a build's finished work: a file of entries, each with its length, sequence number and checksum.
+/// The data that an entry describes must be on disk before append(), which returns when the entry is. A kill
+/// can damage only the last entry; open() ignores everything from the first damaged entry on. Not thread
+/// safe.
 class Journal {
  public:
   static constexpr uint64_t kMaxEntryBytes = 1ull << 33;
 
   using Sink = std::function<void(uint32_t kind, std::span<const std::byte> bytes)>;
 
-  /// An empty one, over what may be there. @throws Error kIo.
+  /// Creates an empty journal; replaces an existing file. @throws Error kIo.
   static Journal create(const std::filesystem::path& path);
 
-  /// Gives the whole entries of a journal to `sink`, cuts off what is behind them, and goes on there. One
-  /// that was killed while it was made is made anew.
-  /// @throws Error kIo, kFormat (no journal of this version), and what the sink throws.
+  /// Passes the intact entries to `sink` and truncates the file after them. Creates a new journal if the file
+  /// is empty.
+  /// @throws Error kIo, kFormat (not a journal of this version), and exceptions of the sink.
   static Journal open(const std::filesystem::path& path, const Sink& sink);
 
   ~Journal();
@@ -41,8 +43,29 @@ class Journal {
 
   std::filesystem::path path_;
   int file_ = -1;
-  uint64_t end_ = 0;  ///< of the last whole entry
+  uint64_t end_ = 0;  ///< end of the last intact entry
   uint64_t entries_ = 0;
+};
+
+/// Schedules entries about a stage's progress: the next is due after 100 times the duration of the last, so
+/// that entries take 1 % of the time on any disk, but after 10 s at most, so that a kill loses no more work.
+class CheckpointClock {
+ public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr Clock::duration kLatest = std::chrono::seconds(10);
+
+  explicit CheckpointClock(Clock::time_point now) : due_(now + kSoonest) {}
+
+  bool isDue(Clock::time_point now) const noexcept { return now >= due_; }
+  void noted(Clock::time_point began, Clock::time_point ended) noexcept {
+    due_ = ended + std::clamp<Clock::duration>(kWorkPerEntry * (ended - began), kSoonest, kLatest);
+  }
+
+ private:
+  static constexpr int kWorkPerEntry = 100;
+  static constexpr Clock::duration kSoonest = std::chrono::milliseconds(50);
+
+  Clock::time_point due_;
 };
 
 }  // namespace lode::ingest

@@ -90,22 +90,28 @@ class Comparison {
     sorter.push(key, std::as_bytes(std::span(&side, 1)));
   }
 
+  static Side sideOfInput(const SoupTriangle& t) {
+    Side side{{}, 1};
+    for (size_t k = 0; k < 3; ++k) side.corners[k] = {t.corners[k].value, t.attributes[k]};
+    return side;
+  }
+
   void pushInput(RecordSorter& sorter) {
     BuildOptions build_options;
+    static_cast<ResultOptions&>(build_options) = options_.result;
     build_options.input = options_.input;
     build_options.skip_bad = true;
     std::vector<std::string> warnings;
     const ScannedModel scanned = scan(build_options, folder_, progress_, warnings);
-    const DereferenceCounts counts = dereference(
-        scanned.input, reader_.summary().lattice, memory_bytes_ / 4, threads(),
-        [&](std::span<const SoupTriangle> triangles) {
-          for (const SoupTriangle& t : triangles) {
-            Side side{{}, 1};
-            for (size_t k = 0; k < 3; ++k) side.corners[k] = {t.corners[k].value, t.attributes[k]};
-            push(sorter, side);
-          }
-        },
-        progress_);
+    const DereferenceCounts counts = dereference({.input = scanned.input,
+                                                  .lattice = reader_.summary().lattice,
+                                                  .memory_bytes = memory_bytes_ / 4,
+                                                  .threads = threads(),
+                                                  .progress = progress_},
+                                                 [&](std::span<const SoupTriangle> triangles) {
+                                                   for (const SoupTriangle& t : triangles)
+                                                     push(sorter, sideOfInput(t));
+                                                 });
     const UvGrid& grid = scanned.input.uvGrid();
     if (grid != UvGrid{reader_.textures().uv_origin, reader_.textures().uv_scale_exponent})
       fail("the range of texture coordinates differs from the store's");

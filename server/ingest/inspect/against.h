@@ -13,6 +13,7 @@ struct AgainstOptions {
   uint64_t memory_bytes = 0;               ///< for sorting; 0: defaultMemoryBytes()
   unsigned threads = 0;                    ///< 0: one per core
   size_t lods = 0;                         ///< number of LODs to measure, spread over the tree; 0: all
+  ResultOptions result;                    ///< build options that decide which triangles a store has
   uint64_t seed = 1;                       ///< selects LODs and points inside triangles
 };
 

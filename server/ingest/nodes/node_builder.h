@@ -16,7 +16,7 @@
 #include "server/ingest/nodes/node_spool.h"
 #include "server/ingest/partition/normal_fans.h"
 #include "server/ingest/partition/partition.h"
-#include "server/ingest/plan/simplifier.h"
+#include "server/ingest/plan/build_options.h"
 #include "server/ingest/simplify/collapse.h"
 #include "server/ingest/threads/helpers.h"
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/ingest/disk/checkpoint_clock.h"
+#include "server/ingest/disk/journal.h"
 #include "server/ingest/nodes/built_node_record.h"
 #include "server/ingest/nodes/node_builder.h"
 

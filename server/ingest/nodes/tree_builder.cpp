@@ -112,7 +112,7 @@ class Scheduler {
    public:
     IdleWorkers(Scheduler& scheduler, uint64_t bytes) : scheduler_(scheduler), bytes_(bytes) {}
     bool take() override { return scheduler_.lend(bytes_); }
-    void giveBack() override { scheduler_.takeBack(bytes_); }
+    void release() override { scheduler_.takeBack(bytes_); }
 
    private:
     Scheduler& scheduler_;

@@ -10,24 +10,19 @@
 #include "common/error.h"
 #include "common/io/output_target.h"
 #include "server/ingest/pipeline/build_session.h"
-#include "server/ingest/pipeline/dereference_stage.h"
-#include "server/ingest/pipeline/pack_stage.h"
-#include "server/ingest/pipeline/partition_stage.h"
-#include "server/ingest/pipeline/scan_stage.h"
-#include "server/ingest/pipeline/simplify_stage.h"
-#include "server/ingest/pipeline/texture_stage.h"
+#include "server/ingest/pipeline/stages.h"
 #include "server/ingest/plan/machine.h"
 
 namespace lode::ingest {
 namespace {
 
-/// Behind the links of its name, so that the temporary files lie where it is to be.
+/// Resolves links, so that temporary files lie beside the real output.
 std::filesystem::path outputOf(const BuildOptions& options) {
   OutputTarget target = findOutput(options.output);
   if (target.is_stream)
     throw Error(
         ErrorCode::kUsage,
-        options.output.string() + ": is a pipe or a device, which no store can be written to: name a file");
+        options.output.string() + ": is a pipe or a device; a store must be a file: name another output");
   return std::move(target.path);
 }
 
@@ -45,7 +40,7 @@ BuildOptions withDefaults(BuildOptions options) {
   return options;
 }
 
-/// What a build does. Each stage names those that it takes something from.
+/// Runs the stages in order. Each stage takes the stages whose results it needs.
 void runStages(BuildSession& session) {
   ScanStage scan(session);
   TextureStage textures(session, scan);
@@ -58,10 +53,10 @@ void runStages(BuildSession& session) {
   session.noteTextureFiles(scan.textureFiles());
 }
 
-/// How a build that failed may go on; empty where it would only fail again.
-std::string_view wayOn(const Error& error, const BuildSession& session) noexcept {
-  if (error.code() == ErrorCode::kIo) return "the same command goes on from there";
-  return session.lacksMemory() ? "with more memory the same command goes on from there" : "";
+/// Tells how to resume after a failure; empty if the build would only fail again.
+std::string_view resumeHint(const Error& error, const BuildSession& session) noexcept {
+  if (error.code() == ErrorCode::kIo) return "run the same command again to continue";
+  return session.lacksMemory() ? "run the same command with more --memory to continue" : "";
 }
 
 }  // namespace
@@ -77,10 +72,9 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
     runStages(session);
     return session.takeReport();
   } catch (const Error& error) {
-    const std::string_view way_on = wayOn(error, session);
-    if (!given.resume || way_on.empty() || !session.keep()) throw;
-    throw Error(error.code(),
-                std::string(error.what()) + "; what is finished is kept, " + std::string(way_on));
+    const std::string_view hint = resumeHint(error, session);
+    if (!given.resume || hint.empty() || !session.keep()) throw;
+    throw Error(error.code(), std::string(error.what()) + "; finished work is kept, " + std::string(hint));
   } catch (const std::exception&) {
     if (given.resume) session.keep();
     throw;

@@ -4,12 +4,11 @@
 
 namespace lode::ingest {
 
-/// PLY to store: scan, dereference, partition, simplify (encoding as it goes), pack.
-/// The store appears under its name when complete. What is finished is noted in a journal, so that a build
-/// that was killed can be resumed (see BuildFolder); on any other failure nothing stays behind, unless
-/// `resume` was given. Only one build of an output can run at a time.
-/// @throws Error kInput (also: cannot be resumed, since input or options are others), kIo, kLimit, kFormat
-/// (what a killed build left is damaged).
+/// Builds a store from a PLY file. The store gets its name when it is complete. A journal records finished
+/// work (see BuildFolder), so that a killed build can be resumed; a build that fails otherwise leaves nothing
+/// behind unless `resume` is set. Only one process can build an output at a time.
+/// @throws Error kInput (also: input or options differ from those of the build to resume), kIo, kLimit,
+/// kFormat (the files of the build to resume are damaged).
 BuildReport build(const BuildOptions& options, const BuildProgress& progress = {});
 
 }  // namespace lode::ingest

@@ -21,7 +21,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kEndBytes = 256 << 10;  ///< hashed of head and of tail
+constexpr uint64_t kEndBytes = 256 << 10;  ///< hashed at the head and at the tail
 constexpr uint64_t kSamples = 64, kSampleBytes = 4096;
 
 void append(int file, uint64_t offset, uint64_t bytes, std::vector<std::byte>& to) {
@@ -38,8 +38,8 @@ uint64_t hashContent(int file, uint64_t bytes) {
   return checksum(taken);
 }
 
-/// Of the images that a model names. Nothing of a file that cannot be read, nor of more images than can be
-/// built: whoever reads them says so better.
+/// Fingerprints the images that a model names. Returns none if the header cannot be read or names too many
+/// images: the scan stage reports that.
 std::vector<BuildIdentity::Texture> texturesOf(const std::filesystem::path& ply) {
   std::vector<BuildIdentity::Texture> textures;
   try {
@@ -71,6 +71,33 @@ FileFingerprint loadFile(RecordReader& record) {
   return file;
 }
 
+template <class Value>
+void loadOption(RecordReader& record, Value& value) {
+  value = record.get<Value>();
+}
+void loadOption(RecordReader& record, bool& value) { value = record.get<uint8_t>() != 0; }
+
+std::string asGiven(const std::string& name, bool value) { return value ? name : "no " + name; }
+std::string asGiven(const std::string& name, uint32_t value) { return name + " " + std::to_string(value); }
+std::string asGiven(const std::string& name, Simplifier value) {
+  return name + " " + std::string(nameOf(value));
+}
+std::string asGiven(const std::string& name, float value) {
+  char text[32];
+  std::snprintf(text, sizeof text, " %g", static_cast<double>(value));
+  return name + text;
+}
+
+/// Returns the first option of `then` that differs in `now`, as on a command line; empty if none does.
+std::string changedOption(const ResultOptions& then, const ResultOptions& now) {
+  std::string changed;
+  forEachResultOption([&](const auto& option) {
+    const auto value = then.*option.member;
+    if (changed.empty() && value != now.*option.member) changed = asGiven(option.name, value);
+  });
+  return changed;
+}
+
 }  // namespace
 
 FileFingerprint fingerprint(const std::filesystem::path& path) {
@@ -94,11 +121,7 @@ BuildIdentity BuildIdentity::of(const BuildOptions& options) {
   identity.program = fingerprint("/proc/self/exe").content;
   std::error_code ignored;
   identity.temporary_folder = std::filesystem::weakly_canonical(options.temporary_folder, ignored).string();
-  identity.triangles_per_node = options.triangles_per_node;
-  identity.simplifier = static_cast<uint8_t>(options.simplifier);
-  identity.crease_angle_deg = options.crease_angle_deg;
-  identity.skip_bad = options.skip_bad;
-  identity.strict = options.strict;
+  identity.options = options;
   return identity;
 }
 
@@ -111,11 +134,7 @@ void BuildIdentity::save(RecordWriter& record) const {
   }
   record.put(program);
   record.putText(temporary_folder);
-  record.put(triangles_per_node);
-  record.put(simplifier);
-  record.put(crease_angle_deg);
-  record.put<uint8_t>(skip_bad);
-  record.put<uint8_t>(strict);
+  forEachResultOption([&](const auto& option) { record.put(options.*option.member); });
 }
 
 BuildIdentity BuildIdentity::load(RecordReader& record) {
@@ -127,48 +146,32 @@ BuildIdentity BuildIdentity::load(RecordReader& record) {
   }
   identity.program = record.get<uint64_t>();
   identity.temporary_folder = record.getText();
-  identity.triangles_per_node = record.get<uint32_t>();
-  identity.simplifier = record.get<uint8_t>();
-  identity.crease_angle_deg = record.get<float>();
-  identity.skip_bad = record.get<uint8_t>() != 0;
-  identity.strict = record.get<uint8_t>() != 0;
+  forEachResultOption([&](const auto& option) { loadOption(record, identity.options.*option.member); });
   return identity;
 }
 
-/// The input is the same, so the names are.
+/// Requires equal inputs, hence equal names.
 std::string BuildIdentity::textureDifference(const BuildIdentity& now) const {
   for (size_t i = 0; i < std::min(textures.size(), now.textures.size()); ++i) {
     const FileFingerprint &then = textures[i].image, &today = now.textures[i].image;
     if (then == today) continue;
-    const char* const what = then.path.empty()    ? " was not there when it was begun; take it away"
-                             : today.path.empty() ? " is no longer there; bring it back"
-                                                  : " has changed since; bring the former one back";
+    const char* const what = then.path.empty()    ? " did not exist when the build began; remove it"
+                             : today.path.empty() ? " no longer exists; restore it"
+                                                  : " has changed since the build began; restore the old one";
     return "the texture image " + quotedText(textures[i].name, 4096) + what + ", or build without --resume";
   }
   return {};
 }
 
 std::string BuildIdentity::difference(const BuildIdentity& now) const {
-  const std::string begun = "it was begun with ", same = "; give the same, or build without --resume";
-  const auto flag = [&](bool given, const char* name) { return begun + (given ? "" : "no ") + name + same; };
+  const std::string begun = "it began with ", same = "; use the same, or build without --resume";
   if (input.path != now.input.path) return begun + "the input " + input.path + same;
-  if (now.input.bytes == 0) return "the input " + input.path + " cannot be read; bring it back";
-  if (input != now.input) return "the input has changed since; build without --resume";
+  if (now.input.bytes == 0) return "the input " + input.path + " cannot be read; restore it";
+  if (input != now.input) return "the input has changed since it began; build without --resume";
   if (std::string texture = textureDifference(now); !texture.empty()) return texture;
   if (program != now.program) return begun + "another version of lodestreamd; build without --resume";
-  if (triangles_per_node != now.triangles_per_node)
-    return begun + "--triangles-per-node " + std::to_string(triangles_per_node) + same;
-  if (simplifier != now.simplifier) {
-    const bool is_cluster = simplifier == static_cast<uint8_t>(Simplifier::kCluster);
-    return begun + "--simplifier " + (is_cluster ? "cluster" : "collapse") + same;
-  }
-  if (crease_angle_deg != now.crease_angle_deg) {
-    char degrees[32];
-    std::snprintf(degrees, sizeof degrees, "%g", static_cast<double>(crease_angle_deg));
-    return begun + "--crease-angle " + degrees + same;
-  }
-  if (skip_bad != now.skip_bad) return flag(skip_bad, "--skip-bad");
-  if (strict != now.strict) return flag(strict, "--strict");
+  if (const std::string option = changedOption(options, now.options); !option.empty())
+    return begun + option + same;
   if (temporary_folder != now.temporary_folder) return begun + "--tmp " + temporary_folder + same;
   return {};
 }

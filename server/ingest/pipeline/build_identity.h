@@ -10,42 +10,39 @@
 
 namespace lode::ingest {
 
-/// What tells a file from another or from itself after a change, without reading all of it.
+/// Identifies a file and its content without reading all of it.
 struct FileFingerprint {
   std::string path;  ///< absolute
   uint64_t bytes = 0;
   int64_t modified_ns = 0;  ///< since 1970
-  uint64_t content = 0;     ///< hash of its head, its tail and samples evenly spread between
+  uint64_t content = 0;     ///< hash of head, tail and evenly spread samples
 
   bool operator==(const FileFingerprint&) const = default;
 };
 
-/// All zero but the path if it is no regular file that can be read: whoever reads it says so better.
+/// Returns zeros, except for the path, if the path is not a readable regular file: its reader reports that.
 FileFingerprint fingerprint(const std::filesystem::path& path);
 
-/// What must be the same for a build to be gone on with: all that the store's bytes follow from. Threads and
-/// memory are not among it (I6).
+/// Everything that a store's bytes depend on. A build resumes only if it is unchanged. Threads and memory are
+/// not part of it (I6 in docs/architecture.md).
 struct BuildIdentity {
   struct Texture {
-    std::string name;       ///< as the input has it
-    FileFingerprint image;  ///< without a path: there is none
+    std::string name;       ///< as written in the input
+    FileFingerprint image;  ///< path is empty if no file was found
   };
   FileFingerprint input;
-  std::vector<Texture> textures;  ///< that the input names
+  std::vector<Texture> textures;  ///< named by the input
   uint64_t program = 0;           ///< content of the executable
   std::string temporary_folder;
-  uint32_t triangles_per_node = 0;
-  uint8_t simplifier = 0;
-  float crease_angle_deg = 0;
-  bool skip_bad = false, strict = false;
+  ResultOptions options;
 
-  /// @param options  complete.
+  /// @param options  with all defaults filled in.
   static BuildIdentity of(const BuildOptions& options);
 
   void save(RecordWriter& record) const;
   static BuildIdentity load(RecordReader& record);
 
-  /// In words, what is different in `now`, and what to do; empty if nothing is.
+  /// Describes the first difference to `now` and its remedy; empty if there is none.
   std::string difference(const BuildIdentity& now) const;
 
  private:

@@ -1,12 +1,37 @@
 #include "server/ingest/pipeline/build_session.h"
 
+#include <chrono>
 #include <utility>
 
 #include "common/error.h"
-#include "server/ingest/pipeline/stage_clock.h"
+#include "server/ingest/plan/machine.h"
 #include "server/store/reader.h"
 
 namespace lode::ingest {
+namespace {
+
+/// Measures a stage from construction to finish().
+class StageClock {
+ public:
+  StageClock(BuildReport& report, std::string name) : report_(report), name_(std::move(name)) {}
+
+  void finish(uint64_t items, uint64_t temporary_bytes) {
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_start_;
+    report_.stages.push_back(
+        {name_, wall.count(), cpuSeconds() - cpu_start_, items, temporary_bytes, peakRssBytes()});
+    report_.seconds += report_.stages.back().seconds;
+    report_.cpu_seconds += report_.stages.back().cpu_seconds;
+    report_.peak_rss_bytes = peakRssBytes();
+  }
+
+ private:
+  BuildReport& report_;
+  const std::string name_;
+  const std::chrono::steady_clock::time_point wall_start_ = std::chrono::steady_clock::now();
+  const double cpu_start_ = cpuSeconds();
+};
+
+}  // namespace
 
 BuildSession::BuildSession(const BuildOptions& options, const BuildProgress& progress)
     : options_(options),
@@ -20,7 +45,7 @@ BuildSession::BuildSession(const BuildOptions& options, const BuildProgress& pro
   folder_.keep(false);
 }
 
-/// Opens the journal that is there if the build is to go on from it; clears it away otherwise.
+/// Opens the existing journal if this build can resume from it; removes the earlier build otherwise.
 void BuildSession::resume() {
   try {
     journal_.emplace(Journal::open(
@@ -61,7 +86,7 @@ void BuildSession::begin() {
 bool BuildSession::isPackedAlready() {
   try {
     RecordReader record(recorded_.stages.at(BuildEntry::kPacked));
-    readKnown(record);
+    readFacts(record);
     const auto build_id = record.get<Digest>();
     const store::Reader reader(options_.output);
     report_.summary = reader.summary();
@@ -78,8 +103,8 @@ bool BuildSession::keep() noexcept {
 }
 
 void BuildSession::run(Stage& stage) {
-  if (!takeOver(stage) && stage.isNeeded()) {
-    const char* name = stage.nature().name;
+  if (!loadRecorded(stage) && stage.isNeeded()) {
+    const char* name = stage.traits().name;
     if (!recorded_.stages.empty() && report_.resumed_from.empty()) report_.resumed_from = name;
     StageClock clock(report_, name);
     const Stage::Work work = stage.run();
@@ -90,18 +115,18 @@ void BuildSession::run(Stage& stage) {
   done_.push_back(&stage);
 }
 
-/// @return false if the stage is to be run.
-bool BuildSession::takeOver(Stage& stage) {
-  const bool is_used_up = recorded_.isPast(stage.nature().used_up_by);
-  const auto recorded = recorded_.stages.find(stage.nature().entry);
+/// @return false if the stage must run.
+bool BuildSession::loadRecorded(Stage& stage) {
+  const bool is_used_up = recorded_.isPast(stage.traits().used_up_by);
+  const auto recorded = recorded_.stages.find(stage.traits().entry);
   if (recorded == recorded_.stages.end()) return is_used_up;
   RecordReader record(recorded->second);
-  readKnown(record);
+  readFacts(record);
   stage.load(record, is_used_up);
   return true;
 }
 
-void BuildSession::readKnown(RecordReader& record) {
+void BuildSession::readFacts(RecordReader& record) {
   facts_ = record.get<BuildFacts>();
   report_.warnings = record.getTexts();
 }
@@ -111,12 +136,12 @@ void BuildSession::noteFinished(const Stage& stage) {
   record.put(facts_);
   record.putTexts(report_.warnings);
   stage.save(record);
-  note(stage.nature().entry, record.bytes());
-  std::vector<std::string_view> needed = stage.nature().files;
+  note(stage.traits().entry, record.bytes());
+  std::vector<std::string_view> needed = stage.traits().files;
   for (const Stage* before : done_) {
-    const Stage::Nature& nature = before->nature();
-    if (nature.used_up_by > stage.nature().entry)
-      needed.insert(needed.end(), nature.files.begin(), nature.files.end());
+    const Stage::Traits& traits = before->traits();
+    if (traits.used_up_by > stage.traits().entry)
+      needed.insert(needed.end(), traits.files.begin(), traits.files.end());
   }
   folder_.removeFilesBut(needed);
 }
@@ -127,7 +152,7 @@ void BuildSession::note(BuildEntry entry, std::span<const std::byte> bytes) {
 }
 
 void BuildSession::warn(std::string warning) {
-  if (options_.strict) throw Error(ErrorCode::kInput, warning + " (--strict: warnings are errors)");
+  if (options_.strict) throw Error(ErrorCode::kInput, warning + " (--strict treats warnings as errors)");
   report_.warnings.push_back(std::move(warning));
 }
 

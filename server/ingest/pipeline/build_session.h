@@ -8,7 +8,6 @@
 
 #include "server/ingest/disk/build_folder.h"
 #include "server/ingest/disk/journal.h"
-#include "server/ingest/pipeline/build_facts.h"
 #include "server/ingest/pipeline/build_identity.h"
 #include "server/ingest/pipeline/recorded_build.h"
 #include "server/ingest/pipeline/stage.h"
@@ -17,50 +16,51 @@
 
 namespace lode::ingest {
 
-/// One build: what was asked for, its folder and journal, what is known of the model and the report. A stage
-/// that a resumed build had finished is taken over; one that is finished now is noted in the journal, and
-/// then the files that nothing needs any more are removed. Not thread safe.
+/// State of one build: options, folder, journal, facts about the model and report. Loads stages that a
+/// resumed build had finished; runs the others, records each in the journal and removes files that no later
+/// stage needs. Not thread safe.
 class BuildSession {
  public:
-  /// @param options  complete. @throws Error kInput if the build that is to be resumed was another.
+  /// @param options  with all defaults filled in. @throws Error kInput if the build to resume had another
+  /// input or other options.
   BuildSession(const BuildOptions& options, const BuildProgress& progress);
 
-  /// Runs a stage or takes it over. @param stage  lives until the last stage has run.
+  /// Runs or loads a stage. @param stage  must outlive the last call of run().
   void run(Stage& stage);
   BuildReport takeReport() { return std::move(report_); }
-  /// Leaves what is there for a build that is to go on. @return whether there is anything.
+  /// Keeps finished work for a build that resumes. @return false if there is none.
   bool keep() noexcept;
-  /// Whether what has failed would not have with more memory.
+  /// Returns whether the build failed for lack of memory.
   bool lacksMemory() const noexcept { return lacks_memory_; }
 
-  // For the stages.
+  // Used by stages.
   const BuildOptions& options() const noexcept { return options_; }
   const BuildProgress& progress() const noexcept { return progress_; }
   const MemoryPlan& plan() const noexcept { return plan_; }
   const TemporaryFolder& files() const noexcept { return *files_; }
-  /// Where the store is until it is complete.
+  /// Path of the store until it is complete.
   std::filesystem::path store() const { return folder_.store(); }
   BuildFacts& facts() noexcept { return facts_; }
-  /// What a killed build had finished; to be used up.
+  /// Work of the build to resume; stages take it out.
   RecordedBuild& recorded() noexcept { return recorded_; }
-  /// Of the store, once it is complete.
+  /// Called when the store is complete.
   void setSummary(ModelSummary summary) { report_.summary = std::move(summary); }
-  /// @throws Error kInput if warnings are errors.
+  /// @throws Error kInput with --strict.
   void warn(std::string warning);
   void warn(const std::vector<std::string>& warnings);
   void noteTextureFiles(std::vector<std::string> names) { report_.texture_files = std::move(names); }
-  /// @throws Error kLimit always; the same build may do with more memory.
+  /// Fails a build that would succeed with more memory. @throws Error kLimit always.
   [[noreturn]] void refuseForMemory(const std::string& problem);
-  /// Notes in the journal how far a stage has come, when the names of its files are on the disk.
+  /// Syncs the folder of temporary files, then appends an entry to the journal.
   void note(BuildEntry entry, std::span<const std::byte> bytes);
 
  private:
   void begin();
   void resume();
   bool isPackedAlready();
-  bool takeOver(Stage& stage);
+  bool loadRecorded(Stage& stage);
   void noteFinished(const Stage& stage);
-  void readKnown(RecordReader& record);
+  void readFacts(RecordReader& record);
 
   const BuildOptions options_;
   const BuildProgress& progress_;
@@ -73,7 +73,7 @@ class BuildSession {
   std::optional<TemporaryFolder> files_;
   BuildFacts facts_;
   bool lacks_memory_ = false;
-  std::vector<const Stage*> done_;  ///< run or taken over
+  std::vector<const Stage*> done_;  ///< run or loaded
 };
 
 }  // namespace lode::ingest

@@ -1,10 +1,29 @@
 #include "server/ingest/pipeline/pack.h"
 
 #include <algorithm>
-
-#include "server/ingest/pipeline/idle_lods.h"
+#include <cstddef>
+#include <cstdint>
 
 namespace lode::ingest {
+namespace {
+
+constexpr uint32_t kLargeTriangles = 1 << 19;
+constexpr float kFartherSibling = 2;  ///< distance of the farthest sibling to that of the nearest
+
+}  // namespace
+
+void removeRedundantFarLods(FinishedNode& finished, const Node& parent) {
+  Node& node = finished.node;
+  const Lod& finest = parent.lods.front();
+  const float most = (finest.triangles < kLargeTriangles ? 1 : kFartherSibling) * finest.offModel();
+  while (node.far_lods > 1) {
+    const auto finer = static_cast<std::ptrdiff_t>(node.lods.size()) - 2;
+    if (node.lods[finer].offModel() <= most) return;
+    node.lods.erase(node.lods.begin() + finer);
+    finished.payloads.erase(finished.payloads.begin() + finer);
+    --node.far_lods;
+  }
+}
 
 void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spool* tiles,
                   store::Writer& writer) {
@@ -16,7 +35,7 @@ void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spoo
     levels = std::max(levels, levelCount(set.textures.back()));
   }
   std::vector<std::byte> bytes;
-  for (uint32_t rank = 0; rank < levels; ++rank)  // of a level, from each texture's coarsest
+  for (uint32_t rank = 0; rank < levels; ++rank)  // 0: the coarsest level of every texture
     for (size_t t = 0; t < set.textures.size(); ++t) {
       Texture& texture = set.textures[t];
       if (rank >= levelCount(texture)) continue;
@@ -41,8 +60,8 @@ ModelSummary pack(store::Writer& writer, ModelSummary summary, NodeSpool& nodes,
     RecordReader record(bytes);
     FinishedNode finished = getFinishedNode(record);
     if (finished.node.far_lods > 1)
-      leaveOutIdleLods(finished,
-                       *std::ranges::lower_bound(packed, finished.node.key.parent(), {}, &Node::key));
+      removeRedundantFarLods(finished,
+                             *std::ranges::lower_bound(packed, finished.node.key.parent(), {}, &Node::key));
     for (size_t r = finished.node.lods.size(); r-- > 0;) {
       const PayloadSpool::Place payload = finished.payloads[r];
       if (payload.bytes > 0) finished.node.lods[r].payload = writer.addBlob(payloads.read(payload));

@@ -1,5 +1,9 @@
 #include "server/ingest/pipeline/recorded_build.h"
 
+#include <string>
+
+#include "common/error.h"
+
 namespace lode::ingest {
 
 void RecordedBuild::add(uint32_t kind, std::span<const std::byte> bytes) {
@@ -24,7 +28,7 @@ void RecordedBuild::add(uint32_t kind, std::span<const std::byte> bytes) {
       stages[entry].assign(bytes.begin(), bytes.end());
       break;
     default:
-      throw Error(ErrorCode::kFormat, "the journal of a build has an entry of unknown kind " +
+      throw Error(ErrorCode::kFormat, "the build's journal has an entry of unknown kind " +
                                           std::to_string(kind) + "; build without --resume");
   }
 }

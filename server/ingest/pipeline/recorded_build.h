@@ -7,36 +7,56 @@
 #include <span>
 #include <vector>
 
-#include "server/ingest/disk/journal.h"
+#include "common/mesh.h"
 #include "server/ingest/nodes/simplify_log.h"
 #include "server/ingest/pipeline/build_identity.h"
+#include "server/ingest/soup/dereference.h"
+#include "server/ingest/soup/lattice_choice.h"
+#include "server/ingest/soup/uv_grid.h"
 
 namespace lode::ingest {
 
-/// Entries of a build's journal, in the order of the stages. Those of finished stages begin with what the
-/// build knows (BuildFacts) and its warnings.
+/// Kinds of entries in a build's journal, in the order of the stages. The entry of a finished stage begins
+/// with the BuildFacts and the warnings so far.
 enum class BuildEntry : uint32_t {
   kBegun = 1,  ///< BuildIdentity
   kScanned = 2,
-  kTextures = 3,      ///< where the input names images
-  kSorting = 4,       ///< a point within dereference, and the sorted runs so far; the last one counts
-  kDereferenced = 5,  ///< only where the soup was sorted on disk
+  kTextures = 3,      ///< only if the input names images
+  kSorting = 4,       ///< progress of dereference and its sorted runs; the last such entry counts
+  kDereferenced = 5,  ///< only if the soup was sorted on disk
   kPartitioned = 6,
-  kNodes = 7,       ///< nodes finished since the last such entry
-  kSimplified = 8,  ///< there are no more of them
-  kPacked = 9,      ///< the output has its name
+  kNodes = 7,  ///< nodes finished since the previous kNodes entry
+  kSimplified = 8,
+  kPacked = 9,  ///< the store has its final name
 };
 
-/// What a killed build's journal vouches for.
+/// Facts about the model that a stage finds and later stages need.
+struct BuildFacts {
+  LatticeChoice choice;          ///< set by scan, like the next three
+  AttributeSet soup_attributes;  ///< taken from the file; without normals if none has a length
+  UvGrid uv_grid;
+  uint64_t dropped_triangles = 0;
+  DereferenceCounts counts;  ///< set by dereference
+
+  /// Attributes of payloads: soup_attributes, with computed normals if the file has none.
+  AttributeSet payloadAttributes() const noexcept {
+    AttributeSet attributes = soup_attributes;
+    if (!attributes.has(AttributeSet::kNormal))
+      attributes.bits |= AttributeSet::kNormal | AttributeSet::kComputedNormal;
+    return attributes;
+  }
+};
+
+/// Journal of an earlier build of the same output, which this build may resume.
 struct RecordedBuild {
   std::optional<BuildIdentity> identity;
-  std::map<BuildEntry, std::vector<std::byte>> stages;  ///< finished ones, as they were written
-  std::vector<std::byte> sorting;                       ///< as it was written; empty where there is none
+  std::map<BuildEntry, std::vector<std::byte>> stages;  ///< entries of finished stages
+  std::vector<std::byte> sorting;                       ///< last kSorting entry; empty if there is none
   FinishedNodes finished;
 
   /// Adds an entry. @throws Error kFormat, kLimit.
   void add(uint32_t kind, std::span<const std::byte> bytes);
-  /// Whether a stage is finished or one after it, which it was needed for.
+  /// Returns whether this stage or a later one is finished.
   bool isPast(BuildEntry stage) const noexcept { return stages.lower_bound(stage) != stages.end(); }
 };
 

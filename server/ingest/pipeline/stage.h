@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/ingest/disk/record_bytes.h"
@@ -9,43 +10,42 @@
 
 namespace lode::ingest {
 
-/// A stage of a build, which BuildSession runs, or takes over from the build that is resumed. It is made of
-/// those before it, takes from them what they made, and holds what it makes for those after it.
+/// A stage of a build. Its constructor names the stages whose results it takes; it holds its own result for
+/// later stages. BuildSession runs it, or loads its result if a resumed build had finished it.
 class Stage {
  public:
-  struct Nature {
-    const char* name;       ///< in reports
-    BuildEntry entry;       ///< by which the journal vouches for it
-    BuildEntry used_up_by;  ///< the stage after which nothing needs any more what this one made
-    std::vector<std::string_view> files{};  ///< that it leaves until then
+  struct Traits {
+    const char* name;                       ///< in reports and progress
+    BuildEntry entry;                       ///< journal entry that the finished stage writes
+    BuildEntry used_up_by;                  ///< last stage that needs this stage's result
+    std::vector<std::string_view> files{};  ///< files that hold the result until then
   };
-  /// What was done, for the report.
+  /// Work done, for the report.
   struct Work {
     uint64_t items = 0, temporary_bytes = 0;
   };
 
-  explicit Stage(Nature nature) : nature_(std::move(nature)) {}
+  explicit Stage(Traits traits) : traits_(std::move(traits)) {}
   virtual ~Stage() = default;
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 
-  const Nature& nature() const noexcept { return nature_; }
+  const Traits& traits() const noexcept { return traits_; }
 
-  /// Whether the input has anything for this stage.
+  /// Returns false if the input has no work for this stage.
   virtual bool isNeeded() const { return true; }
-  /// Does the work. @throws Error.
+  /// @throws Error.
   virtual Work run() = 0;
-  /// Whether what run() made can be saved: false if it is in memory alone.
+  /// Returns whether save() can record the result; false if it is only in memory.
   virtual bool isOnDisk() const { return true; }
-  /// Notes what load() needs beside the files and BuildFacts.
+  /// Records everything that load() needs besides the files and BuildFacts.
   virtual void save(RecordWriter& record) const = 0;
-  /// Takes over what save() noted. @param is_used_up  the stage that needs it is finished, the files are
-  /// gone.
-  /// @throws Error kIo, kFormat.
+  /// Restores the result that save() recorded. @param is_used_up  the stages that need the result are
+  /// finished and its files are removed. @throws Error kIo, kFormat.
   virtual void load(RecordReader& record, bool is_used_up) = 0;
 
  private:
-  const Nature nature_;
+  const Traits traits_;
 };
 
 }  // namespace lode::ingest

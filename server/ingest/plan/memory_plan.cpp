@@ -8,26 +8,23 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kProgramBytes = 24 << 20;  ///< code, buffers of files
-constexpr uint64_t kMarginBytes = 24 << 20;   ///< what the allocator keeps of earlier stages
-constexpr uint64_t kFrontierBytes =
-    5 << 10;  ///< nodes between their building and their parent's: at most; half is usual
-constexpr uint64_t kWorkerBytes = 2816;  ///< a thread's own node, with its quadrics and queue
-// Of a triangle of a large node, whose LODs wait on the disk: 214 to 281 and 316 to 352 bytes were measured,
-// of samples of 500,000 triangles in one node, without attributes that quadrics hold and with.
+constexpr uint64_t kProgramBytes = 24 << 20;  ///< code and file buffers
+constexpr uint64_t kMarginBytes = 24 << 20;   ///< memory that the allocator keeps from earlier stages
+/// Per triangle of a node capacity: finished nodes whose parents are not built yet; usually half of it.
+constexpr uint64_t kFrontierBytes = 5 << 10;
+constexpr uint64_t kWorkerBytes = 2816;  ///< per triangle of the node that a thread simplifies
+/// Per triangle of a large node, whose LODs are kept on disk; with attributes in the quadrics or without.
 constexpr uint64_t kLargeNodeBytes = 300, kLargeNodeBytesWithAttributes = 360;
-// What a triangle of a model costs that is too small for nodes of all threads, or for all levels of the tree.
+/// Per triangle of a model too small to give every thread a node, or to have all levels of a tree.
 constexpr uint64_t kSmallModelBytes = 704, kGrowingFrontierBytes = 64;
-/// A thread's tile, its encoder, and encoded tiles; 8 to 13 MiB were measured.
-constexpr uint64_t kEncoderBytes = 20 << 20;
+constexpr uint64_t kEncoderBytes = 20 << 20;  ///< a thread's tile, its encoder, and encoded tiles
 constexpr uint64_t kBesideImage = kProgramBytes + kEncoderBytes;
-constexpr uint64_t kSortOrderBytes = 16;      ///< of a record in a sort
-constexpr uint64_t kBytesOfBatchVertex = 20;  ///< of a dereference: position and attributes
-// What is usual, for a forecast: of the program, and as a share of what the plan allows nodes. Measured with
-// samples of 20 thousand to 2 million triangles, with normals and colours and without.
+constexpr uint64_t kSortOrderBytes = 16;    ///< per record of a sort
+constexpr uint64_t kBatchVertexBytes = 20;  ///< per vertex of a dereference batch: position and attributes
+/// Typical values for forecasts: memory of the program, and share of the planned memory that nodes use.
 constexpr uint64_t kUsualProgramBytes = 14 << 20;
 constexpr double kUsualShare = 0.75, kUsualShareWithoutAttributes = 0.5;
-constexpr double kGrowth = 1.25;  ///< of a buffer that grows, over what it holds
+constexpr double kGrowth = 1.25;  ///< capacity of a growing buffer over its size
 
 }  // namespace
 
@@ -49,13 +46,12 @@ std::string smallBudgetInWords(uint64_t memory_bytes, uint32_t triangles_per_nod
   const uint64_t least =
       is_one_node ? kUsualProgramBytes : planMemory(memory_bytes, 1, triangles_per_node).minimum_bytes;
   if (memory_bytes >= least) return {};
-  return budgetBelowInWords(least, is_one_node
-                                       ? "the program itself takes"
-                                       : std::to_string(triangles_per_node) + " triangles a node take");
+  return budgetBelowInWords(
+      least, is_one_node ? "the program itself" : std::to_string(triangles_per_node) + " triangles per node");
 }
 
-std::string budgetBelowInWords(uint64_t least_bytes, const std::string& what_takes) {
-  return "--memory is less than " + byteSizeAtLeast(least_bytes) + ", which " + what_takes +
+std::string budgetBelowInWords(uint64_t least_bytes, const std::string& purpose) {
+  return "--memory is less than the " + byteSizeAtLeast(least_bytes) + " needed for " + purpose +
          "; the build may use more";
 }
 
@@ -79,7 +75,7 @@ uint64_t expectedPeakBytes(const MemoryPlan& plan, uint64_t vertices, uint64_t t
                            uint32_t triangles_per_node, uint64_t texture_bytes) noexcept {
   const uint64_t records = triangles * (soupBytes(file) + kSortOrderBytes);
   const uint64_t corner_bytes = sizeof(uint32_t) + (file.has(AttributeSet::kTexture) ? sizeof(uint32_t) : 0);
-  const uint64_t batch = triangles * 3 * corner_bytes + vertices * kBytesOfBatchVertex;
+  const uint64_t batch = triangles * 3 * corner_bytes + vertices * kBatchVertexBytes;
   const uint64_t sort =
       static_cast<uint64_t>(kGrowth * static_cast<double>(std::min(records, plan.sort_bytes))) +
       std::min(batch, plan.sort_bytes / 2);

@@ -12,16 +12,16 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kVerticesAPiece = 16 * FaceBatch::kSweepVertices;
-constexpr uint64_t kShareOfFaces = 2, kShareOfHelpers = 4;  ///< of the memory, a part of so many
-constexpr uint64_t kCursorBytes = 1 << 20;                  ///< with which one reads vertices
+constexpr uint64_t kShareOfFaces = 2, kShareOfHelpers = 4;  ///< divisors of the memory
+constexpr uint64_t kCursorBytes = 1 << 20;                  ///< read buffer of a thread
 
-/// What is wanted of the vertices of a batch of faces, by rank.
+/// Vertices of a batch of faces, by rank.
 struct BatchVertices {
   std::vector<PositionCode> positions;
-  std::vector<VertexAttributes> attributes;  ///< empty where the input's vertices have none
+  std::vector<VertexAttributes> attributes;  ///< empty if the input's vertices have none
 };
 
-/// @return the farthest that a vertex is moved, in steps.
+/// Snaps the vertices of a batch. @return largest distance that a vertex moves, in steps.
 double sweepVertices(const PackedInput& input, const FaceBatch& faces, const Lattice& lattice,
                      Helpers& helpers, BatchVertices& vertices) {
   vertices.positions.resize(faces.members());
@@ -58,17 +58,17 @@ uint64_t mostTriangles(const PackedInput::FaceBlock& block) {
   return block.corners.size() - 2 * block.faceCount();
 }
 
-/// As many of the threads beside the caller's as there is memory for blocks that are under way.
+/// Returns the number of threads, beside the caller's, whose blocks fit in the memory.
 unsigned helpersFor(const FaceBatch& faces, unsigned threads, uint64_t memory_bytes) {
   uint64_t triangles = 0;
   for (const PackedInput::FaceBlock& block : faces.blocks())
     triangles = std::max(triangles, mostTriangles(block));
   const uint64_t each =
-      (1 + InOrder<BlockSoup>::kWaitingForEach) * triangles * sizeof(SoupTriangle) + kCursorBytes;
+      (1 + InOrder<BlockSoup>::kWaitingPerThread) * triangles * sizeof(SoupTriangle) + kCursorBytes;
   return static_cast<unsigned>(std::min<uint64_t>(threads - 1, memory_bytes / kShareOfHelpers / each));
 }
 
-/// Makes the soup of one block. For one thread.
+/// Makes the triangles of one block. Not thread safe.
 class BlockDereference {
  public:
   BlockDereference(const PackedInput& input, const FaceBatch& faces, const BatchVertices& vertices,
@@ -88,13 +88,12 @@ class BlockDereference {
   }
 
  private:
-  /// Of the block.
   struct Face {
-    uint32_t first, corners;
+    uint32_t first, corners;  ///< first corner in the block, and number of corners
     uint16_t material;
   };
 
-  glm::dvec3 placeOf(uint32_t corner) const {
+  glm::dvec3 positionOf(uint32_t corner) const {
     return unpackPosition(vertices_.positions[faces_.rank(block_.corners[corner])]);
   }
 
@@ -105,22 +104,23 @@ class BlockDereference {
       return;
     }
     outline_.clear();
-    for (uint32_t c = 0; c < face.corners; ++c) outline_.push_back(placeOf(face.first + c));
+    for (uint32_t c = 0; c < face.corners; ++c) outline_.push_back(positionOf(face.first + c));
     triangulate(outline_, cut_);
     for (const glm::u32vec3& t : cut_) add(face, face.first + t);
   }
 
-  /// Once a face: one of very many corners asks for it at each.
+  /// Caches the normal, since a polygon needs it at every corner.
   uint16_t normalOf(const Face& face) {
     if (normal_of_face_) return *normal_of_face_;
-    const glm::dvec3 from = placeOf(face.first);
+    const glm::dvec3 from = positionOf(face.first);
     glm::dvec3 front(0);
     for (uint32_t c = 2; c < face.corners; ++c)
-      front += glm::cross(placeOf(face.first + c - 1) - from, placeOf(face.first + c) - from);
+      front += glm::cross(positionOf(face.first + c - 1) - from, positionOf(face.first + c) - from);
     return normal_of_face_.emplace(encodeOctahedral(glm::vec3(front)));
   }
 
-  /// Of a triangle that was dropped. Few are, so that their places are looked up one by one.
+  /// Returns whether a dropped triangle has distinct corners in the file. Reads the positions from disk,
+  /// which is rare.
   bool isLost(glm::u32vec3 corners) const {
     const glm::u32vec3 t(block_.corners[corners.x], block_.corners[corners.y], block_.corners[corners.z]);
     if (t.x == t.y || t.y == t.z || t.z == t.x) return false;
@@ -155,34 +155,33 @@ class BlockDereference {
   BlockSoup soup_;
   std::vector<glm::dvec3> outline_;
   std::vector<glm::u32vec3> cut_;
-  std::optional<uint16_t> normal_of_face_;  ///< of the one that is added
+  std::optional<uint16_t> normal_of_face_;  ///< of the face being added
 };
 
 }  // namespace
 
-DereferenceCounts dereference(const PackedInput& input, const Lattice& lattice, uint64_t memory_bytes,
-                              unsigned threads, const SoupSink& sink, const BuildProgress& progress,
-                              const DereferencePoint& from, const BatchSink& on_batch) {
-  DereferenceCounts counts = from.counts;
-  PackedInput::FaceCursor cursor(input, from.face_offset);
-  FaceBatch batch(input, memory_bytes / kShareOfFaces,
+DereferenceCounts dereference(const DereferenceInput& in, const SoupSink& sink) {
+  const PackedInput& input = in.input;
+  DereferenceCounts counts = in.from.counts;
+  PackedInput::FaceCursor cursor(input, in.from.face_offset);
+  FaceBatch batch(input, in.memory_bytes / kShareOfFaces,
                   sizeof(PositionCode) + (input.hasVertexAttributes() ? sizeof(VertexAttributes) : 0));
   BatchVertices vertices;
-  uint64_t faces = from.faces, begin = cursor.offset();
+  uint64_t faces = in.from.faces, begin = cursor.offset();
   for (; batch.read(cursor); begin = cursor.offset()) {
-    if (on_batch) on_batch({begin, faces, counts});
-    FixedHelpers helpers(helpersFor(batch, threads, memory_bytes));
+    if (in.on_batch) in.on_batch({begin, faces, counts});
+    FixedHelpers helpers(helpersFor(batch, in.threads, in.memory_bytes));
     counts.snap_error_steps =
-        std::max(counts.snap_error_steps, sweepVertices(input, batch, lattice, helpers, vertices));
+        std::max(counts.snap_error_steps, sweepVertices(input, batch, in.lattice, helpers, vertices));
     InOrder<BlockSoup> blocks(helpers, [&](BlockSoup&& soup) {
       counts.triangles += soup.triangles.size();
       counts.dropped += soup.dropped;
       counts.lost += soup.lost;
       faces += soup.faces;
       sink(soup.triangles);
-      if (progress) {
-        progress("dereference", static_cast<double>(faces) / static_cast<double>(input.faceCount()), faces,
-                 input.faceCount());
+      if (in.progress) {
+        in.progress("dereference", static_cast<double>(faces) / static_cast<double>(input.faceCount()), faces,
+                    input.faceCount());
       }
     });
     for (const PackedInput::FaceBlock& block : batch.blocks())

@@ -4,16 +4,16 @@
 
 namespace lode::ingest {
 
-/// Threads beside the caller's that may run a part of its work for a while. Thread safe.
+/// Budget of threads that callers borrow to run part of their work. Thread safe.
 class Helpers {
  public:
   virtual ~Helpers() = default;
-  /// @return true if one is the caller's now, who starts a thread in its name, until giveBack().
+  /// Returns true if the caller may run one more thread until it calls release().
   virtual bool take() = 0;
-  virtual void giveBack() = 0;
+  virtual void release() = 0;
 };
 
-/// As many as were asked for, for one piece of work after another.
+/// A fixed number of threads.
 class FixedHelpers final : public Helpers {
  public:
   explicit FixedHelpers(unsigned count) : left_(count) {}
@@ -22,7 +22,7 @@ class FixedHelpers final : public Helpers {
     while (left > 0 && !left_.compare_exchange_weak(left, left - 1)) continue;
     return left > 0;
   }
-  void giveBack() override { ++left_; }
+  void release() override { ++left_; }
 
  private:
   std::atomic<unsigned> left_;

@@ -15,18 +15,17 @@
 
 namespace lode::ingest {
 
-/// Pieces of work that are done at once, by helpers as they are to be had and by the caller, and whose
-/// results are handed on in the order in which the pieces came. To be used from one thread, which is where
-/// results are handed on.
+/// Runs pieces of work in parallel, on helpers and the caller, and passes the results to a sink in the order
+/// of push(). Use it from one thread, which also calls the sink.
 template <typename Result>
 class InOrder {
  public:
   using Sink = std::function<void(Result&&)>;
 
-  /// @param helpers  outlive this.
+  /// @param helpers  must outlive this.
   InOrder(Helpers& helpers, Sink sink) : helpers_(helpers), sink_(std::move(sink)) {}
   InOrder(const InOrder&) = delete;
-  /// Waits for pieces that have begun; others are dropped.
+  /// Waits for running pieces and drops the others.
   ~InOrder() {
     {
       std::lock_guard lock(mutex_);
@@ -35,9 +34,9 @@ class InOrder {
     changed_.notify_all();
   }
 
-  /// Throws what an earlier piece has thrown, as finish() does. Where no helper works the piece is done, and
-  /// handed on, when this returns; behind each that does kWaitingForEach wait, so that neither it nor the
-  /// caller has to.
+  /// Queues a piece. Without helpers, runs it and passes its result on before returning. With helpers, blocks
+  /// while more than kWaitingPerThread pieces per thread are waiting. Rethrows exceptions of earlier pieces,
+  /// like finish().
   template <typename Work>
   void push(Work&& work) {
     std::packaged_task<Result()> piece(std::forward<Work>(work));
@@ -46,38 +45,38 @@ class InOrder {
       std::lock_guard lock(mutex_);
       waiting_.push_back(std::move(piece));
     }
-    handOnUntil([this] { return under_way_.size() <= (1 + kWaitingForEach) * callHelper(); });
+    passOnUntil([this] { return under_way_.size() <= (1 + kWaitingPerThread) * callHelper(); });
   }
 
-  /// Returns when all are handed on.
+  /// Returns when the sink has received all results.
   void finish() {
-    handOnUntil([this] { return under_way_.empty() || (callHelper(), false); });
+    passOnUntil([this] { return under_way_.empty() || (callHelper(), false); });
   }
 
-  static constexpr size_t kWaitingForEach = 2;
+  static constexpr size_t kWaitingPerThread = 2;
 
  private:
   static bool isDone(const std::future<Result>& piece) {
     return piece.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   }
 
-  /// Hands on what is done; does pieces that wait, or waits for the oldest, until `isEnough()`.
+  /// Passes on finished results; runs waiting pieces, or waits for the oldest, until `isEnough()`.
   template <typename IsEnough>
-  void handOnUntil(IsEnough&& isEnough) {
+  void passOnUntil(IsEnough&& isEnough) {
     while (true) {
-      while (!under_way_.empty() && isDone(under_way_.front())) handOnOldest();
+      while (!under_way_.empty() && isDone(under_way_.front())) passOnOldest();
       if (isEnough()) return;
-      if (!doOneThatWaits()) handOnOldest();
+      if (!runWaiting()) passOnOldest();
     }
   }
 
-  void handOnOldest() {
+  void passOnOldest() {
     std::future<Result> oldest = std::move(under_way_.front());
     under_way_.pop_front();
     sink_(oldest.get());
   }
 
-  bool doOneThatWaits() {
+  bool runWaiting() {
     std::unique_lock lock(mutex_);
     if (waiting_.empty()) return false;
     std::packaged_task<Result()> piece = takeWaiting();
@@ -86,12 +85,12 @@ class InOrder {
     return true;
   }
 
-  /// Where a piece waits for one. @return how many work.
+  /// Calls a helper if a piece is waiting. @return number of helpers called or working.
   size_t callHelper() {
     std::unique_lock lock(mutex_);
     if (waiting_.empty() || !helpers_.take()) return called_ + working_;
     if (threads_.size() == called_ + working_ && !startThread()) {
-      helpers_.giveBack();
+      helpers_.release();
       return called_ + working_;
     }
     const size_t at_work = ++called_ + working_;
@@ -100,7 +99,7 @@ class InOrder {
     return at_work;
   }
 
-  /// The system may give none.
+  /// Returns false if the system cannot start a thread.
   bool startThread() {
     try {
       threads_.emplace_back([this] { help(); });
@@ -125,7 +124,7 @@ class InOrder {
         lock.lock();
       }
       --working_;
-      helpers_.giveBack();
+      helpers_.release();
     }
   }
 
@@ -140,11 +139,10 @@ class InOrder {
   std::deque<std::future<Result>> under_way_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::packaged_task<Result()>> waiting_;  ///< for the caller or a helper
+  std::deque<std::packaged_task<Result()>> waiting_;  ///< pieces that no thread has taken
   size_t called_ = 0, working_ = 0;                   ///< helpers
   bool is_ending_ = false;
-  std::vector<std::jthread>
-      threads_;  ///< the helpers'; stay until this goes, and go first: they use the others
+  std::vector<std::jthread> threads_;  ///< last member: joined before the members that they use
 };
 
 }  // namespace lode::ingest

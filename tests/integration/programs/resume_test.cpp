@@ -1,5 +1,5 @@
-// lodestreamd build --resume: whatever the moment at which a build is killed, the same command goes on, and
-// the store is that of a build that nobody disturbed.
+// lodestreamd build --resume: a build is killed at any moment, the same command continues, and the store
+// equals that of an undisturbed build.
 
 #include <algorithm>
 #include <chrono>
@@ -51,10 +51,10 @@ class ResumedBuild : public testing::Test {
     return all;
   }
 
-  /// Kills builds, resumed ones too, each at a moment drawn from the time that an undisturbed one took, until
-  /// that many were killed. After every fifth one the next is left to end, so that some do however slow the
-  /// machine has become since; each that ended must have written the same bytes and nothing else.
-  /// @return builds that went on from where another was killed.
+  /// Kills builds, including resumed ones, each at a random moment of an undisturbed build's duration, until
+  /// the given number were killed. Lets every sixth build finish, so that some do on a slow machine. A
+  /// finished build must have written the same bytes and no other file.
+  /// @return number of builds that continued a killed one.
   int killMany(int kills, uint32_t seed) const {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> part(0, 1);
@@ -93,7 +93,7 @@ class ResumedBuild : public testing::Test {
     EXPECT_EQ(folder_.contents(), before_);
   }
 
-  /// Builds and sends a signal once the scan is noted. @return how the build ended.
+  /// Builds, and sends a signal once the journal has the scan. @return the build's outcome.
   Outcome signalAfterScan(const Strings& more, int signal) const {
     const auto journal = folder_ / ".a.lode.building/journal";
     const auto bytes = [&] {
@@ -154,7 +154,7 @@ TEST_F(ResumedBuild, keepsWhatItHasOnASignalOnlyIfItWasToBeResumed) {
   EXPECT_EQ(folder_.contents(), before_);
 
   const Outcome kept = signalAfterScan({"--resume"}, SIGTERM);
-  expectEndBySigterm(kept, "what is finished is kept");
+  expectEndBySigterm(kept, "finished work is kept");
   EXPECT_NE(folder_.contents(), before_);
   ASSERT_EQ(lodestreamd(with({"--resume"})).status, 0);
   expectDone();

@@ -133,7 +133,7 @@ TEST(Topology, countsAsManyLostTrianglesAsABuildDrops) {
   input.flush();
   const Lattice lattice = chooseLattice(input, "a.ply").lattice;
   const DereferenceCounts counts =
-      dereference(input, lattice, 1 << 20, 1, [](std::span<const SoupTriangle>) {}, {});
+      dereference({.input = input, .lattice = lattice, .memory_bytes = 1 << 20}, [](auto) {});
   TopologyCounter counter(folder, {}, true, 1 << 20);
   counter.addVertices(model.vertices);
   counter.addFaces(model.faces);

@@ -11,16 +11,16 @@
 namespace lode::ingest {
 namespace {
 
-/// A stage that makes a file, and a number that it saves.
+/// A stage that writes a file and saves a number.
 class SmallStage final : public Stage {
  public:
-  SmallStage(BuildSession& session, Nature nature) : Stage(std::move(nature)), session_(session) {}
+  SmallStage(BuildSession& session, Traits traits) : Stage(std::move(traits)), session_(session) {}
 
   bool isNeeded() const override { return is_needed; }
   Work run() override {
     ++runs;
     made = 7;
-    for (const std::string_view name : nature().files) std::ofstream(session_.files().path() / name) << made;
+    for (const std::string_view name : traits().files) std::ofstream(session_.files().path() / name) << made;
     return {};
   }
   bool isOnDisk() const override { return is_on_disk; }
@@ -50,7 +50,7 @@ class Session : public testing::Test {
     options_.resume = true;
   }
 
-  /// One build with a scan, a dereference and a partition.
+  /// A build with three stages: scan, dereference, partition.
   struct Build {
     explicit Build(const BuildOptions& options) : session(options, progress) {}
 

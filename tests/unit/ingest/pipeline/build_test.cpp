@@ -186,8 +186,8 @@ TEST_F(Build, warnsOfTrianglesThatTheFinestLatticeLosesAndRefusesThemIfStrict) {
   EXPECT_THROW(build(given), Error);
 }
 
-// Builds on a small file system of its own, mounted in a namespace of a child process. Exit status: 0 said
-// that the disk is full and left nothing there, 1 did not, 77 this system has no such namespaces.
+// Builds on a small file system, mounted in a namespace of a child process. Exit status: 0: reported a full
+// disk and left no files; 1: did not; 77: the system does not allow such namespaces.
 int buildOnTinyDisk(BuildOptions options, const std::filesystem::path& disk) {
   const bool root = ::geteuid() == 0;
   if (::unshare(root ? CLONE_NEWNS : CLONE_NEWNS | CLONE_NEWUSER) != 0) return 77;
@@ -218,10 +218,10 @@ TEST_F(Build, saysThatTheDiskIsFullAndClearsIt) {
   EXPECT_FALSE(std::filesystem::exists(given.output));
 }
 
-/// I7 with more threads than have room, I6 with memory that makes sorts go to disk.
+/// Checks I7 with more threads than the memory allows, and I6 with sorts on disk.
 class SlowBuild : public Build {
  protected:
-  /// What `work` gives in a process of its own, which leaves none of its heaps here; 0 if it throws.
+  /// Runs `work` in a child process, to keep its heaps out of this one. @return its result; 0 if it throws.
   static uint64_t inChild(const std::function<uint64_t()>& work) {
     int pipe_ends[2];
     if (::pipe(pipe_ends) != 0) return 0;
@@ -256,7 +256,7 @@ class SlowBuild : public Build {
     });
   }
 
-  /// A flat square of quads.
+  /// Writes a flat square of quads.
   void makeQuads(uint32_t side) const {
     std::ofstream ply(folder_ / "a.ply", std::ios::binary);
     ply << "ply\nformat binary_little_endian 1.0\nelement vertex " << (side + 1) * (side + 1)
@@ -275,7 +275,7 @@ class SlowBuild : public Build {
       }
   }
 
-  /// The peak of a process that does nothing but build.
+  /// Returns the peak memory of a process that only builds.
   static uint64_t peakOfBuild(const BuildOptions& options) {
     return inChild([&] { return build(options).peak_rss_bytes; });
   }
@@ -350,7 +350,7 @@ TEST_F(SlowBuild, warnsWhenTheRootOfAPorousModelMayTakeMoreThanThereIs) {
     build(given);
     ADD_FAILURE() << "no warning";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("that the root is made of"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("a root of up to"), std::string::npos) << error.what();
   }
   given.memory_bytes *= 4;
   EXPECT_GT(peakOfBuild(given), 0u);

@@ -60,12 +60,12 @@ TEST_P(Creases, leaveEveryCutClosed) {
 }
 
 struct SharedNormals {
-  size_t corners = 0;     ///< of LODs, at locked positions
-  size_t on_creases = 0;  ///< those at positions that have several normals
-  size_t strange = 0;     ///< with a normal that no leaf has there
+  size_t corners = 0;     ///< corners of LODs at locked positions
+  size_t on_creases = 0;  ///< corners at positions with several normals
+  size_t strange = 0;     ///< corners with a normal that no leaf has there
 };
 
-/// I5: what nodes share has the normals that the original surface has there, in all LODs.
+/// I5: in all LODs, shared vertices have normals of the original surface.
 SharedNormals sharedNormals(const store::Reader& reader) {
   std::map<uint64_t, std::set<uint16_t>> original;
   std::map<uint64_t, std::set<NodeKey>> leaves;
@@ -117,7 +117,7 @@ TEST(ComputedNormals, areThoseOfTheOriginalAtPositionsThatNodesShareInAllLods) {
   EXPECT_GT(found.corners, 500u);
 }
 
-/// The largest angle between a corner's normal and its triangle's, in degrees.
+/// Returns the largest angle between a corner's normal and its triangle's, in degrees.
 double worstAngle(const Mesh& mesh) {
   double least = 1;
   for (const glm::u32vec3& t : mesh.triangles) {

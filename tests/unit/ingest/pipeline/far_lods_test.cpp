@@ -18,7 +18,7 @@ namespace {
 constexpr uint32_t kNodeCapacity = 512;
 constexpr uint64_t kMuch = 8 * kNodeCapacity;  // triangles of the original below a node
 
-/// A porous model, much of whose nodes is border, of three levels of inner nodes.
+/// A porous model with three levels of inner nodes, whose nodes have long borders.
 class FarLods : public testing::Test {
  protected:
   explicit FarLods(const std::string& kind = "gyroid") {
@@ -57,7 +57,7 @@ TEST_F(FarLods, areThereWhereMuchLiesBelowAndEndAtAQuarterOfTheBudgetOrTheBorder
   EXPECT_GT(nodes, 5u);
 }
 
-/// Of a node, by the rule alone.
+/// Number of far LODs that the rule gives a node.
 size_t farLodsOf(const Node& node, uint64_t original) {
   const LodRule rule{.depth = node.key.depth(),
                      .locked = node.sourceLod().locked,

@@ -1,4 +1,4 @@
-// Normals of a file that have no length, from PLY to store.
+// Normals without length, from PLY to store.
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +21,8 @@
 namespace lode::ingest {
 namespace {
 
-/// A wall of `side` squares in a row and as many above, which faces x: of its normals the first `lengthless`
-/// have no length, the others tilt to y.
+/// Makes a wall of side x side squares that faces x. Its first `lengthless` normals have no length, the
+/// others tilt to y.
 std::string wall(int side, int lengthless) {
   std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string((side + 1) * (side + 1)) +
                      "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
@@ -49,7 +49,7 @@ class LengthlessNormals : public testing::Test {
     return build(options_);
   }
 
-  /// Of all vertices of the finest LODs, once each.
+  /// Returns the normals of all vertices of the finest LODs.
   std::vector<uint16_t> storedNormals() const {
     const store::Reader reader(options_.output);
     std::vector<uint16_t> codes;
@@ -132,7 +132,7 @@ TEST_F(LengthlessNormals, doNotPointToTheBackOfAFace) {
   EXPECT_NE(of_ceiling[0].find("has a length"), std::string::npos) << of_ceiling[0];
 }
 
-/// By each corner of each triangle that it is cut into, a face of so many would be looked at for hours.
+/// If every corner recomputed the face's normal, a face of so many corners would take hours.
 TEST_F(LengthlessNormals, areLookedForOnceAFaceHoweverManyCornersItHas) {
   constexpr int kCorners = 60'000;
   std::string ply = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(kCorners) +

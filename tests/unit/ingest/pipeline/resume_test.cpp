@@ -1,4 +1,4 @@
-// What a build leaves when it ends before its time, and how another goes on from there.
+// A build ends early, and another one resumes from the files that it left.
 
 #include <chrono>
 #include <fstream>
@@ -9,7 +9,7 @@
 
 #include "common/error.h"
 #include "server/ingest/disk/build_folder.h"
-#include "server/ingest/disk/checkpoint_clock.h"
+#include "server/ingest/disk/journal.h"
 #include "server/ingest/pipeline/build.h"
 #include "server/sample/sample.h"
 #include "tests/support/bytes.h"
@@ -42,7 +42,7 @@ class Resume : public testing::Test {
     std::filesystem::remove(options_.output);
   }
 
-  /// Puts a model with a texture image in the place of the other.
+  /// Replaces the model by one with a texture image.
   void makeTextured() const {
     std::filesystem::remove(options_.input);
     test::writeBytes(folder_ / "a.png", test::pngOf(test::makePhoto(300, 200)));
@@ -53,7 +53,7 @@ class Resume : public testing::Test {
                                      "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n3 0 1 2\n3 0 2 3\n";
   }
 
-  /// Builds until progress tells of the stage for the n-th time. @return whether that was reached.
+  /// Builds until the n-th progress report of a stage. @return whether it was reached.
   bool interruptAt(const BuildOptions& options, std::string_view stage, int n) const {
     try {
       build(options, [&](std::string_view now, double, uint64_t, uint64_t) {
@@ -75,7 +75,7 @@ class Resume : public testing::Test {
     return {};
   }
 
-  /// Leaves a store that is complete, and the journal of the build that got to its end.
+  /// Leaves a complete store and the journal of its finished build.
   void completeButForTheJournal() const {
     ASSERT_TRUE(interruptAt(options_, "pack", 1));
     const auto building = folder_ / ".a.lode.building";
@@ -167,7 +167,7 @@ TEST_F(Resume, isRefusedWithTooLittleMemoryForATextureImageAndGoesOnWithMore) {
   small.memory_bytes = kMega / 4;
   const std::string message = failure(small);
   EXPECT_NE(message.find("'a.png' has 300 x 200 pixels"), std::string::npos);
-  EXPECT_NE(message.find("with more memory the same command goes on"), std::string::npos) << message;
+  EXPECT_NE(message.find("run the same command with more --memory"), std::string::npos) << message;
   EXPECT_EQ(build(options_).resumed_from, "textures");
   expectDone();
 }
@@ -203,7 +203,7 @@ TEST_F(Resume, buildsWhenThereIsNothingToResume) {
 
 TEST_F(Resume, keepsWhatIsFinishedAndSaysSoOnlyWhenAskedTo) {
   ASSERT_TRUE(interruptAt(options_, "simplify", 1));
-  EXPECT_NE(message_.find("asked to end; what is finished is kept"), std::string::npos) << message_;
+  EXPECT_NE(message_.find("asked to end; finished work is kept"), std::string::npos) << message_;
   EXPECT_GT(folder_.contents().size(), before_.size());
 
   BuildOptions plain = options_;
@@ -303,7 +303,7 @@ TEST_F(Resume, isNotHinderedByAJournalOfAnotherVersionWhereNobodyAskedToResume) 
 
 TEST_F(Resume, isNotForTwoAtATime) {
   const BuildFolder other(options_.output, folder_.path());
-  EXPECT_NE(failure(options_).find("another process builds it"), std::string::npos);
+  EXPECT_NE(failure(options_).find("another process is building it"), std::string::npos);
 }
 
 }  // namespace

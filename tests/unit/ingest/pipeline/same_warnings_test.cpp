@@ -1,4 +1,4 @@
-// What build warns of, doctor says in the same words.
+// build and doctor give warnings in the same words.
 
 #include <algorithm>
 #include <string>
@@ -21,7 +21,7 @@ class SameWarnings : public testing::Test {
     options_.output = folder_ / "a.lode";
   }
 
-  /// The one warning of a build, which doctor gives, too, and which is an error if strict.
+  /// Expects one warning from a build, the same from doctor, and an error with --strict. @return the warning.
   std::string expectOne() {
     const BuildReport report = build(options_);
     EXPECT_EQ(report.warnings.size(), 1u);
@@ -48,9 +48,9 @@ TEST_F(SameWarnings, areGivenOfBytesBehindTheLastElement) {
     std::string bytes = tetrahedron().encode(encoding);
     folder_.write(bytes.replace(bytes.find("face 4"), 6, "face 3"));
     const size_t row = encoding == PlyEncoding::kAscii ? 8 : 13;
-    expectMentions(expectOne(), {std::to_string(row) + " bytes behind the last element, from byte " +
+    expectMentions(expectOne(), {std::to_string(row) + " bytes after the last element, from byte " +
                                      std::to_string(bytes.size() - row),
-                                 "check that the header counts all"});
+                                 "check the counts in the header"});
   }
 }
 

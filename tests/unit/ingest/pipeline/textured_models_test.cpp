@@ -1,4 +1,4 @@
-// Textured files of the test data, from PLY to store and back.
+// Textured models of the test data, from PLY to store and back.
 
 #include <array>
 #include <cstdlib>
@@ -20,7 +20,7 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kMostRootTriangles = 700;
-constexpr double kMostNewSeams = 0.005;  ///< of a cut's edges between nodes
+constexpr double kMostNewSeams = 0.005;  ///< share of a cut's edges between nodes
 
 struct TexturedFile {
   const char* name;
@@ -41,8 +41,8 @@ class TexturedModels : public testing::TestWithParam<TexturedFile> {
     for (const std::string& warning :
          report.warnings)  // of faces, properties and no image at all, but none of an image
       EXPECT_TRUE(warning.find("a build drops") != std::string::npos ||
-                  warning.find("are not read") != std::string::npos ||
-                  warning.find("no comment TextureFile") != std::string::npos)
+                  warning.find("ignored properties") != std::string::npos ||
+                  warning.find("its header names no image") != std::string::npos)
           << warning;
   }
 
@@ -84,8 +84,8 @@ TEST_P(TexturedModels, wearOneMaterialATriangleInEveryLod) {
     }
 }
 
-/// New seams of a cut: edges between two nodes at which the picture jumps although it does not in the leaves.
-/// There are a few in coarse LODs, where seams had to give way.
+/// Counts new seams of a cut: edges between two nodes where the texture jumps although it does not in the
+/// leaves. Coarse LODs have a few.
 TEST_P(TexturedModels, showHardlyAnyNewSeamsBetweenTheNodesOfRandomCuts) {
   const store::Reader reader(store_);
   const store::NodeTree tree(reader.nodes());
@@ -139,7 +139,7 @@ TEST_P(TexturedModels, showHardlyAnyNewSeamsBetweenTheNodesOfRandomCuts) {
   }
 }
 
-/// Those whose images are most of the store.
+/// Models whose images are most of the store.
 class ModelsWithImages : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {

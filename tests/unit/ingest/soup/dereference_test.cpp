@@ -9,7 +9,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Random faces of 3 to 5 corners over random vertices with colours, in several blocks.
+/// Adds random faces of 3 to 5 corners over random vertices with colours, in several blocks.
 void fill(PackedInput& input) {
   std::mt19937 random(3);
   constexpr uint32_t kVertices = 200'000;  // of which several pieces are swept
@@ -37,17 +37,16 @@ void fill(PackedInput& input) {
 std::vector<SoupTriangle> run(const PackedInput& input, uint64_t memory_bytes, DereferenceCounts& counts,
                               unsigned threads = 1) {
   std::vector<SoupTriangle> soup;
-  counts = dereference(input, Lattice{}, memory_bytes, threads,
+  counts = dereference({.input = input, .lattice = {}, .memory_bytes = memory_bytes, .threads = threads},
                        [&](std::span<const SoupTriangle> triangles) {
                          soup.insert(soup.end(), triangles.begin(), triangles.end());
-                       },
-                       {});
+                       });
   return soup;
 }
 
 class DereferenceWith : public testing::TestWithParam<std::tuple<uint64_t, unsigned>> {};
 
-/// Of memory and threads.
+/// Parameters: memory and threads.
 TEST_P(DereferenceWith, givesTheSameTrianglesInTheSameOrderAsAtOnceAndAlone) {
   const auto [memory_bytes, threads] = GetParam();
   const TemporaryFolder folder(testing::TempDir());
@@ -126,7 +125,7 @@ TEST(Dereference, saysHowFarItHasMovedVerticesThatFacesUse) {
   EXPECT_DOUBLE_EQ(counts.snap_error_steps, std::hypot(0.25, 0.125));
 }
 
-/// A quad and a triangle over five vertices.
+/// Adds a quad and a triangle over five vertices.
 struct TwoFaces {
   std::vector<PlyVertex> vertices{{.position = {0, 0, 0}, .texture = {0, 0}},
                                   {.position = {10, 0, 0}, .texture = {1.25, 0}},

@@ -104,7 +104,7 @@ TEST(InOrder, callsAHelperThatComesWhilePiecesWait) {
     third_begun.release();
     return 3;
   });
-  helpers.giveBack();  // one more
+  helpers.release();  // one more
   pieces.finish();
   EXPECT_TRUE(was_third_begun) << "the caller did the second, and nobody the third beside it";
 }

@@ -1,4 +1,4 @@
-#include "server/ingest/pipeline/idle_lods.h"
+#include "server/ingest/pipeline/pack.h"
 
 #include <vector>
 
@@ -15,7 +15,7 @@ Node parentOf(uint32_t triangles) {
   return parent;
 }
 
-/// Errors of what is left of a node with one LOD that its parent is made of, and four far ones.
+/// Returns the errors of the remaining LODs of a node with one regular and four far LODs.
 std::vector<float> leftBelow(const Node& parent) {
   FinishedNode finished;
   for (const float error : {0.5f, 0.9f, 1.5f, 2.5f, 4.0f}) {
@@ -23,7 +23,7 @@ std::vector<float> leftBelow(const Node& parent) {
     finished.payloads.push_back({static_cast<uint64_t>(8 * error), 0});
   }
   finished.node.far_lods = 4;
-  leaveOutIdleLods(finished, parent);
+  removeRedundantFarLods(finished, parent);
   std::vector<float> errors;
   for (size_t r = 0; r < finished.node.lods.size(); ++r) {
     errors.push_back(finished.node.lods[r].error_model);
@@ -33,11 +33,11 @@ std::vector<float> leftBelow(const Node& parent) {
   return errors;
 }
 
-TEST(IdleLods, areThoseBetweenThatAreFartherOffThanTheParentsFinest) {
+TEST(RedundantFarLods, haveLargerErrorsThanTheParentsFinest) {
   EXPECT_EQ(leftBelow(parentOf((1 << 19) - 1)), (std::vector<float>{0.5f, 0.9f, 4.0f}));
 }
 
-TEST(IdleLods, areOfALargeParentThoseThatAreMoreThanTwiceAsFarOff) {
+TEST(RedundantFarLods, haveMoreThanTwiceTheErrorOfALargeParentsFinest) {
   EXPECT_EQ(leftBelow(parentOf(1 << 19)), (std::vector<float>{0.5f, 0.9f, 1.5f, 4.0f}));
 }
 

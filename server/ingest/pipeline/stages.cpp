@@ -1,0 +1,367 @@
+#include "server/ingest/pipeline/stages.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "common/error.h"
+#include "server/ingest/disk/journal.h"
+#include "server/ingest/mesh/cell_code.h"
+#include "server/ingest/mesh/soup_triangle.h"
+#include "server/ingest/nodes/lod_targets.h"
+#include "server/ingest/nodes/simplify_log.h"
+#include "server/ingest/nodes/tree_builder.h"
+#include "server/ingest/pipeline/pack.h"
+#include "server/ingest/ply/ply_reader.h"
+#include "server/ingest/soup/dereference.h"
+#include "server/ingest/soup/lost_triangles.h"
+#include "server/ingest/soup/scan.h"
+#include "server/store/writer.h"
+
+namespace lode::ingest {
+namespace {
+
+/// Finds the images that an input names. An image too large for the memory is an error: a store without it
+/// would depend on --memory. @throws Error kLimit.
+std::vector<TextureImage> findImages(BuildSession& session, std::span<const std::string> names) {
+  const BuildOptions& options = session.options();
+  std::vector<TextureImage> images = surveyTextures(options.input, names, session.plan().image_bytes);
+  for (const TextureImage& image : images)
+    if (image.needs_memory)
+      session.refuseForMemory(textureInWords(options.input, image.name) + " " + image.problem);
+  return images;
+}
+
+constexpr std::string_view kRunsFile = "runs";
+constexpr uint64_t kTrianglesPerClockCheck = 1 << 16;
+
+/// Records the written runs of a sort in the journal, with the position of the sort in its input.
+class SortLog {
+ public:
+  SortLog(BuildSession& session, RecordSorter& sorter)
+      : session_(session), sorter_(sorter), runs_(sorter.runCount()) {}
+
+  void beginBatch(const DereferencePoint& batch) { batch_ = batch; }
+  void afterTriangle() {
+    // With ample memory the first run is written late: force one, so that a kill loses little work.
+    if (sorter_.size() % kTrianglesPerClockCheck == 0 &&
+        CheckpointClock::Clock::now() - last_run_ > CheckpointClock::kLatest)
+      sorter_.spill();
+    if (sorter_.runCount() != runs_) noteRuns();
+  }
+
+ private:
+  void noteRuns() {
+    runs_ = sorter_.runCount();
+    last_run_ = CheckpointClock::Clock::now();
+    if (!clock_.isDue(last_run_)) return;
+    RecordWriter record;
+    record.put(batch_);
+    sorter_.save(record);
+    session_.note(BuildEntry::kSorting, record.bytes());
+    clock_.noted(last_run_, CheckpointClock::Clock::now());
+  }
+
+  BuildSession& session_;
+  RecordSorter& sorter_;
+  DereferencePoint batch_;
+  size_t runs_;
+  CheckpointClock::Clock::time_point last_run_ = CheckpointClock::Clock::now();
+  CheckpointClock clock_{last_run_};
+};
+
+constexpr double kRounding = 1.0001;  ///< keeps an error an upper bound when it is stored as float
+
+/// Upper bound on the triangles that the root's children pass to it; grows with their locked vertices.
+uint64_t mostTrianglesOfRoot(const Partition& partition, uint32_t triangles_per_node) {
+  std::array<bool, 8> has_leaves{};
+  for (const NodeKey leaf : partition.leaves) has_leaves[leaf.ancestorAt(1).octant()] = true;
+  uint64_t triangles = 0;
+  for (size_t octant = 0; octant < has_leaves.size(); ++octant) {
+    if (!has_leaves[octant]) continue;
+    triangles += mostTriangles({.depth = 1,
+                                .locked = partition.border.lockedBelowRoot()[octant],
+                                .original_triangles = partition.triangles,
+                                .triangles_per_node = triangles_per_node});
+  }
+  return std::min(triangles, partition.triangles);
+}
+
+}  // namespace
+
+ScanStage::ScanStage(BuildSession& session)
+    : Stage({.name = "scan",
+             .entry = BuildEntry::kScanned,
+             .used_up_by = BuildEntry::kDereferenced,
+             .files = {PackedInput::kVertexFile, PackedInput::kFaceFile}}),
+      session_(session) {}
+
+Stage::Work ScanStage::run() {
+  const BuildOptions& options = session_.options();
+  {
+    // Check the images before the long scan, so that errors appear at once.
+    const PlyReader reader(options.input, {.skip_bad = options.skip_bad});
+    if (reader.attributes().has(AttributeSet::kTexture))
+      images_ = findImages(session_, reader.header().texture_files);
+  }
+  std::vector<std::string> warnings;
+  ScannedModel scanned = scan(options, session_.files(), session_.progress(), warnings);
+  session_.warn(warnings);
+  noteFacts(scanned.input, scanned.counts.dropped_triangles);
+  if (scanned.input.attributes().has(AttributeSet::kTexture)) {
+    texture_files_ = std::move(scanned.texture_files);
+    if (texture_files_.empty()) session_.warn(options.input.string() + ": " + kNoTextureFile);
+  } else if (!scanned.texture_files.empty()) {
+    session_.warn(options.input.string() +
+                  ": names texture files, but has no texture coordinates; the build ignores the files");
+  }
+  input_ = std::make_unique<PackedInput>(std::move(scanned.input));
+  return {input_->vertexCount() + input_->faceCount(), input_->temporaryBytes()};
+}
+
+void ScanStage::noteFacts(const PackedInput& input, uint64_t dropped_triangles) {
+  BuildFacts& facts = session_.facts();
+  facts.choice = chooseLattice(input, session_.options().input);
+  facts.soup_attributes = input.attributes();
+  facts.uv_grid = input.uvGrid();
+  facts.dropped_triangles = dropped_triangles;
+}
+
+void ScanStage::save(RecordWriter& record) const {
+  record.putTexts(texture_files_);
+  input_->save(record);
+}
+
+void ScanStage::load(RecordReader& record, bool is_used_up) {
+  texture_files_ = record.getTexts();
+  if (!is_used_up) input_ = std::make_unique<PackedInput>(PackedInput::load(session_.files(), record));
+}
+
+TextureStage::TextureStage(BuildSession& session, ScanStage& scan)
+    : Stage({.name = "textures",
+             .entry = BuildEntry::kTextures,
+             .used_up_by = BuildEntry::kPacked,
+             .files = {StagedTextures::kFile}}),
+      session_(session),
+      scan_(scan) {}
+
+Stage::Work TextureStage::run() {
+  std::vector<TextureImage> images = scan_.takeImages();
+  if (images.empty()) images = findImages(session_, scan_.textureFiles());
+  tiles_.emplace(session_.files().lastingFile(StagedTextures::kFile));
+  std::vector<std::string> warnings;
+  textures_ = stageTextures(session_.options(), images, session_.facts().uv_grid, *tiles_,
+                            session_.plan().image_bytes, session_.progress(), warnings);
+  session_.warn(warnings);
+  tiles_->sync();
+  return {textures_.textures.size(), tiles_->size()};
+}
+
+void TextureStage::save(RecordWriter& record) const {
+  record.put(tiles_->size());
+  textures_.save(record);
+}
+
+void TextureStage::load(RecordReader& record, bool is_used_up) {
+  const auto tile_bytes = record.get<uint64_t>();
+  textures_ = StagedTextures::load(record);
+  if (!is_used_up) tiles_.emplace(session_.files().lastingFile(StagedTextures::kFile), tile_bytes);
+}
+
+DereferenceStage::DereferenceStage(BuildSession& session, ScanStage& scan)
+    : Stage({.name = "dereference",
+             .entry = BuildEntry::kDereferenced,
+             .used_up_by = BuildEntry::kPartitioned,
+             .files = {kRunsFile}}),
+      session_(session),
+      scan_(scan) {}
+
+void DereferenceStage::openSorter() {
+  sorter_ =
+      std::make_unique<RecordSorter>(soupBytes(session_.facts().soup_attributes), session_.plan().sort_bytes,
+                                     session_.files().lastingFile(kRunsFile), session_.plan().threads);
+}
+
+Stage::Work DereferenceStage::run() {
+  openSorter();
+  sortSoup(*scan_.takeInput());
+  checkCounts();
+  sorter_->finish([&](uint64_t done, uint64_t total) {
+    if (const BuildProgress& progress = session_.progress())
+      progress("sort", static_cast<double>(done) / static_cast<double>(total), done, total);
+  });
+  return {session_.facts().counts.triangles, sorter_->temporaryBytes()};
+}
+
+void DereferenceStage::checkCounts() {
+  const DereferenceCounts& counts = session_.facts().counts;
+  const LatticeChoice& choice = session_.facts().choice;
+  const LostTriangles lost{counts.lost, counts.triangles + counts.dropped, choice.lattice.step, choice.min,
+                           choice.max};
+  const std::string input = session_.options().input.string() + ": ";
+  if (lost.areMost()) throw Error(ErrorCode::kInput, input + lost.inWords());
+  if (counts.triangles == 0)
+    throw Error(ErrorCode::kInput, input + "no face has three distinct corners; check the file");
+  if (lost.lost > 0) session_.warn(input + lost.inWords());
+}
+
+/// A resumed build continues at the batch of the last recorded run. It dereferences that batch again, but
+/// does not push triangles that are already in a run.
+void DereferenceStage::sortSoup(const PackedInput& input) {
+  DereferencePoint begin;
+  uint64_t sorted = 0;  // triangles of the batch that are already in runs
+  if (!session_.recorded().sorting.empty()) {
+    RecordReader record(session_.recorded().sorting);
+    begin = record.get<DereferencePoint>();
+    sorter_->restore(record);
+    if (sorter_->size() < begin.counts.triangles)
+      throw Error(ErrorCode::kFormat, "the build's journal has a damaged sort entry; build without --resume");
+    sorted = sorter_->size() - begin.counts.triangles;
+  }
+  BuildFacts& facts = session_.facts();
+  const CellGrid grid(facts.choice.extent);
+  sorter_->reserve(input.faceCount());
+  std::byte bytes[kMaxSoupBytes];
+  const std::span<std::byte> soup(bytes, soupBytes(facts.soup_attributes));
+  SortLog log(session_, *sorter_);
+  log.beginBatch(begin);
+  const auto push = [&](std::span<const SoupTriangle> triangles) {
+    const uint64_t pushed = std::min<uint64_t>(sorted, triangles.size());
+    sorted -= pushed;
+    for (const SoupTriangle& triangle : triangles.subspan(pushed)) {
+      storeSoup(triangle, soup);
+      sorter_->push(grid.code(triangle), soup);
+      log.afterTriangle();
+    }
+  };
+  facts.counts = dereference({.input = input,
+                              .lattice = facts.choice.lattice,
+                              .memory_bytes = session_.plan().sort_bytes,
+                              .threads = session_.plan().threads,
+                              .progress = session_.progress(),
+                              .from = begin,
+                              .on_batch = [&](const DereferencePoint& point) { log.beginBatch(point); }},
+                             push);
+}
+
+void DereferenceStage::load(RecordReader& record, bool is_used_up) {
+  if (is_used_up) return;
+  openSorter();
+  sorter_->restore(record);
+  sorter_->finish();
+}
+
+PartitionStage::PartitionStage(BuildSession& session, DereferenceStage& dereference)
+    : Stage({.name = "partition",
+             .entry = BuildEntry::kPartitioned,
+             .used_up_by = BuildEntry::kSimplified,
+             .files = {Partition::kLeafFile, BorderTable::kFile}}),
+      session_(session),
+      dereference_(dereference) {}
+
+Stage::Work PartitionStage::run() {
+  const std::unique_ptr<RecordSorter> sorted = dereference_.takeSorted();
+  const BuildOptions& options = session_.options();
+  const MemoryPlan& plan = session_.plan();
+  partition_.emplace(ingest::partition(*sorted, session_.facts().soup_attributes, options.triangles_per_node,
+                                       CreaseAngle(options.crease_angle_deg), plan.sort_bytes, plan.threads,
+                                       session_.files(), session_.progress()));
+  return {partition_->triangles, partition_->meshes.size() + partition_->border.temporaryBytes()};
+}
+
+void PartitionStage::load(RecordReader& record, bool is_used_up) {
+  if (!is_used_up)
+    partition_.emplace(Partition::load(session_.files(), session_.facts().soup_attributes, record));
+}
+
+SimplifyStage::SimplifyStage(BuildSession& session, PartitionStage& partition)
+    : Stage({.name = "simplify",
+             .entry = BuildEntry::kSimplified,
+             .used_up_by = BuildEntry::kPacked,
+             .files = {PayloadSpool::kFile, NodeSpool::kFile}}),
+      session_(session),
+      partition_(partition) {}
+
+NodeBuilder::Settings SimplifyStage::settings() const {
+  const BuildFacts& facts = session_.facts();
+  const BuildOptions& options = session_.options();
+  return {facts.choice.lattice,
+          facts.choice.extent,
+          facts.payloadAttributes(),
+          options.triangles_per_node,
+          options.simplifier,
+          static_cast<float>(kRounding * facts.counts.snap_error_steps),
+          CreaseAngle(options.crease_angle_deg)};
+}
+
+void SimplifyStage::warnOfSmallMemory() {
+  const BuildOptions& options = session_.options();
+  const Partition& partition = partition_.partition();
+  const bool is_one_node = partition.leaves.size() == 1;
+  const std::string words = smallBudgetInWords(options.memory_bytes, options.triangles_per_node, is_one_node);
+  if (!words.empty()) return session_.warn(words);
+  if (is_one_node) return;
+  const uint64_t root = mostTrianglesOfRoot(partition, options.triangles_per_node);
+  const uint64_t root_bytes = memoryForLargeNode(root, session_.facts().payloadAttributes());
+  if (options.memory_bytes < root_bytes)
+    session_.warn(budgetBelowInWords(root_bytes, "a root of up to " + std::to_string(root) + " triangles"));
+}
+
+/// Skips nodes that a killed build had finished.
+Stage::Work SimplifyStage::run() {
+  warnOfSmallMemory();
+  FinishedNodes finished = std::exchange(session_.recorded().finished, {});
+  nodes_.emplace(session_.files().file(NodeSpool::kFile));
+  if (finished.nodes.empty()) {
+    payloads_.emplace(session_.files());
+  } else {
+    payloads_.emplace(session_.files(), finished.payload_bytes);
+  }
+  SimplifyLog log(session_.files(), *payloads_, std::move(finished),
+                  [&](std::span<const std::byte> entry) { session_.note(BuildEntry::kNodes, entry); });
+  buildTree(settings(), partition_.partition(), *payloads_, session_.files(), log, *nodes_,
+            {session_.plan().threads, session_.plan().node_bytes}, session_.progress());
+  partition_.release();
+  return {nodes_->size(), payloads_->size()};
+}
+
+void SimplifyStage::load(RecordReader& /*record*/, bool is_used_up) {
+  const FinishedNodes finished = std::exchange(session_.recorded().finished, {});
+  if (is_used_up) return;
+  nodes_.emplace(session_.files().file(NodeSpool::kFile));
+  payloads_.emplace(session_.files(), finished.payload_bytes);
+  for (const FinishedNode& node : finished.nodes) nodes_->append(node.node, node.payloads);
+}
+
+PackStage::PackStage(BuildSession& session, const TextureStage& textures, SimplifyStage& simplified)
+    : Stage({.name = "pack", .entry = BuildEntry::kPacked, .used_up_by = BuildEntry::kPacked}),
+      session_(session),
+      textures_(textures),
+      simplified_(simplified) {}
+
+ModelSummary PackStage::description() const {
+  const BuildFacts& facts = session_.facts();
+  ModelSummary summary;
+  summary.name = session_.options().output.stem().string();
+  summary.lattice = facts.choice.lattice;
+  summary.attributes = facts.payloadAttributes();
+  summary.triangles = facts.counts.triangles;
+  summary.dropped = facts.counts.dropped + facts.dropped_triangles;
+  summary.triangles_per_node = session_.options().triangles_per_node;
+  return summary;
+}
+
+Stage::Work PackStage::run() {
+  ModelSummary summary = description();
+  store::Writer writer(session_.options().output, session_.store());
+  if (summary.attributes.has(AttributeSet::kTexture))
+    packTextures(textures_.textures(), session_.facts().uv_grid, textures_.tiles(), writer);
+  summary =
+      pack(writer, std::move(summary), simplified_.nodes(), simplified_.payloads(), session_.progress());
+  build_id_ = summary.build_id;
+  const uint64_t payloads = summary.payloads;
+  session_.setSummary(std::move(summary));
+  return {payloads, 0};
+}
+
+}  // namespace lode::ingest

@@ -1,0 +1,152 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/codec/model_summary.h"
+#include "server/ingest/disk/record_sorter.h"
+#include "server/ingest/disk/spool.h"
+#include "server/ingest/nodes/node_builder.h"
+#include "server/ingest/nodes/node_spool.h"
+#include "server/ingest/partition/partition.h"
+#include "server/ingest/pipeline/build_session.h"
+#include "server/ingest/soup/packed_input.h"
+#include "server/ingest/textures/texture_images.h"
+#include "server/ingest/textures/textures.h"
+
+/// The stages of a build, in their order; see docs/architecture.md.
+namespace lode::ingest {
+
+/// Reads the file into packed vertices and faces, and finds the facts that all later stages need.
+class ScanStage final : public Stage {
+ public:
+  explicit ScanStage(BuildSession& session);
+
+  Work run() override;
+  void save(RecordWriter& record) const override;
+  void load(RecordReader& record, bool is_used_up) override;
+
+  /// Names of texture files in the header; empty if the file has no texture coordinates.
+  const std::vector<std::string>& textureFiles() const noexcept { return texture_files_; }
+  /// Images found for these names; empty after load().
+  std::vector<TextureImage> takeImages() { return std::move(images_); }
+  std::unique_ptr<PackedInput> takeInput() { return std::move(input_); }
+
+ private:
+  void noteFacts(const PackedInput& input, uint64_t dropped_triangles);
+
+  BuildSession& session_;
+  std::vector<std::string> texture_files_;
+  std::vector<TextureImage> images_;
+  std::unique_ptr<PackedInput> input_;
+};
+
+/// Cuts the texture images into encoded tiles.
+class TextureStage final : public Stage {
+ public:
+  TextureStage(BuildSession& session, ScanStage& scan);
+
+  bool isNeeded() const override { return !scan_.textureFiles().empty(); }
+  Work run() override;
+  void save(RecordWriter& record) const override;
+  void load(RecordReader& record, bool is_used_up) override;
+
+  const StagedTextures& textures() const noexcept { return textures_; }
+  /// Returns null if there are no textures.
+  const Spool* tiles() const noexcept { return tiles_ ? &*tiles_ : nullptr; }
+
+ private:
+  BuildSession& session_;
+  ScanStage& scan_;
+  StagedTextures textures_;
+  std::optional<Spool> tiles_;
+};
+
+/// Snaps the triangles to the lattice and sorts them by octree cell.
+class DereferenceStage final : public Stage {
+ public:
+  DereferenceStage(BuildSession& session, ScanStage& scan);
+
+  Work run() override;
+  /// Returns false if the sort fit in memory: a resumed build repeats it.
+  bool isOnDisk() const override { return sorter_->runCount() > 0; }
+  void save(RecordWriter& record) const override { sorter_->save(record); }
+  void load(RecordReader& record, bool is_used_up) override;
+
+  std::unique_ptr<RecordSorter> takeSorted() { return std::move(sorter_); }
+
+ private:
+  void openSorter();
+  void sortSoup(const PackedInput& input);
+  /// @throws Error kInput if no triangle is left, or if most were lost on the lattice.
+  void checkCounts();
+
+  BuildSession& session_;
+  ScanStage& scan_;
+  std::unique_ptr<RecordSorter> sorter_;
+};
+
+/// Cuts the sorted triangles into leaves, welds each leaf, and finds the vertices that leaves share.
+class PartitionStage final : public Stage {
+ public:
+  PartitionStage(BuildSession& session, DereferenceStage& dereference);
+
+  Work run() override;
+  void save(RecordWriter& record) const override { partition_->save(record); }
+  void load(RecordReader& record, bool is_used_up) override;
+
+  const Partition& partition() const noexcept { return *partition_; }
+  void release() noexcept { partition_.reset(); }
+
+ private:
+  BuildSession& session_;
+  DereferenceStage& dereference_;
+  std::optional<Partition> partition_;
+};
+
+/// Builds all nodes bottom-up and simplifies, measures and encodes their LODs.
+class SimplifyStage final : public Stage {
+ public:
+  SimplifyStage(BuildSession& session, PartitionStage& partition);
+
+  Work run() override;
+  /// The journal has an entry for each group of finished nodes; nothing else is needed.
+  void save(RecordWriter& /*record*/) const override {}
+  void load(RecordReader& record, bool is_used_up) override;
+
+  NodeSpool& nodes() noexcept { return *nodes_; }
+  const PayloadSpool& payloads() const noexcept { return *payloads_; }
+
+ private:
+  NodeBuilder::Settings settings() const;
+  void warnOfSmallMemory();
+
+  BuildSession& session_;
+  PartitionStage& partition_;
+  std::optional<PayloadSpool> payloads_;
+  std::optional<NodeSpool> nodes_;
+};
+
+/// Writes the store and renames it to the output's name.
+class PackStage final : public Stage {
+ public:
+  PackStage(BuildSession& session, const TextureStage& textures, SimplifyStage& simplified);
+
+  Work run() override;
+  void save(RecordWriter& record) const override { record.put(build_id_); }
+  /// BuildSession has already compared the store with the recorded build id.
+  void load(RecordReader& /*record*/, bool /*is_used_up*/) override {}
+
+ private:
+  ModelSummary description() const;
+
+  BuildSession& session_;
+  const TextureStage& textures_;
+  SimplifyStage& simplified_;
+  Digest build_id_;
+};
+
+}  // namespace lode::ingest
