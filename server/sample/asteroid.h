@@ -8,9 +8,9 @@ namespace lode::ingest {
 
 constexpr uint64_t kLeastAsteroid = 12;  ///< triangles
 
-/// A closed surface of one piece: a cube of n x n squares a side, blown up to a ball of radius about 1 with
-/// relief of all sizes down to the triangles'; a mesh of more triangles shows the same relief in more detail.
-/// @param triangles  at most this many, at least kLeastAsteroid.
+/// Makes a closed connected surface: a ball of radius about 1 with relief down to the size of triangles. More
+/// triangles show the same relief in more detail.
+/// @param triangles  maximum, at least kLeastAsteroid.
 std::unique_ptr<SampleModel> makeAsteroid(uint64_t triangles, uint64_t seed, AttributeSet attributes);
 
 }  // namespace lode::ingest

@@ -6,19 +6,18 @@
 #include <random>
 
 #include "server/sample/gyroid_cells.h"
-#include "server/sample/noise.h"
 #include "server/sample/relief.h"
 
 namespace lode::ingest {
 namespace {
 
 constexpr int kLeastSteps = 4, kMostSteps = 24;
-constexpr double kRoughness = 0.22;  // of the relief, in periods
+constexpr double kRoughness = 0.22;  // height of the relief, in periods
 constexpr double kBend = 0.22, kBendFrequency = 0.8;
 
 using CellCounts = std::array<uint64_t, GyroidGrid::kCells>;
 
-/// How many cells there are along each axis, and how what they hold is numbered: cell by cell, x fastest.
+/// Numbers of cells along each axis. Vertices and triangles are numbered cell by cell, x fastest.
 class CellOrder {
  public:
   explicit CellOrder(const glm::u64vec3& cells) : cells_(cells) {}
@@ -32,10 +31,10 @@ class CellOrder {
     return kindAlong(0, cell.x) + 3 * kindAlong(1, cell.y) + 9 * kindAlong(2, cell.z);
   }
 
-  /// What all cells hold together, given what one of each kind holds.
+  /// Total over all cells of a count given for each kind of cell.
   uint64_t sum(const CellCounts& counts) const { return before({0, 0, cells_.z}, counts); }
 
-  /// What the cells before one hold together.
+  /// Total over the cells before `cell`.
   uint64_t before(const glm::u64vec3& cell, const CellCounts& counts) const {
     uint64_t sum = 0;
     for (int z = 0; z < 3; ++z) {
@@ -53,7 +52,7 @@ class CellOrder {
  private:
   int kindAlong(int axis, uint64_t at) const { return at == 0 ? 0 : at + 1 < cells_[axis] ? 1 : 2; }
 
-  /// How many cells of a kind there are along an axis before one.
+  /// Number of cells of a kind along an axis before index `at`.
   uint64_t countBefore(int axis, uint64_t at, int kind) const {
     if (kind == 0) return at > 0 ? 1 : 0;
     if (kind == 1) return std::clamp<uint64_t>(at, 1, cells_[axis] - 1) - 1;
@@ -107,7 +106,7 @@ class Gyroid final : public SampleModel {
     std::array<const GyroidCell*, 8> cells{};
     for (unsigned i = 0; i < 8; ++i) {
       const glm::u64vec3 other = cell + glm::u64vec3(i & 1, i >> 1 & 1, i >> 2);
-      if (glm::any(glm::greaterThanEqual(other, order_.axes()))) continue;  // nothing lies beyond the last
+      if (glm::any(glm::greaterThanEqual(other, order_.axes()))) continue;  // outside the block
       first[i] = order_.before(other, vertices_);
       cells[i] = &cells_[order_.kindOf(other)];
     }
@@ -122,7 +121,7 @@ class Gyroid final : public SampleModel {
   }
 
  private:
-  /// Roughened along the normal, scaled, and bent.
+  /// Displaces a vertex along its normal, scales and bends it.
   SampleVertex finished(const glm::dvec3& cell, const GyroidCell::Vertex& vertex) const {
     const glm::dvec3 periods = cell + glm::dvec3(vertex.position);
     const glm::dvec3 smooth_normal(vertex.normal);
@@ -141,8 +140,8 @@ class Gyroid final : public SampleModel {
     return result;
   }
 
-  /// Shears of space along each axis by the two others: no two points come to lie in one place. The normal is
-  /// carried by the inverse transpose.
+  /// Shears space along each axis by a function of the other two, which is injective: the surface does not
+  /// meet itself. Transforms the normal by the inverse transpose.
   void bend(glm::dvec3& at, glm::dvec3& normal) const {
     for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 where = kBendFrequency * at;
@@ -155,7 +154,7 @@ class Gyroid final : public SampleModel {
     }
   }
 
-  /// Pale stone, darker in its hollows and pores, with rusty stains.
+  /// Pale stone, darker in hollows and pores, with rusty stains.
   glm::u8vec3 colour(const glm::dvec3& at, const ReliefPoint& relief, double wall) const {
     const double stain = static_cast<double>(noise<false>(2.3 * at + bend_[0], 11).value);
     const double pale = std::clamp(0.55 + 1.6 * relief.height + 0.25 * relief.fine_height, 0.0, 1.0);
@@ -178,7 +177,7 @@ struct Choice {
   uint64_t triangles = 0;
 };
 
-/// The largest block of about equal sides, for a resolution of the cells.
+/// Finds the largest block with about equal sides and at most `triangles` triangles.
 Choice largestOf(int steps, uint64_t triangles) {
   const GyroidGrid grid(steps);
   CellCounts counts{};

@@ -8,10 +8,10 @@ namespace lode::ingest {
 
 constexpr uint64_t kLeastGyroid = 2880;  ///< triangles
 
-/// A porous block, closed and manifold: the solid of the gyroid in many periods, rough and bent, like stone
-/// or bone. Its longest side is about 2. A mesh of more triangles has more pores and shows each in more
-/// detail, up to 24 steps a period; from there on only their number grows.
-/// @param triangles  at most this many, at least kLeastGyroid.
+/// Makes a closed, manifold, porous block like stone or bone: many periods of a gyroid, roughened and bent.
+/// Its longest side is about 2. More triangles give more pores and more detail, up to 24 steps per period;
+/// beyond that only more pores.
+/// @param triangles  maximum, at least kLeastGyroid.
 std::unique_ptr<SampleModel> makeGyroid(uint64_t triangles, uint64_t seed, AttributeSet attributes);
 
 }  // namespace lode::ingest

@@ -1,27 +1,50 @@
 #include "server/sample/gyroid_cells.h"
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace lode::ingest {
 namespace {
 
+constexpr double kLevel = -0.2;      // of the gyroid function; slightly less than half is solid
+constexpr double kSteepness = 1.25;  // approximate slope of the function at the surface, per radian
+constexpr double kWall = 0.5;        // distance of the block's walls from the grid's border, in steps
+constexpr double kPhase = std::numbers::pi / 4;  // places the walls so that they cut off no separate pieces
+
+/// Six tetrahedra around the diagonal of a cube, as corner numbers, positively oriented.
+constexpr std::array<std::array<int, 4>, 6> kTetrahedra{
+    {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}}};
+
+glm::ivec3 bits(int number) { return {number & 1, number >> 1 & 1, number >> 2}; }
+
+/// Minimum of two depths with gradients, smoothed where the depths differ by less than `radius`.
+glm::dvec4 smoothMin(const glm::dvec4& a, const glm::dvec4& b, double radius) {
+  const double gap = radius - std::abs(a.x - b.x);
+  const glm::dvec4& smaller = a.x < b.x ? a : b;
+  if (gap <= 0) return smaller;
+  const glm::dvec4& larger = a.x < b.x ? b : a;
+  glm::dvec4 result = glm::mix(smaller, larger, gap / (2 * radius));
+  result.x = smaller.x - gap * gap / (4 * radius);
+  return result;
+}
+
 constexpr int kRelaxations = 6;
 constexpr double kRelaxation = 0.6;
 
-/// The vertices of all 27 cells, one cell after the other, in steps from the block's corner.
+/// Vertices of all 27 cells, in cell order.
 struct Block {
   std::array<size_t, GyroidGrid::kCells> first{};
-  std::vector<glm::dvec3> positions;
-  std::vector<std::pair<uint32_t, uint32_t>> edges;  ///< of the mesh, in both directions
+  std::vector<glm::dvec3> positions;                 ///< in steps from the block's corner
+  std::vector<std::pair<uint32_t, uint32_t>> edges;  ///< mesh edges, in both directions
 };
 
 int neighbourOf(int cell, uint8_t neighbour) {
   return cell + (neighbour & 1) + 3 * (neighbour >> 1 & 1) + 9 * (neighbour >> 2);
 }
 
-/// Numbers a cell's vertices, and puts each between the ends of its edge.
+/// Numbers a cell's vertices and interpolates each along its edge.
 void addVertices(const GyroidGrid& grid, int cell, GyroidCell& to, Block& block) {
   block.first[cell] = block.positions.size();
   to.number_of_edge.resize(grid.edgesOfCell());
@@ -52,7 +75,7 @@ glm::dvec3 onSurface(const GyroidGrid& grid, const glm::dvec3& at) {
   return at - gradient * std::clamp(depth.x / std::max(glm::dot(gradient, gradient), 0.1), -0.5, 0.5);
 }
 
-/// Moves every vertex towards the middle of its neighbours, along the surface.
+/// Moves every vertex along the surface towards the mean of its neighbours.
 void relax(const GyroidGrid& grid, Block& block) {
   std::vector<glm::dvec3> sums(block.positions.size());
   std::vector<double> degrees(block.positions.size());
@@ -67,6 +90,105 @@ void relax(const GyroidGrid& grid, Block& block) {
 }
 
 }  // namespace
+
+GyroidGrid::GyroidGrid(int steps) : m_(steps) {
+  const int n = 3 * m_ + 1;
+  inside_.reserve(static_cast<size_t>(n) * n * n);
+  for (int z = 0; z < n; ++z) {
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) inside_.push_back(depth({x, y, z}).x > 0);
+    }
+  }
+}
+
+glm::dvec4 GyroidGrid::depth(const glm::dvec3& at) const {
+  const double radians = 2 * std::numbers::pi / m_;
+  // Reduce first, so that points whole periods apart give the same bits.
+  const glm::dvec3 phase =
+      radians * (at - static_cast<double>(m_) * glm::floor(at / static_cast<double>(m_)));
+  const glm::dvec3 s = glm::sin(phase + kPhase), c = glm::cos(phase + kPhase);
+  const double value = s.x * c.y + s.y * c.z + s.z * c.x;
+  const glm::dvec3 gradient(c.x * c.y - s.z * s.x, c.y * c.z - s.x * s.y, c.z * c.x - s.y * s.z);
+  const double scale = 1 / (radians * kSteepness);
+  glm::dvec4 depth((kLevel - value) * scale, gradient * (-1 / kSteepness));
+  const double radius = 0.1 * m_ + 0.5;
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec4 low(at[axis] - kWall, 0, 0, 0), high(3 * m_ - kWall - at[axis], 0, 0, 0);
+    low[axis + 1] = 1;
+    high[axis + 1] = -1;
+    depth = smoothMin(smoothMin(depth, low, radius), high, radius);
+  }
+  return depth;
+}
+
+bool GyroidGrid::crosses(int cell, uint32_t edge) const {
+  const auto [from, to] = ends(cell, edge);
+  const int last = 3 * m_;
+  return to.x <= last && to.y <= last && to.z <= last && inside(from) != inside(to);
+}
+
+std::pair<glm::ivec3, glm::ivec3> GyroidGrid::ends(int cell, uint32_t edge) const {
+  const int point = static_cast<int>(edge / 7), direction = static_cast<int>(edge % 7) + 1;
+  const glm::ivec3 from = origin(cell) + glm::ivec3(point % m_, point / m_ % m_, point / (m_ * m_));
+  return {from, from + bits(direction)};
+}
+
+/// Returns the crossing on an edge between two corners. In these tetrahedra one of the corners is above or
+/// level with the other on every axis.
+GyroidGrid::Crossing GyroidGrid::crossing(const glm::ivec3& cube, int from, int to) const {
+  const glm::ivec3 base = cube + bits(from & to);
+  Crossing result;
+  glm::ivec3 local = base;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (local[axis] < m_) continue;
+    local[axis] -= m_;
+    result.neighbour |= static_cast<uint8_t>(1 << axis);
+  }
+  const int direction = from ^ to;
+  result.edge = static_cast<uint32_t>(7 * ((local.z * m_ + local.y) * m_ + local.x) + direction - 1);
+  return result;
+}
+
+void GyroidGrid::addOfTetrahedron(const glm::ivec3& cube, const std::array<int, 4>& corners, unsigned signs,
+                                  std::vector<Triangle>& to) const {
+  std::array<int, 4> in{}, out{};
+  size_t ins = 0, outs = 0;
+  bool turned = false;  // whether moving inside corners to the front reverses the orientation
+  for (const int corner : corners) {
+    if ((signs >> corner & 1) != 0) {
+      in[ins++] = corner;
+      turned ^= outs % 2 != 0;
+    } else {
+      out[outs++] = corner;
+    }
+  }
+  if (ins == 0 || outs == 0) return;
+  const auto between = [&](int a, int b) { return crossing(cube, in[a], out[b]); };
+  std::array<Crossing, 4> loop;
+  size_t size = 3;
+  if (ins == 1) {
+    loop = {between(0, 0), between(0, 1), between(0, 2)};
+  } else if (ins == 3) {
+    loop = {between(0, 0), between(1, 0), between(2, 0)};
+  } else {
+    loop = {between(0, 0), between(0, 1), between(1, 1), between(1, 0)};
+    size = 4;
+  }
+  if (turned) std::reverse(loop.begin(), loop.begin() + static_cast<ptrdiff_t>(size));
+  for (size_t i = 2; i < size; ++i) to.push_back({loop[0], loop[i - 1], loop[i]});
+}
+
+std::vector<GyroidGrid::Triangle> GyroidGrid::triangles(int cell) const {
+  std::vector<Triangle> result;
+  for (int i = 0; i < m_ * m_ * m_; ++i) {
+    const glm::ivec3 cube(i % m_, i / m_ % m_, i / (m_ * m_));
+    unsigned signs = 0;
+    for (int k = 0; k < 8; ++k) signs |= (inside(origin(cell) + cube + bits(k)) ? 1u : 0u) << k;
+    if (signs == 0 || signs == 255) continue;
+    for (const std::array<int, 4>& corners : kTetrahedra) addOfTetrahedron(cube, corners, signs, result);
+  }
+  return result;
+}
 
 GyroidCells makeGyroidCells(const GyroidGrid& grid) {
   GyroidCells cells;

@@ -2,30 +2,79 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <glm/glm.hpp>
 
-#include "server/sample/gyroid_grid.h"
-
 namespace lode::ingest {
 
-/// What cells of one kind hold. A kind says for each axis whether the cell is the first, one of the middle,
-/// or the last.
+/// The gyroid as a solid, cut to a block of 3 x 3 x 3 periods with rounded edges and sampled on a grid of m
+/// steps per period. The surface is closed and manifold at any resolution. Source: marching tetrahedra on
+/// Kuhn's subdivision of cubes.
+///
+/// A period is a cell. The block's walls reach only into the outermost cells and inner cells are equal, so a
+/// block of any size >= 2 cells per axis is assembled from these 27.
+class GyroidGrid {
+ public:
+  static constexpr int kCells = 27;
+
+  /// Crossing of the surface with a grid edge, relative to a cell. The edge starts at a point of the cell or
+  /// of a neighbour above it and has one of 7 directions.
+  struct Crossing {
+    uint8_t neighbour = 0;  ///< bits 0, 1, 2: the next cell along x, y, z
+    uint32_t edge = 0;      ///< 7 x point of that cell + direction - 1; bits of a direction as above
+  };
+  using Triangle = std::array<Crossing, 3>;
+
+  /// @param steps  per period, at least 4.
+  explicit GyroidGrid(int steps);
+
+  int steps() const noexcept { return m_; }
+  uint32_t edgesOfCell() const noexcept { return 7u * static_cast<uint32_t>(m_ * m_ * m_); }
+
+  /// Triangles of cell x + 3 y + 9 z, counter-clockwise seen from outside the solid.
+  std::vector<Triangle> triangles(int cell) const;
+
+  /// Returns whether the surface crosses an edge of a cell.
+  bool crosses(int cell, uint32_t edge) const;
+  /// Both ends of a cell's edge, in steps from the block's corner.
+  std::pair<glm::ivec3, glm::ivec3> ends(int cell, uint32_t edge) const;
+  /// Lowest corner of a cell, in steps from the block's corner.
+  glm::ivec3 origin(int cell) const { return m_ * glm::ivec3(cell % 3, cell / 3 % 3, cell / 9); }
+
+  /// Approximate depth below the surface (x), negative outside, and its gradient (y, z, w). @param at  in
+  /// steps from the block's corner, like the depth.
+  glm::dvec4 depth(const glm::dvec3& at) const;
+
+ private:
+  bool inside(const glm::ivec3& point) const {
+    const int n = 3 * m_ + 1;
+    return inside_[static_cast<size_t>((point.z * n + point.y) * n + point.x)];
+  }
+  Crossing crossing(const glm::ivec3& cube, int from, int to) const;
+  void addOfTetrahedron(const glm::ivec3& cube, const std::array<int, 4>& corners, unsigned signs,
+                        std::vector<Triangle>& to) const;
+
+  int m_;
+  std::vector<bool> inside_;
+};
+
+/// Mesh of all cells of one kind. The kind tells for each axis whether the cell is first, inner or last.
 struct GyroidCell {
   struct Vertex {
-    glm::vec3 position;  ///< in periods from the cell's corner
+    glm::vec3 position;  ///< in periods from the cell's lowest corner
     glm::vec3 normal;    ///< unit length, out of the solid
-    float wall;          ///< periods to the block's nearest wall, at most 1
+    float wall;          ///< distance to the block's nearest wall, in periods, at most 1
   };
   std::vector<Vertex> vertices;
-  std::vector<uint16_t> number_of_edge;  ///< which vertex lies on an edge of the grid
+  std::vector<uint16_t> number_of_edge;  ///< vertex on each grid edge
   std::vector<GyroidGrid::Triangle> triangles;
 };
 
 using GyroidCells = std::array<GyroidCell, GyroidGrid::kCells>;
 
-/// Meshes every kind of cell, with vertices on the surface and triangles evenly shaped.
+/// Meshes every kind of cell, with vertices on the surface and evenly shaped triangles.
 GyroidCells makeGyroidCells(const GyroidGrid& grid);
 
 }  // namespace lode::ingest

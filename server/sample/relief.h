@@ -7,18 +7,29 @@
 
 namespace lode::ingest {
 
-/// Height and its gradient at a point.
-struct ReliefPoint {
-  double height = 0;       ///< within -0.45 .. 0.45
-  glm::dvec3 gradient{0};  ///< of the height in space; zero where not asked for
-  double fine_height = 0;  ///< the share of the finer half of the octaves, within -1 .. 1
+/// Noise value in -1..1 and its gradient.
+struct NoiseSample {
+  float value, x, y, z;
 };
 
-/// Gradient noise summed over octaves: each has about twice the frequency and half the height of the one
-/// before, so that the surface is equally rough at every scale.
+/// Gradient noise: smooth, zero at integer points, with features of about unit size. Source: Perlin,
+/// Improving Noise, 2002; an integer hash chooses the gradients.
+/// @tparam kGradient  whether to compute the gradient; it is zero otherwise.
+template <bool kGradient>
+NoiseSample noise(const glm::dvec3& point, uint32_t seed);
+
+/// Height at a point and its gradient in space.
+struct ReliefPoint {
+  double height = 0;       ///< in -0.45..0.45
+  glm::dvec3 gradient{0};  ///< zero if not requested
+  double fine_height = 0;  ///< sum of the finer half of the octaves, scaled to -1..1
+};
+
+/// Sum of octaves of gradient noise. Each octave has about twice the frequency and half the height of the
+/// previous one, so the surface is equally rough at every scale.
 class Relief {
  public:
-  /// @param finest  no octave has a shorter wave length; an octave that begins to fit fades in.
+  /// @param finest  shortest wavelength; octaves near it fade in.
   Relief(uint64_t seed, double finest);
 
   ReliefPoint at(const glm::dvec3& point) const { return sum<false>(point); }

@@ -22,8 +22,7 @@
 namespace lode::ingest {
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "the records below are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "PLY records are written in native byte order");
 
 constexpr uint64_t kMaxTriangles = 4'000'000'000;  // vertex numbers stay below 2^31
 constexpr uint8_t kAllowed = AttributeSet::kNormal | AttributeSet::kColour | AttributeSet::kTexture;
@@ -47,7 +46,7 @@ std::unique_ptr<SampleModel> makeModel(const SampleOptions& options) {
       std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& each) { return options.kind == each.name; });
   if (kind == kKinds.end()) {
     throw Error(ErrorCode::kUsage,
-                "unknown kind of sample '" + options.kind + "'; there are: asteroid, gyroid, terrain");
+                "unknown kind of sample '" + options.kind + "'; use asteroid, gyroid or terrain");
   }
   if (options.triangles < kind->least_triangles || options.triangles > kMaxTriangles) {
     throw Error(ErrorCode::kUsage, "the sample " + options.kind + " cannot have " +
@@ -56,7 +55,7 @@ std::unique_ptr<SampleModel> makeModel(const SampleOptions& options) {
                                        std::to_string(kMaxTriangles));
   }
   if ((options.attributes.bits & ~kAllowed) != 0) {
-    throw Error(ErrorCode::kUsage, "a sample has no such attribute; there are: normal, color, uv");
+    throw Error(ErrorCode::kUsage, "a sample has no such attribute; use normal, color or uv");
   }
   return kind->make(options.triangles, options.seed, options.attributes);
 }
@@ -108,7 +107,7 @@ Bytes faceRows(const SampleModel& model, uint64_t block) {
   return bytes;
 }
 
-/// Computes blocks on several threads and writes them in order; at most `threads` blocks are in memory.
+/// Computes blocks on several threads and writes them in order. Holds at most `threads` blocks in memory.
 void writeBlocks(AtomicFile& file, uint64_t blocks, unsigned threads,
                  const std::function<Bytes(uint64_t)>& compute) {
   std::deque<std::future<Bytes>> under_way;

@@ -14,14 +14,14 @@ struct SampleVertex {
   glm::vec3 position{0};
   glm::vec3 normal{0};  ///< unit length
   glm::u8vec3 colour{0};
-  glm::vec2 uv{0};  ///< within 0 .. 1
+  glm::vec2 uv{0};  ///< in 0..1
 };
 
-/// A procedural mesh of any size that is never in memory as a whole: it comes in blocks of some ten thousand
-/// rows, each computed from its number alone, by any thread. All functions are const and thread safe.
+/// A procedural mesh of any size, computed in blocks of some ten thousand vertices or triangles. Each block
+/// depends only on its number. All functions are thread safe.
 class SampleModel {
  public:
-  /// @param attributes  what of a vertex is asked for; a model need not compute the rest.
+  /// @param attributes  requested attributes; a model need not compute others.
   explicit SampleModel(AttributeSet attributes) : attributes_(attributes) {}
   virtual ~SampleModel() = default;
   SampleModel(const SampleModel&) = delete;
@@ -30,10 +30,10 @@ class SampleModel {
   virtual uint64_t vertices() const = 0;
   virtual uint64_t triangles() const = 0;
 
-  /// Of vertices and of triangles, each; blocks follow one another without a gap.
+  /// Number of blocks of vertices, and of triangles.
   virtual uint64_t blocks() const = 0;
   virtual void addVertices(uint64_t block, std::vector<SampleVertex>& to) const = 0;
-  /// By numbers of vertices over the whole model, counter-clockwise seen from outside or above.
+  /// Appends triangles as vertex numbers of the whole model, counter-clockwise seen from outside or above.
   virtual void addTriangles(uint64_t block, std::vector<glm::u32vec3>& to) const = 0;
 
  protected:
@@ -43,7 +43,7 @@ class SampleModel {
   AttributeSet attributes_;
 };
 
-/// A share of rows that are numbered by formula: those of one block.
+/// Range of rows (vertices, or squares of a grid) that belong to one block.
 struct RowRange {
   uint64_t first = 0, end = 0;
 

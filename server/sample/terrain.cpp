@@ -6,20 +6,57 @@
 #include <random>
 #include <vector>
 
-#include "server/sample/dual.h"
-#include "server/sample/noise.h"
+#include "server/sample/relief.h"
 
 namespace lode::ingest {
 namespace {
 
+/// A number with its derivatives by the two parameters of a surface: gives exact tangents of a surface that
+/// is written as plain arithmetic. Source: forward-mode automatic differentiation.
+struct Dual {
+  double value = 0;
+  glm::dvec2 slope{0};
+
+  constexpr Dual(double constant = 0) : value(constant) {}  // NOLINT(google-explicit-constructor): a constant
+  constexpr Dual(double v, const glm::dvec2& s) : value(v), slope(s) {}
+
+  friend Dual operator+(const Dual& a, const Dual& b) { return {a.value + b.value, a.slope + b.slope}; }
+  friend Dual operator-(const Dual& a, const Dual& b) { return {a.value - b.value, a.slope - b.slope}; }
+  friend Dual operator*(const Dual& a, const Dual& b) {
+    return {a.value * b.value, a.value * b.slope + b.value * a.slope};
+  }
+};
+
+/// Applies a function, given its value and derivative at `at`.
+Dual apply(const Dual& at, double value, double derivative) { return {value, derivative * at.slope}; }
+
+Dual abs(const Dual& a) { return a.value < 0 ? Dual(0) - a : a; }
+
+/// Rises smoothly from 0 at `from` to 1 at `to`; constant outside.
+Dual smoothStep(double from, double to, const Dual& a) {
+  const double t = (a.value - from) / (to - from);
+  if (t <= 0) return 0;
+  if (t >= 1) return 1;
+  return apply(a, t * t * (3 - 2 * t), 6 * t * (1 - t) / (to - from));
+}
+
+/// Maximum of two numbers, smoothed where they differ by less than `radius`.
+Dual smoothMax(const Dual& a, const Dual& b, double radius) {
+  const double gap = radius - std::abs(a.value - b.value);
+  const Dual& larger = a.value > b.value ? a : b;
+  if (gap <= 0) return larger;
+  const Dual overlap = Dual(radius) - abs(a - b);
+  return larger + overlap * overlap * Dual(1 / (4 * radius));
+}
+
 constexpr double kLakeLevel = 0.02;
 constexpr double kSnowLevel = 0.46;
-constexpr double kTerrace = 0.11;  // height of a step
+constexpr double kTerrace = 0.11;  // height of one terrace
 constexpr size_t kMaxOctaves = 24;
 
 using DualPoint = std::array<Dual, 3>;
 
-/// Noise over a plane or a space whose points depend on the surface's parameters.
+/// Noise at points that depend on the surface's parameters.
 class Field {
  public:
   template <class Random>
@@ -42,10 +79,10 @@ class Field {
   uint32_t seed_ = 0;
 };
 
-/// Where the surface of the land lies over a point of the square -1 .. 1, without paint.
+/// Shape of the land: maps a point of the square -1..1 to a point in space.
 class Land {
  public:
-  /// @param finest  no octave has a shorter wave length; one that begins to fit fades in.
+  /// @param finest  shortest wavelength; octaves near it fade in.
   Land(uint64_t seed, double finest)
       : random_(seed),
         range_(random_, 0.9),
@@ -72,11 +109,11 @@ class Land {
  private:
   struct Octave {
     Field field;
-    double share;  ///< less than 1 while it fades in
+    double share;  ///< below 1 while the octave fades in
   };
 
-  /// Sharp crests and round valleys, rougher where it is high. Source: Musgrave's ridged multifractal, in
-  /// Ebert et al., Texturing and Modeling, 2003.
+  /// Sharp crests and round valleys, rougher at height. Source: Musgrave's ridged multifractal, in Ebert et
+  /// al., Texturing and Modeling, 2003.
   Dual ridges(const Dual& u, const Dual& v) const {
     Dual sum = 0, weight = 1;
     double amplitude = 1;
@@ -99,8 +136,8 @@ class Land {
     return Dual(kTerrace) * (Dual(floor) + Dual(0.85) * riser + Dual(0.15) * within);
   }
 
-  /// Shears of space along x by (y, z) and along y by (x, z): hard strata lean out over soft ones, and
-  /// however far they lean, no two points of the land come to lie in one place.
+  /// Shears space along x by (y, z) and along y by (x, z): hard strata overhang soft ones. Shears are
+  /// injective, so the surface does not meet itself.
   DualPoint overhanging(DualPoint p) const {
     const Dual firm = smoothStep(kLakeLevel, kLakeLevel + 0.06, p[2]);
     p[0] = p[0] + Dual(0.03) * firm * strata_x_.at(Dual(2) * p[1], Dual(17) * p[2]);
@@ -139,7 +176,7 @@ class Terrain final : public SampleModel {
       const uint64_t column = i % columns_, row = i / columns_;
       const auto a = static_cast<uint32_t>(row * (columns_ + 1) + column), b = a + 1;
       const auto d = static_cast<uint32_t>(a + columns_ + 1), c = d + 1;
-      if ((column + row) % 2 == 0) {  // diagonals in both directions, so that the mesh favours none
+      if ((column + row) % 2 == 0) {  // alternate the diagonals, so that the mesh prefers no direction
         to.emplace_back(a, b, c);
         to.emplace_back(a, c, d);
       } else {

@@ -21,7 +21,7 @@ TEST(Gyroid, isClosedAtEverySize) {
   }
 }
 
-/// The triangles around each vertex form one fan: following the edges opposite to it leads round once.
+/// Expects that triangles around each vertex form one fan, by following the edges opposite to it.
 TEST(Gyroid, isManifoldAtEveryVertex) {
   const PlyContent content = gyroid(60'000);
   std::vector<std::map<uint64_t, uint64_t>> around(content.vertices.size());
@@ -76,7 +76,7 @@ TEST(Gyroid, isMadeOfWellShapedTriangles) {
   EXPECT_LT(slivers, content.faces.size() / 1000);
 }
 
-/// The order in which a block grows: no axis is ever more than one cell longer than another.
+/// Blocks grow so that no axis is more than one cell longer than another.
 TEST(Gyroid, hasAboutEqualSides) {
   for (const uint64_t triangles : {50'000u, 100'000u, 200'000u, 400'000u}) {
     glm::dvec3 low(1e9), high(-1e9);

@@ -28,7 +28,7 @@ inline PlyContent sampleContent(const SampleOptions& options) { return readPlyBy
 
 using DirectedEdge = std::pair<uint64_t, uint64_t>;
 
-/// How often each edge is used, by direction: closed and consistently wound where each has its opposite.
+/// Counts uses of each directed edge: a mesh is closed and consistently wound if each has its opposite.
 inline std::map<DirectedEdge, int> directedEdges(const PlyContent& content) {
   std::map<DirectedEdge, int> edges;
   for (const auto& face : content.faces) {
@@ -37,13 +37,13 @@ inline std::map<DirectedEdge, int> directedEdges(const PlyContent& content) {
   return edges;
 }
 
-/// Not of unit length: twice the triangle's area.
+/// Returns the normal with length of twice the area.
 inline glm::dvec3 faceNormal(const PlyContent& content, size_t face) {
   const auto corner = [&](size_t i) { return content.vertices[content.faces[face][i]].position; };
   return glm::cross(corner(1) - corner(0), corner(2) - corner(0));
 }
 
-/// The mean cosine between vertices' normals and those of the faces around them.
+/// Returns the mean cosine between vertex normals and normals of their faces.
 inline double agreementOfNormals(const PlyContent& content) {
   std::vector<glm::dvec3> sums(content.vertices.size());
   for (size_t i = 0; i < content.faces.size(); ++i) {
@@ -56,7 +56,7 @@ inline double agreementOfNormals(const PlyContent& content) {
   return cosines / static_cast<double>(sums.size());
 }
 
-/// How many pieces hang together by edges.
+/// Counts the pieces that are connected by edges.
 inline size_t piecesOf(const PlyContent& content) {
   std::vector<size_t> parent(content.vertices.size());
   for (size_t i = 0; i < parent.size(); ++i) parent[i] = i;

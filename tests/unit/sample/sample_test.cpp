@@ -98,7 +98,7 @@ TEST(SampleKinds, beginWhereTheySay) {
   EXPECT_EQ(codeOf(sampleOf("gyroid", kLeastGyroid - 1)), ErrorCode::kUsage);
 }
 
-/// Memory does not grow with a model because no block does: looks at blocks of models of four billion.
+/// Memory is bounded because blocks are: checks blocks of models of four billion triangles.
 TEST(SampleKinds, keepTheirBlocksSmallHoweverLargeTheModelIs) {
   for (const auto make : {makeAsteroid, makeGyroid, makeTerrain}) {
     const auto model = make(4'000'000'000, 1, {kAllOfASample});
