@@ -75,12 +75,12 @@ std::filesystem::path BuildFolder::filesIn(const std::filesystem::path& temporar
 void BuildFolder::lock() {
   const auto fail = [&](const char* what) {
     throw Error(ErrorCode::kIo, std::string("cannot ") + what + " " + path_.string() + ": " +
-                                    std::strerror(errno) + "; name another place for the output");
+                                    std::strerror(errno) + "; choose another output folder");
   };
   while (true) {
-    makeOwnFolder(path_, {"the output", "name another place for it"});
+    makeOwnFolder(path_, {"the output", "choose another output folder"});
     lock_ = ::open((path_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (lock_ < 0 && errno == ENOENT) continue;  // a build that ended took the folder away
+    if (lock_ < 0 && errno == ENOENT) continue;  // another build ended and removed the folder
     if (lock_ < 0) fail("open the lock in");
     struct stat status {};
     const int locked = ::flock(lock_, LOCK_EX | LOCK_NB);
@@ -90,7 +90,7 @@ void BuildFolder::lock() {
     if (locked == 0) continue;
     if (error == EWOULDBLOCK) {
       throw Error(ErrorCode::kIo,
-                  output_.string() + ": another process builds it; wait for it, or name another output");
+                  output_.string() + ": another process is building it; wait, or name another output");
     }
     errno = error;
     fail("lock");

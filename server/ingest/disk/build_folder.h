@@ -8,14 +8,14 @@
 
 namespace lode::ingest {
 
-/// Where a build of an output keeps what a later one can go on from: `.OUT.lode.building` beside the output,
-/// with a lock, the journal, and the store until it is complete. The temporary files lie in it, or, if
-/// another place was named for them, there in a folder whose name follows from the output's. Locked as long
-/// as it lives. At destruction all is removed unless it is kept, the journal last but the lock.
+/// Folder `.OUT.lode.building` beside the output. It holds a lock, the journal and the incomplete store, from
+/// which a later build can resume. Temporary files are in it too, or, if another parent was given, in a
+/// folder there whose name is derived from the output's. The destructor removes everything unless keep(true)
+/// was called; journal and lock go last.
 class BuildFolder {
  public:
-  /// Kept until the caller says otherwise. @throws Error kIo if it cannot be made, or if another process
-  /// builds the same output.
+  /// Creates and locks the folder; keep() is true at first. @throws Error kIo if that fails, or if another
+  /// process builds the same output.
   BuildFolder(const std::filesystem::path& output, const std::filesystem::path& temporary_parent);
   ~BuildFolder();
   BuildFolder(const BuildFolder&) = delete;
@@ -24,14 +24,15 @@ class BuildFolder {
   std::filesystem::path journal() const { return path_ / "journal"; }
   std::filesystem::path store() const { return path_ / "store"; }
 
-  /// Removes what builds left that had their temporary files in `temporary_parent`, or in this one's.
+  /// Removes journal, store and temporary files of earlier builds, in `temporary_parent` and this build's.
   void clear(const std::filesystem::path& temporary_parent);
-  /// The temporary files' folder, made if it is not there.
+  /// Opens the folder of temporary files; creates it if it is missing.
   TemporaryFolder openFiles();
-  /// Removes all temporary files but these.
+  /// Removes all temporary files except these.
   void removeFilesBut(std::span<const std::string_view> names) const;
-  /// Return when the names of all folders, or of the temporary files, are on the disk. @throws Error kIo.
+  /// Syncs the entries of all folders to disk. @throws Error kIo.
   void syncFolders() const;
+  /// Syncs the entries of temporary files to disk. @throws Error kIo.
   void syncFiles() const;
   void keep(bool is_kept) noexcept { is_kept_ = is_kept; }
 

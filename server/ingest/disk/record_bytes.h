@@ -13,13 +13,13 @@
 
 namespace lode::ingest {
 
-/// Values one behind the other, as this machine holds them: what a build writes for itself to read again.
+/// Serializes values in native byte order, for files that only the same build reads.
 class RecordWriter {
  public:
   template <typename T>
   requires std::is_trivially_copyable_v<T>
   void put(const T& value) { putBytes(std::as_bytes(std::span(&value, 1))); }
-  /// The number of items, then the items.
+  /// Writes the number of items, then the items.
   template <typename T>
   requires std::is_trivially_copyable_v<T>
   void putAll(const std::vector<T>& items) {
@@ -35,7 +35,7 @@ class RecordWriter {
     put(static_cast<uint64_t>(texts.size()));
     for (const std::string& text : texts) putText(text);
   }
-  /// Bytes of another record, without their number.
+  /// Appends the bytes of another record, without a length.
   void append(std::span<const std::byte> bytes) { putBytes(bytes); }
 
   std::span<const std::byte> bytes() const noexcept { return bytes_; }
@@ -50,7 +50,7 @@ class RecordWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads what a RecordWriter wrote. Every length is compared with what is left before memory is taken.
+/// Reads the bytes of a RecordWriter. Checks every length against the remaining bytes before it allocates.
 /// All functions throw Error kFormat.
 class RecordReader {
  public:
@@ -94,8 +94,7 @@ class RecordReader {
     return taken;
   }
   [[noreturn]] static void fail() {
-    throw Error(ErrorCode::kFormat,
-                "a record in the journal of a build is too short; build without --resume");
+    throw Error(ErrorCode::kFormat, "the build's journal has a truncated record; build without --resume");
   }
 
   std::span<const std::byte> left_;

@@ -11,12 +11,12 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kPieceRecords = 1 << 18;  ///< sorted, or written, between two words of progress
+constexpr size_t kPieceRecords = 1 << 18;  ///< sorted or written per progress report
 
 }  // namespace
 
 struct RecordSorter::Run {
-  uint64_t begin = 0, end = 0;  ///< in the spool
+  uint64_t begin = 0, end = 0;  ///< byte offsets in the spool
   std::optional<SpoolCursor> cursor;
   uint64_t key = 0;
   std::span<const std::byte> record;
@@ -57,7 +57,7 @@ bool RecordSorter::later(uint32_t a, uint32_t b) const noexcept {
   return std::pair(runs_[a]->key, a) > std::pair(runs_[b]->key, b);
 }
 
-/// Parts side by side, where there are threads for it; the lowest one's tells progress.
+/// Sorts parts in parallel; the part with the lowest keys reports progress.
 void RecordSorter::sortOn(unsigned threads, size_t begin, size_t end, const Progress& progress,
                           uint64_t total) {
   if (threads < 2 || end - begin <= 2 * kPieceRecords) return sortPieces(begin, end, progress, total);
@@ -75,7 +75,7 @@ void RecordSorter::sortOn(unsigned threads, size_t begin, size_t end, const Prog
   sortOn(lower_threads, begin, middle, progress, total);
 }
 
-/// Piece by piece, so that it can be told how far it is.
+/// Sorts in pieces, to report progress between them.
 void RecordSorter::sortPieces(size_t begin, size_t end, const Progress& progress, uint64_t total) {
   const auto at = [this](size_t index) { return order_.begin() + static_cast<ptrdiff_t>(index); };
   if (end - begin > kPieceRecords) {
@@ -124,7 +124,7 @@ void RecordSorter::restore(RecordReader& record) {
   for (const uint64_t end : record.getAll<uint64_t>()) {
     if (end <= begin || end % entry_bytes != 0) {
       throw Error(ErrorCode::kFormat,
-                  "the journal of a build names no runs of a sort; build without --resume");
+                  "the build's journal has a damaged list of sorted runs; build without --resume");
     }
     runs_.push_back(std::make_unique<Run>());
     runs_.back()->begin = begin;
@@ -165,7 +165,7 @@ std::optional<RecordSorter::Record> RecordSorter::nextOfMemory() {
 
 std::optional<RecordSorter::Record> RecordSorter::nextOfRuns() {
   const auto order = [this](uint32_t a, uint32_t b) { return later(a, b); };
-  // The run given out last still stands on top: its record stayed valid until now.
+  // The run of the previous record is still on top, which kept that record valid until now.
   if (top_given_) {
     std::pop_heap(heap_.begin(), heap_.end(), order);
     if (runs_[heap_.back()]->advance(record_bytes_)) {

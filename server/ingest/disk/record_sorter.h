@@ -15,44 +15,41 @@
 
 namespace lode::ingest {
 
-/// External sort of records of one size by a 64-bit key; records of equal keys keep the order in which they
-/// came, so that the result does not depend on the memory given. What fits in memory never touches the disk.
-/// To be called from one thread. Source: Knuth, The Art of Computer Programming 3, 5.4.1 (replacement by
-/// sorted runs and merging). All runs lie in one file, behind each other, so that their number costs neither
-/// files nor buffers.
+/// External merge sort of fixed-size records by a 64-bit key. Stable, so the result does not depend on the
+/// memory budget. Records that fit in memory are not written to disk. All runs are in one file, one after the
+/// other. Call it from one thread. Source: Knuth, The Art of Computer Programming 3, 5.4.1.
 class RecordSorter {
  public:
   using Progress = std::function<void(uint64_t done, uint64_t total)>;
 
-  /// @param memory_bytes  for the records held before a run is written, and for the buffers of the merge.
-  /// @param runs  where they are written, if there are any.
-  /// @param threads  that sort.
+  /// @param memory_bytes  for records before a run is written, and for the buffers of the merge.
+  /// @param runs  file for the runs; created only if needed.
   RecordSorter(size_t record_bytes, uint64_t memory_bytes, TemporaryFile runs, unsigned threads = 1);
   ~RecordSorter();
 
-  /// Makes room for so many records, or what is held at most.
+  /// Reserves memory for `records`, at most for one run.
   void reserve(uint64_t records);
   void push(uint64_t key, std::span<const std::byte> record);
   uint64_t size() const noexcept { return size_; }
   uint64_t temporaryBytes() const noexcept { return temporary_bytes_; }
 
-  /// The number of runs on the disk.
+  /// Number of runs on disk.
   size_t runCount() const noexcept { return runs_.size(); }
-  /// Writes what is held as a run.
+  /// Writes the records in memory as a run.
   void spill(const Progress& progress = {});
-  /// Writes the runs to the disk for good, and notes in `record` where they are.
+  /// Syncs the runs to disk and records their ends.
   void save(RecordWriter& record);
-  /// Takes over the runs that save() noted, before any push; records follow those in the runs.
+  /// Restores the runs that save() recorded. Call it before any push().
   /// @throws Error kIo, kFormat.
   void restore(RecordReader& record);
 
-  /// No more records come in; next() gives them in order.
-  /// @param progress  of sorting and writing what is still held.
+  /// Ends the input; next() then returns the records in order.
+  /// @param progress  of sorting and writing the records in memory.
   void finish(const Progress& progress = {});
 
   struct Record {
     uint64_t key = 0;
-    std::span<const std::byte> bytes;  ///< valid until the next call of next()
+    std::span<const std::byte> bytes;  ///< valid until the next call
   };
   std::optional<Record> next();
 
@@ -80,10 +77,10 @@ class RecordSorter {
   uint64_t temporary_bytes_ = 0;
   std::vector<std::byte> held_;
   std::vector<Order> order_;
-  std::atomic<size_t> sorted_ = 0;  ///< of those in order_, for progress
+  std::atomic<size_t> sorted_ = 0;  ///< sorted elements of order_, for progress
   size_t next_held_ = 0;
   bool top_given_ = false;
-  std::optional<Spool> spool_;  ///< of all runs; gone when the last record was taken
+  std::optional<Spool> spool_;  ///< all runs; closed after the last record
   std::vector<std::unique_ptr<Run>> runs_;
   std::vector<uint32_t> heap_;  ///< runs by (current key, run number), smallest on top
 };

@@ -23,8 +23,8 @@ constexpr size_t kWriteBufferBytes = 256 << 10;
   throw Error(
       ErrorCode::kIo,
       std::string("cannot ") + what + " temporary file " + path.string() + ": " +
-          fileErrorInWords(
-              errno, "free some space, or name another folder with --tmp (lodestream: by XDG_CACHE_HOME)"));
+          fileErrorInWords(errno,
+                           "free disk space, or set another folder with --tmp (lodestream: XDG_CACHE_HOME)"));
 }
 
 }  // namespace
@@ -42,11 +42,11 @@ Spool::Spool(TemporaryFile file, uint64_t size)
   if (there < 0 || static_cast<uint64_t>(there) < size) {
     close(file_);
     throw Error(ErrorCode::kFormat,
-                "temporary file " + path_.string() + " is shorter than it was; build without --resume");
+                "temporary file " + path_.string() + " was truncated; build without --resume");
   }
   if (ftruncate(file_, static_cast<off_t>(size)) != 0) {
     close(file_);
-    failSpool(path_, "cut");
+    failSpool(path_, "truncate");
   }
 }
 

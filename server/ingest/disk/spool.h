@@ -9,21 +9,21 @@
 
 namespace lode::ingest {
 
-/// Name of a temporary file.
+/// Path and lifetime of a temporary file.
 struct TemporaryFile {
   std::filesystem::path path;
-  bool lasts = false;  ///< it stays when its Spool goes: for a build to go on from
+  bool lasts = false;  ///< outlives its Spool, so that a build can resume from it
 };
 
-/// A temporary file: written once from front to end, then read in any order. Removed at destruction, unless
-/// it lasts. Appending and flushing are for one thread at a time; readAt is thread safe once the file is
-/// flushed. All functions throw Error kIo; a full disk is named as such.
+/// A temporary file: appended to, then read at any offset. The destructor removes it unless it lasts. Only
+/// one thread at a time may append or flush; readAt() is thread safe after flush(). All functions throw Error
+/// kIo, which names a full disk.
 class Spool {
  public:
-  /// An empty one, over what a killed build may have left under that name.
+  /// Creates an empty file; replaces an existing one.
   explicit Spool(TemporaryFile file);
-  /// The first `size` bytes of one that a killed build wrote; more is appended behind them. @throws Error
-  /// kFormat if it is shorter.
+  /// Opens a file of an earlier build, truncates it to `size` and appends after that. @throws Error kFormat
+  /// if it is shorter.
   Spool(TemporaryFile file, uint64_t size);
   ~Spool();
   Spool(Spool&& other) noexcept;
@@ -33,14 +33,14 @@ class Spool {
   template <typename T>
   requires std::is_trivially_copyable_v<T>
   void append(std::span<const T> items) { append(std::as_bytes(items)); }
-  /// Writes what is held back, and lets go of the buffer.
+  /// Writes the buffer and frees it.
   void flush();
-  /// Returns when what was flushed is on the disk. Thread safe.
+  /// Syncs flushed bytes to disk. Thread safe.
   void sync() const;
 
   /// Bytes appended so far.
   uint64_t size() const noexcept { return size_; }
-  /// Fills `bytes` from the given offset. Flushed bytes only.
+  /// Fills `bytes` from `offset`; only flushed bytes can be read.
   void readAt(uint64_t offset, std::span<std::byte> bytes) const;
 
  private:
@@ -50,19 +50,19 @@ class Spool {
   bool lasts_ = false;
   int file_ = -1;
   uint64_t size_ = 0;
-  uint64_t written_ = 0;  ///< of these; the rest is in the buffer
+  uint64_t written_ = 0;  ///< bytes in the file; the others are in the buffer
   std::vector<std::byte> buffer_;
 };
 
-/// Reads a flushed spool, or a part of it, from front to end in large steps. For one thread.
+/// Reads a range of a flushed spool sequentially through a buffer. Not thread safe.
 class SpoolCursor {
  public:
   SpoolCursor(const Spool& spool, uint64_t begin, uint64_t end, size_t buffer_bytes = 1 << 20);
 
-  /// Offset in the spool of what take() gives next.
+  /// Offset in the spool of the next byte that take() returns.
   uint64_t offset() const noexcept { return next_ - (buffer_.size() - used_); }
   bool atEnd() const noexcept { return next_ == end_ && used_ == buffer_.size(); }
-  /// The next bytes, valid until the next call; fewer than asked only at the end.
+  /// Returns the next bytes, valid until the next call; fewer than `bytes` only at the end.
   std::span<const std::byte> take(size_t bytes);
   template <typename T>
   requires std::is_trivially_copyable_v<T>

@@ -21,7 +21,7 @@ namespace {
 }
 
 constexpr FolderUse kTemporaryFiles{"temporary files",
-                                    "name another with --tmp (lodestream: by XDG_CACHE_HOME)"};
+                                    "set another folder with --tmp (lodestream: XDG_CACHE_HOME)"};
 
 }  // namespace
 
@@ -30,13 +30,13 @@ void makeOwnFolder(const std::filesystem::path& path, const FolderUse& use) {
   if (errno != EEXIST) fail(path.parent_path(), use);
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) {
-    if (errno == ENOENT) return makeOwnFolder(path, use);  // a build that ended took it away
+    if (errno == ENOENT) return makeOwnFolder(path, use);  // another build ended and removed it
     fail(path.parent_path(), use);
   }
   if (!S_ISDIR(status.st_mode) || status.st_uid != ::geteuid() ||
       (status.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
     throw Error(ErrorCode::kIo,
-                path.string() + ": is not a folder of yours alone; remove it, or " + use.remedy);
+                path.string() + ": is not a folder that only you can write to; remove it, or " + use.remedy);
   }
 }
 

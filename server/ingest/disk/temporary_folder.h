@@ -8,25 +8,24 @@
 
 namespace lode::ingest {
 
-/// What a folder is for, and what to do where it cannot be made: words of an error.
+/// Words for an error: purpose of a folder, and remedy if it cannot be made.
 struct FolderUse {
   const char *what, *remedy;
 };
 
-/// Makes a folder that none but this user can write to, unless it is there. A link in its place, or another
-/// user's folder, would have files written wherever that user likes. @throws Error kIo.
+/// Makes a folder that only this user can write to, or accepts an existing one. Rejects links and folders of
+/// other users, who could redirect the files. @throws Error kIo.
 void makeOwnFolder(const std::filesystem::path& path, const FolderUse& use);
 
 /// A folder for temporary files.
 class TemporaryFolder {
  public:
-  /// One of its own in `parent`, removed with what is in it at destruction, or when a signal ends
-  /// the process.
-  /// @throws Error kIo if it cannot be made there.
+  /// Makes a new folder in `parent`. It is removed with its files by the destructor, or when a signal ends
+  /// the process. @throws Error kIo.
   explicit TemporaryFolder(const std::filesystem::path& parent);
 
-  /// One under a name of its owner's choice, which may be there already and outlives this object, as its
-  /// lasting files do. @throws Error kIo, also if what is there is no folder of this user's alone.
+  /// Makes or opens a folder at `path` that outlives this object, as its lasting files do. @throws Error kIo,
+  /// also if others can write to it.
   static TemporaryFolder lasting(std::filesystem::path path);
 
   ~TemporaryFolder();
@@ -34,16 +33,16 @@ class TemporaryFolder {
   TemporaryFolder& operator=(TemporaryFolder&&) = delete;
 
   const std::filesystem::path& path() const noexcept { return path_; }
-  /// A file that goes with its Spool.
+  /// A file that its Spool removes.
   TemporaryFile file(std::string_view name) const { return {path_ / name, false}; }
-  /// In a lasting folder a file that stays when its Spool goes.
+  /// A file that outlives its Spool if this folder is lasting.
   TemporaryFile lastingFile(std::string_view name) const { return {path_ / name, is_lasting_}; }
 
  private:
   TemporaryFolder() = default;
 
   std::filesystem::path path_;
-  Unfinished unfinished_;  ///< unless it is lasting
+  Unfinished unfinished_;  ///< empty if lasting
   bool is_lasting_ = false;
 };
 

@@ -7,7 +7,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kListingsOfProgress = 1 << 16;  ///< between two words of progress
+constexpr uint64_t kFansPerReport = 1 << 16;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ BorderTable::BorderTable(const TemporaryFolder& folder, RecordReader& record)
       locked_below_root_(record.get<std::array<uint64_t, 8>>()) {
   if (first_of_leaf_.empty() || !std::is_sorted(first_of_leaf_.begin(), first_of_leaf_.end()) ||
       first_of_leaf_.back() != joined_.size() / sizeof(BorderVertex)) {
-    throw Error(ErrorCode::kFormat, "the journal of a build names no border table; build without --resume");
+    throw Error(ErrorCode::kFormat, "the build's journal has a damaged border table; build without --resume");
   }
 }
 
@@ -49,7 +49,7 @@ void BorderTable::join(std::span<const NodeKey> leaves, const CreaseAngle& creas
   std::vector<ListedFan> sharing;
   PositionCode position;
   NodeKey ancestor;
-  const auto giveToLeaves = [&] {
+  const auto addToLeaves = [&] {
     if (!sharing.empty() && sharing.front().leaf != sharing.back().leaf) {
       const std::vector<uint16_t> normals = joinFans(sharing, crease);
       BorderVertex vertex;
@@ -57,10 +57,10 @@ void BorderTable::join(std::span<const NodeKey> leaves, const CreaseAngle& creas
       vertex.position = position;
       vertex.lca_depth = static_cast<uint8_t>(ancestor.depth());
       if (ancestor == kRootKey) countBelowRoot(leaves, sharing);
-      uint32_t fans = 0;  // of the leaf
+      uint32_t fans = 0;  // fans of the leaf so far
       for (size_t i = 0; i < sharing.size(); ++i) {
         if (i > 0 && sharing[i].leaf != sharing[i - 1].leaf) fans = 0;
-        if (sharing[i].fan != fans) continue;  // told of again
+        if (sharing[i].fan != fans) continue;  // a repeated entry of the same fan
         vertex.normal = normals[i];
         vertex.fan = static_cast<uint16_t>(fans++);
         by_leaf_->push(sharing[i].leaf, std::as_bytes(std::span(&vertex, 1)));
@@ -72,19 +72,19 @@ void BorderTable::join(std::span<const NodeKey> leaves, const CreaseAngle& creas
   const uint64_t listings = by_position_->size();
   uint64_t done = 0;
   const auto advance = [&] {
-    if (progress && ++done % kListingsOfProgress == 0) progress(done, 2 * listings);
+    if (progress && ++done % kFansPerReport == 0) progress(done, 2 * listings);
   };
   by_position_->finish();
   while (const auto record = by_position_->next()) {
     ListedFan listed;
     std::memcpy(static_cast<void*>(&listed), record->bytes.data(), sizeof(listed));
-    if (PositionCode{record->key} != position) giveToLeaves();
+    if (PositionCode{record->key} != position) addToLeaves();
     position = PositionCode{record->key};
     ancestor = sharing.empty() ? leaves[listed.leaf] : commonAncestor(ancestor, leaves[listed.leaf]);
     sharing.push_back(listed);
     advance();
   }
-  giveToLeaves();
+  addToLeaves();
 
   temporary_bytes_ += by_position_->temporaryBytes();
   by_position_.reset();
@@ -102,7 +102,7 @@ void BorderTable::join(std::span<const NodeKey> leaves, const CreaseAngle& creas
   for (size_t leaf = 0; leaf < leaves.size(); ++leaf) first_of_leaf_[leaf + 1] += first_of_leaf_[leaf];
 }
 
-/// @param sharing  of one position, by rising leaf.
+/// @param sharing  fans at one position, sorted by leaf.
 void BorderTable::countBelowRoot(std::span<const NodeKey> leaves, std::span<const ListedFan> sharing) {
   std::optional<unsigned> last;
   for (const ListedFan& listed : sharing) {

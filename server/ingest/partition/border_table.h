@@ -16,53 +16,54 @@
 
 namespace lode::ingest {
 
-/// What a leaf must know of one of its border vertices.
+/// A fan of a leaf's vertex that other leaves share.
 struct BorderVertex {
   PositionCode position;
-  uint8_t lca_depth = 0;  ///< of the leaves that share it: locked in nodes deeper than that
-  uint16_t normal = 0;    ///< octahedral, of the triangles of all those leaves that are shaded as one
-  uint16_t fan = 0;       ///< of those in the leaf, the one that has this normal; see NormalFans
+  uint8_t lca_depth = 0;  ///< depth of the sharing leaves' lowest common ancestor; locked in deeper nodes
+  uint16_t normal = 0;    ///< octahedral; of the fan joined over all sharing leaves
+  uint16_t fan = 0;       ///< index among the fans at this position in the leaf; see NormalFans
 };
 
-/// Of a leaf's shared vertices those at a position, one a fan. @param border  by position.
+/// Returns the entries at a position, one per fan. @param border  sorted by position.
 std::span<const BorderVertex> sharedAt(std::span<const BorderVertex> border, PositionCode position) noexcept;
 
-/// The border table (design 2.3): collects what leaves list, joins it by position, and gives each leaf its
-/// shared vertices with their lock depth and common normals. Vertices that one leaf alone lists are
-/// boundaries: they are not locked. Collecting and joining are for one thread; read() is thread safe.
+/// Finds the vertices that leaves share. Collects the border vertices of all leaves, joins them by position,
+/// and returns to each leaf its shared vertices with lock depth and common normals. A border vertex of a
+/// single leaf is on the model's boundary and is not locked. add() and join() are for one thread; read() is
+/// thread safe.
 class BorderTable {
  public:
-  /// Name of the joined table's file, which lasts.
+  /// Name of the joined table's file, which outlives a killed build.
   static constexpr std::string_view kFile = "border";
 
   BorderTable(const TemporaryFolder& folder, uint64_t memory_bytes);
-  /// The joined table that save() noted. @throws Error kIo, kFormat.
+  /// Opens the joined table that save() recorded. @throws Error kIo, kFormat.
   BorderTable(const TemporaryFolder& folder, RecordReader& record);
 
-  /// @param fan  one of what listFans() gives; leaves are added in rising order, a position's fans in theirs.
+  /// @param fan  from listFans(), in its order; leaves in rising order.
   void add(PositionCode position, const ListedFan& fan);
 
-  /// @param leaves    keys by number.
-  /// @param progress  in listings that were added, each counted twice.
+  /// @param leaves    keys by leaf number.
+  /// @param progress  counts every added fan twice.
   void join(std::span<const NodeKey> leaves, const CreaseAngle& crease,
             const RecordSorter::Progress& progress = {});
 
-  /// Writes the joined table to the disk for good, and notes in `record` where it is.
+  /// Syncs the joined table to disk and records its location.
   void save(RecordWriter& record) const;
 
-  /// Leaves of the joined table.
+  /// Number of leaves in the joined table.
   size_t leafCount() const noexcept { return first_of_leaf_.size() - 1; }
-  /// Positions on borders between the root's children, of each by its octant: what is locked in it.
+  /// Number of locked positions of each of the root's children, by octant.
   const std::array<uint64_t, 8>& lockedBelowRoot() const noexcept { return locked_below_root_; }
-  /// The shared vertices of a leaf, by position and fan.
+  /// Returns a leaf's shared vertices, sorted by position and fan.
   std::vector<BorderVertex> read(uint32_t leaf) const;
-  /// Written to temporary files so far.
+  /// Bytes written to temporary files so far.
   uint64_t temporaryBytes() const noexcept { return temporary_bytes_ + joined_.size(); }
 
  private:
   void countBelowRoot(std::span<const NodeKey> leaves, std::span<const ListedFan> sharing);
 
-  std::unique_ptr<RecordSorter> by_position_, by_leaf_;  ///< gone once joined
+  std::unique_ptr<RecordSorter> by_position_, by_leaf_;  ///< null after join()
   uint64_t temporary_bytes_ = 0;
   Spool joined_;
   std::vector<uint64_t> first_of_leaf_;

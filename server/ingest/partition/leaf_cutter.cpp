@@ -19,7 +19,7 @@ void LeafCutter::push(uint64_t code, std::span<const std::byte> record) {
   while (codes_.size() - begin_ > max_triangles_) {
     const size_t before = begin_;
     cutOne();
-    if (begin_ == before) break;  // a cell of depth 20 whose end is not in sight yet
+    if (begin_ == before) break;  // a cell of depth 20 whose end is not read yet
   }
   if (begin_ > 4 * static_cast<size_t>(max_triangles_)) {
     codes_.erase(codes_.begin(), codes_.begin() + static_cast<ptrdiff_t>(begin_));
@@ -33,8 +33,8 @@ void LeafCutter::finish() {
   while (begin_ < codes_.size()) cutOne();
 }
 
-/// The leaf that begins at begin_ is the largest cell that does not reach back to the triangle before it
-/// (whose leaf would have held both) and does not reach on to the triangle that would be one too many.
+/// The leaf at begin_ is the largest cell that contains neither the triangle before begin_ (else the previous
+/// leaf would contain both) nor the triangle that would exceed the maximum.
 void LeafCutter::cutOne() {
   const uint64_t first = codes_[begin_];
   int depth = any_cut_ ? commonDepth(last_cut_, first) + 1 : 0;
@@ -47,10 +47,9 @@ void LeafCutter::cutOne() {
                                         [&](uint64_t code) { return cellAt(code, depth) == leaf; });
   const size_t triangles = static_cast<size_t>(end - codes_.begin()) - begin_;
   if (triangles > kMaxLodTriangles) {
-    throw Error(ErrorCode::kInput,
-                "more than " + std::to_string(kMaxLodTriangles) + " triangles lie in cell " +
-                    std::to_string(leaf.value) +
-                    " of the finest level: coincident triangles; remove duplicates from the input");
+    throw Error(ErrorCode::kInput, "more than " + std::to_string(kMaxLodTriangles) +
+                                       " triangles lie in cell " + std::to_string(leaf.value) +
+                                       " of the finest level; remove duplicate triangles from the input");
   }
   if (end == codes_.end() && !finished_ && depth == kMaxDepth && triangles > max_triangles_) return;
   sink_(leaf, std::span(records_).subspan(begin_ * record_bytes_, triangles * record_bytes_),

@@ -9,15 +9,14 @@
 
 namespace lode::ingest {
 
-/// Cuts a stream of triangles, in the order of their cell codes, into the leaves of the adaptive octree: the
-/// largest cells that hold at most a given number of triangles. Looks ahead by one leaf's triangles, so that
-/// its memory does not depend on the model.
+/// Cuts a stream of triangles, sorted by cell code, into the leaves of the adaptive octree: the largest cells
+/// with at most a given number of triangles. Looks ahead by one leaf, so its memory is bounded.
 class LeafCutter {
  public:
-  /// Receives a leaf: its triangles' records, in order.
+  /// Receives a leaf and the records of its triangles, in order.
   using Sink = std::function<void(NodeKey leaf, std::span<const std::byte> records, uint32_t triangles)>;
 
-  /// @param max_triangles  of a leaf; at depth 20 kMaxLodTriangles.
+  /// @param max_triangles  per leaf; leaves of depth 20 may have up to kMaxLodTriangles.
   LeafCutter(size_t record_bytes, uint32_t max_triangles, Sink sink);
 
   /// @throws Error kInput if more than kMaxLodTriangles triangles lie in one cell of depth 20.
@@ -32,7 +31,7 @@ class LeafCutter {
   const Sink sink_;
   std::vector<uint64_t> codes_;
   std::vector<std::byte> records_;
-  size_t begin_ = 0;  ///< of what is not cut yet
+  size_t begin_ = 0;  ///< first triangle that is in no leaf yet
   bool any_cut_ = false;
   uint64_t last_cut_ = 0;  ///< code of the triangle before begin_
   bool finished_ = false;

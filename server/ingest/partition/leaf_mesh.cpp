@@ -24,7 +24,7 @@ NodeMesh weldSoup(std::span<const std::byte> records, AttributeSet attributes, M
   return welder.finish();
 }
 
-// Without attributes, wedges are positions.
+// Without attributes wedges equal positions and are not written.
 void putLeaf(RecordWriter& record, const NodeMesh& mesh) {
   record.putAll(mesh.positions);
   record.putAll(mesh.triangles);
@@ -57,7 +57,8 @@ NodeMesh getLeaf(RecordReader& record, AttributeSet attributes) {
       std::ranges::all_of(mesh.wedge_position, [&](uint32_t at) { return at < mesh.positions.size(); }) &&
       std::ranges::all_of(mesh.triangles, isTriangle);
   if (!is_sound)
-    throw Error(ErrorCode::kFormat, "a build's temporary file of leaves is damaged; build without --resume");
+    throw Error(ErrorCode::kFormat,
+                "the build's temporary file of leaves is damaged; build without --resume");
   return mesh;
 }
 

@@ -12,16 +12,16 @@
 
 namespace lode::ingest {
 
-/// A leaf's soup as a mesh, nothing locked yet. @param records  storeSoup's bytes, one triangle after the
-/// other.
+/// Welds a leaf's triangles to a mesh, without locks. @param records  triangles as storeSoup() wrote them.
 NodeMesh weldSoup(std::span<const std::byte> records, AttributeSet attributes, MeshWelder& welder);
 
-/// Notes a leaf's mesh, of which nothing is locked yet.
+/// Writes a leaf's mesh, which must have no locks.
 void putLeaf(RecordWriter& record, const NodeMesh& mesh);
-/// @throws Error kFormat where the record is of another length or a triangle has no three corners.
+/// @throws Error kFormat if the record's length or an index is wrong, or a triangle is degenerate.
 NodeMesh getLeaf(RecordReader& record, AttributeSet attributes);
 
-/// Sum of the triangles' cross products at each position, in lattice steps: integers, so that sums over
-/// leaves do not depend on their order. Twice the area weighs each triangle's normal.
+/// Sums the cross products of the triangles at each position, in lattice steps: normals weighted by twice the
+/// area. Integers, so that sums over leaves do not depend on their order.
 std::vector<glm::i64vec3> sumNormals(const NodeMesh& mesh);
+
 }  // namespace lode::ingest

@@ -14,22 +14,22 @@
 
 namespace lode::ingest {
 
-/// Makes meshes of leaves' soup, and lists their border vertices in a border table: those on an edge that the
-/// leaf does not use exactly twice, with their share of the computed normals. The table is the welder's until
-/// finish() returns.
+/// Welds the triangles of leaves to meshes and adds their border vertices, with their normal fans, to a
+/// border table. A border vertex is on an edge that the leaf does not use exactly twice. Nobody else may use
+/// the table until finish() returns.
 class LeafWelder {
  public:
-  /// Takes each leaf's mesh, as putLeaf() has written it, in the order in which leaves came.
+  /// Receives each leaf's mesh as putLeaf() wrote it, in the order of add().
   using Sink = std::function<void(std::span<const std::byte> mesh)>;
 
-  /// @param helpers  weld beside the caller. @param sink  called by add() and finish().
+  /// @param helpers  threads that weld, beside the caller. @param sink  called by add() and finish().
   LeafWelder(BorderTable& table, AttributeSet attributes, const CreaseAngle& crease, Helpers& helpers,
              Sink sink);
 
-  /// @param leaf     its number; leaves come in rising order.
-  /// @param records  soup; copied.
+  /// @param leaf     number of the leaf; rising.
+  /// @param records  triangles; copied.
   void add(uint32_t leaf, std::span<const std::byte> records);
-  /// Ends when all leaves are in the table. @throws what welding them threw, as add() does.
+  /// Returns when all leaves are in the table. Rethrows exceptions of welding, like add().
   void finish() { welded_.finish(); }
 
  private:
@@ -37,15 +37,15 @@ class LeafWelder {
     uint32_t leaf = 0;
     RecordWriter mesh;
     std::vector<PositionCode> border;
-    std::vector<std::vector<ListedFan>> fans;  ///< a list a border position
+    std::vector<std::vector<ListedFan>> fans;  ///< one list per border position
   };
   Welded weld(uint32_t leaf, std::span<const std::byte> records);
   NodeMesh weld(std::span<const std::byte> records);
 
   const AttributeSet attributes_;
   const CreaseAngle crease_;
-  std::mutex mutex_;                 ///< of welders_
-  std::vector<MeshWelder> welders_;  ///< that no leaf uses now
+  std::mutex mutex_;                 ///< guards welders_
+  std::vector<MeshWelder> welders_;  ///< idle, for reuse
   InOrder<Welded> welded_;
 };
 

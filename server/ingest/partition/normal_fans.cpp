@@ -12,8 +12,8 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kRounding = 1e-4f;  ///< of cosines: what passes the quick test passes each pair's
-/// Of a position in a leaf. What has more creases is no edge of anything: it is shaded as one.
+constexpr float kRounding = 1e-4f;  ///< of cosines: passing the quick test implies that every pair passes
+/// Limit per position of a leaf. With more, the creases are noise: the position gets one fan.
 constexpr size_t kMostFans = 32;
 
 glm::vec3 directionOf(glm::i64vec3 cross) noexcept {
@@ -22,7 +22,7 @@ glm::vec3 directionOf(glm::i64vec3 cross) noexcept {
   return length > 0 ? glm::vec3(exact / length) : glm::vec3(0);
 }
 
-/// The corners at some positions of a mesh.
+/// Corners of triangles by position, for some positions of a mesh.
 class CornersAt {
  public:
   CornersAt(const NodeMesh& mesh, const std::vector<bool>& wanted) : begin_(wanted.size() + 1) {
@@ -46,14 +46,14 @@ class CornersAt {
   std::vector<uint32_t> begin_, corners_;
 };
 
-/// An edge of a position and a face on it, by the face's place among the corners there.
+/// An edge at a position with one of its faces.
 struct Side {
-  uint32_t other;  ///< the position at the edge's other end
-  uint32_t index;
+  uint32_t other;  ///< position at the edge's far end
+  uint32_t index;  ///< of the face among the corners at the position
   auto operator<=>(const Side&) const = default;
 };
 
-/// By edge.
+/// Returns the sides at a position, sorted by edge.
 std::vector<Side> sidesOf(const NodeMesh& mesh, std::span<const uint32_t> corners) {
   std::vector<Side> sides;
   for (uint32_t i = 0; i < corners.size(); ++i) {
@@ -70,7 +70,7 @@ glm::i64vec3 crossOf(const NodeMesh& mesh, const glm::u32vec3& t) {
   return areaNormal(at(t.x), at(t.y), at(t.z));
 }
 
-/// Of several sums, the group with the longest takes in those without a direction.
+/// Joins groups whose normals sum to zero to the group with the longest sum.
 void joinDirectionless(Groups& groups, std::span<const glm::i64vec3> sums) {
   std::vector<glm::i64vec3> totals(sums.size(), glm::i64vec3(0));
   for (uint32_t i = 0; i < sums.size(); ++i) totals[groups.find(i)] += sums[i];
@@ -86,7 +86,7 @@ void joinDirectionless(Groups& groups, std::span<const glm::i64vec3> sums) {
     if (groups.find(i) == i && totals[i] == glm::i64vec3(0)) groups.join(i, longest);
 }
 
-/// Numbers the groups of a position's corners by their first corner. @return how many there are.
+/// Numbers the fans of a position's corners by first corner. @return number of fans.
 uint32_t groupCorners(const NodeMesh& mesh, std::span<const glm::vec3> directions,
                       std::span<const uint32_t> corners, const CreaseAngle& crease,
                       std::vector<uint32_t>& numbers) {
@@ -125,7 +125,7 @@ NormalFans findFans(const NodeMesh& mesh, const CreaseAngle& crease) {
   std::vector<glm::vec3> directions;
   std::vector<bool> may_part(positions);
   if (!crease.has_none) {
-    // Faces near enough to one axis are near enough to each other.
+    // Faces within half the angle of an axis are within the angle of each other.
     std::vector<glm::vec3> axes;
     for (const glm::i64vec3& sum : whole) axes.push_back(directionOf(sum));
     for (const glm::u32vec3& t : mesh.triangles) directions.push_back(directionOf(crossOf(mesh, t)));
@@ -204,7 +204,7 @@ std::vector<uint16_t> joinFans(std::span<const ListedFan> listed, const CreaseAn
   Groups groups(listed.size());
   std::vector<End> ends;
   std::vector<glm::i64vec3> sums;
-  uint32_t first = 0;  // listing of the leaf; its fans follow in order, then what more there is of them
+  uint32_t first = 0;  // first entry of the leaf; its fans follow in order, then additional entries
   for (uint32_t i = 0; i < listed.size(); ++i) {
     const ListedFan& fan = listed[i];
     if (fan.leaf != listed[first].leaf) first = i;

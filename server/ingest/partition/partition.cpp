@@ -34,14 +34,14 @@ Partition Partition::load(const TemporaryFolder& folder, AttributeSet attributes
   auto begin = record.getAll<uint64_t>();
   if (leaves.empty() || begin.size() != leaves.size() + 1 || !std::is_sorted(begin.begin(), begin.end()) ||
       begin.back() > kMaxLeafFileBytes) {
-    throw Error(ErrorCode::kFormat, "the journal of a build names no partition; build without --resume");
+    throw Error(ErrorCode::kFormat, "the build's journal has a damaged partition; build without --resume");
   }
   const auto triangles = record.get<uint64_t>();
   Spool meshes(folder.lastingFile(kLeafFile), begin.back());
   Partition result{attributes, std::move(leaves), std::move(begin),
                    triangles,  std::move(meshes), BorderTable(folder, record)};
   if (result.border.leafCount() != result.leaves.size()) {
-    throw Error(ErrorCode::kFormat, "the journal of a build names no partition; build without --resume");
+    throw Error(ErrorCode::kFormat, "the build's journal has a damaged partition; build without --resume");
   }
   return result;
 }

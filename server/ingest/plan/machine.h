@@ -4,24 +4,23 @@
 
 namespace lode::ingest {
 
-/// Half of the machine's memory, or of what a control group leaves this process: what a build uses at most
-/// unless it is told otherwise. Thread safe.
+/// Default memory budget of a build: half of the machine's memory or of the control group's limit. Thread
+/// safe.
 uint64_t defaultMemoryBytes();
 
-/// One a core.
+/// One per core.
 unsigned defaultThreads() noexcept;
 
-/// CPU time of this process so far, all threads.
+/// CPU time of this process so far, over all threads.
 double cpuSeconds() noexcept;
 
-/// The most resident memory that this process has had.
+/// Peak resident memory of this process.
 uint64_t peakRssBytes() noexcept;
 
-/// Lets threads share the allocator's heaps where there is little memory: what one has freed is otherwise
-/// kept for its own thread.
+/// Limits the allocator's heaps with a small memory budget, so that threads reuse each other's freed memory.
 void shareHeaps(uint64_t memory_bytes) noexcept;
 
-/// Gives freed memory back to the system, which an allocator may keep for long: for between stages.
+/// Returns freed memory to the system; call it between stages.
 void trimHeap() noexcept;
 
 }  // namespace lode::ingest

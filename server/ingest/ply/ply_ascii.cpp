@@ -13,10 +13,11 @@
 namespace lode::ingest {
 namespace {
 
-/// Longer words are no numbers. A double written out in full needs up to 1079 characters; nobody writes that.
+/// Limit on the length of a number. (A double with all digits may need 1079 characters; no program writes
+/// that.)
 constexpr size_t kMaxTokenBytes = 512;
 
-constexpr const char* kOneRowALine = ", each row on a line of its own";
+constexpr const char* kOneRowPerLine = ", with one row per line";
 
 bool isBlank(char c) noexcept { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 bool isLineEnd(char c) noexcept { return c == '\n' || c == '\r'; }
@@ -29,7 +30,7 @@ Parsed parseFloating(std::string_view token, double& value) {
   const char* const end = token.data() + token.size();
   const auto result = fast_float::from_chars(token.data(), end, parsed);
   value = static_cast<double>(parsed);
-  // Where a number is beyond the type's range, newer fast_float says so beside the same zero or infinity.
+  // Newer fast_float reports numbers out of range, but returns the same zero or infinity.
   const bool is_number = result.ec == std::errc{} || result.ec == std::errc::result_out_of_range;
   if (is_number && result.ptr == end) return Parsed::kOk;
   // The C library of Windows writes 1.#INF, -1.#IND and 1.#QNAN.
@@ -57,7 +58,7 @@ Parsed parseInteger(std::string_view token, double& value) {
   return fits ? Parsed::kOk : Parsed::kOutOfRange;
 }
 
-/// Parses a value of a type; floats are rounded once, from the decimal digits to the type.
+/// Parses a value of a type; rounds floats once, directly to the type.
 Parsed parseValue(PlyType type, std::string_view token, double& value) {
   if (token.starts_with('+')) token.remove_prefix(1);
   return withPlyType(type, [&]<class T>(std::type_identity<T>) {
@@ -87,7 +88,7 @@ class AsciiBody final : public PlyBody {
           values[static_cast<size_t>(plan.fields[i])] = takeValue(property.name, property.type);
         }
       }
-      judgeVertex(makeVertex(plan, values, batch.room().front()), 0, batch);
+      handleVertexDefect(makeVertex(plan, values, batch.room().front()), 0, batch);
       batch.commit(1);
       endRow();
     }
@@ -125,7 +126,7 @@ class AsciiBody final : public PlyBody {
   }
 
   uint64_t leastRowBytes(const PlyElement& element) const noexcept override {
-    return 2 * element.properties.size();  // a digit and a blank or a line end each
+    return 2 * element.properties.size();  // a digit and a separator each
   }
 
  private:
@@ -143,7 +144,7 @@ class AsciiBody final : public PlyBody {
     }
   }
 
-  /// The next word of the line, empty at its end. Valid until the next call.
+  /// Returns the next word of the line, valid until the next call; empty at the line's end.
   std::string_view nextToken() {
     if (!skipBlanks()) return {};
     if (input_.available() <= kMaxTokenBytes) {
@@ -155,7 +156,7 @@ class AsciiBody final : public PlyBody {
     while (size < limit && !isBlank(data[size]) && !isLineEnd(data[size])) ++size;
     if (size > kMaxTokenBytes) {
       fail("a word of more than " + std::to_string(kMaxTokenBytes) + " characters",
-           "the file is damaged: export it again");
+           "the file is damaged; export it again");
     }
     input_.consume(size);
     return {data, size};
@@ -168,13 +169,13 @@ class AsciiBody final : public PlyBody {
     ++line_;
   }
 
-  /// Moves to the first word of the next line that has one.
+  /// Moves to the first word of the next non-empty line.
   void beginRow() {
     while (skipBlanks()) {
       if (!isLineEnd(*input_.data())) return;
       takeLineEnd();
     }
-    failTruncated(kOneRowALine);
+    failTruncated(kOneRowPerLine);
   }
 
   void endRow() {
@@ -186,7 +187,7 @@ class AsciiBody final : public PlyBody {
     const std::string_view token = nextToken();
     if (token.empty()) {
       fail("the line is too short: a value of " + property + " is missing",
-           std::string("complete the row or export the mesh again") + kOneRowALine);
+           std::string("complete the row or export the mesh again") + kOneRowPerLine);
     }
     return token;
   }
@@ -244,7 +245,7 @@ class AsciiBody final : public PlyBody {
         }
       }
     }
-    giveFace(texnumber, batch);
+    addFace(texnumber, batch);
   }
 
   void readStripRow(const FacePlan& plan, PlyFaceBatch& batch) {
@@ -257,7 +258,7 @@ class AsciiBody final : public PlyBody {
       StripCutter strip(batch);
       const uint64_t count = takeListCount(property);
       for (uint64_t item = 0; item < count; ++item) {
-        giveStripIndex(static_cast<int64_t>(takeValue(property.name, property.type)), strip, batch);
+        addStripIndex(static_cast<int64_t>(takeValue(property.name, property.type)), strip, batch);
       }
     }
   }

@@ -12,11 +12,10 @@
 namespace lode::ingest {
 
 constexpr size_t kPlyBatchRows = 8192;
-/// Corners of one face; ear clipping takes up to the square of it.
+/// Limit per face; ear clipping takes up to the square of it.
 constexpr uint64_t kMaxFaceCorners = 1u << 16;
 
-/// Vertex numbers that were skipped. Memory: a bit for each vertex at worst, where there are any skipped
-/// ones.
+/// Set of skipped vertices. Takes no memory if empty, at most one bit per vertex.
 class SkippedVertices {
  public:
   void add(uint64_t vertex);
@@ -29,22 +28,22 @@ class SkippedVertices {
   std::vector<std::unique_ptr<Page>> pages_;
 };
 
-/// Collects vertices and hands them on kPlyBatchRows at a time.
+/// Collects vertices and passes them to a sink, kPlyBatchRows at a time.
 class PlyVertexBatch {
  public:
-  /// @param plan  of the vertices that will come; takes memory for no more than kPlyBatchRows of them.
+  /// Allocates at most kPlyBatchRows vertices, whatever the plan's count.
   PlyVertexBatch(const VertexPlan& plan, const PlyReader::VertexSink& sink, PlyCounts& counts,
                  SkippedVertices& skipped);
 
-  /// Room for at least one and at most kPlyBatchRows vertices, to be filled and handed to commit().
+  /// Space for 1 to kPlyBatchRows vertices. Fill some, then call commit().
   std::span<PlyVertex> room() noexcept { return std::span(rows_).subspan(used_); }
   void commit(size_t vertices);
-  /// Counts a defect of the vertex at room()[index], not yet committed.
+  /// Counts a defect of the uncommitted vertex at room()[index].
   void countDefect(size_t index, VertexDefect defect);
   /// Counts a vertex whose colour is clamped.
   void countClamped() noexcept { ++counts_.clamped_colours; }
   void flush();
-  /// Counts those that nobody will be handed.
+  /// Counts committed vertices without passing them on.
   void countRest() noexcept {
     counts_.vertices += used_;
     used_ = 0;
@@ -61,10 +60,10 @@ class PlyVertexBatch {
   size_t used_ = 0;
 };
 
-/// What became of a face.
+/// Outcome for a face.
 enum class FaceVerdict { kAccepted, kDropped, kSkippedVertex, kBadIndex };
 
-/// Collects faces, drops those that are none, and hands the others on in batches.
+/// Collects faces, drops degenerate ones, and passes the others to a sink in batches.
 class PlyFaceBatch {
  public:
   PlyFaceBatch(const PlyPlan& plan, const PlyReader::FaceSink& sink, PlyCounts& counts,
@@ -72,13 +71,13 @@ class PlyFaceBatch {
 
   bool isVertex(int64_t index) const noexcept { return static_cast<uint64_t>(index) < vertex_count_; }
 
-  /// Counts whatever it does not accept, a bad index as skipped.
-  /// @param texture  two numbers a corner, or empty.
+  /// Adds a face, or counts it as dropped or skipped.
+  /// @param texture  two numbers per corner, or empty.
   FaceVerdict add(std::span<const int64_t> corners, std::span<const float> texture, int64_t texnumber);
   void addTriangle(const std::array<int64_t, 3>& corners) { add(corners, {}, 0); }
-  /// Counts a row of the face element, or a strip.
+  /// Counts a row of the face element or a strip.
   void countFace() noexcept { ++counts_.faces; }
-  /// Counts a face that is left out for a reason that the caller knows.
+  /// Counts a face that the caller skips.
   void countSkipped(size_t corners) noexcept {
     ++counts_.skipped_bad;
     countDropped(corners);
@@ -93,7 +92,7 @@ class PlyFaceBatch {
   uint64_t vertex_count_;
   bool corner_texture_;
   bool materials_;
-  uint64_t textures_;  ///< 0 also where there are no coordinates for them
+  uint64_t textures_;  ///< 0 also without texture coordinates
   const PlyReader::FaceSink& sink_;
   PlyCounts& counts_;
   const SkippedVertices& skipped_;
@@ -101,7 +100,7 @@ class PlyFaceBatch {
   std::vector<int64_t> sorted_;
 };
 
-/// Cuts strips into triangles, index by index; -1 ends a strip and begins the next.
+/// Cuts strips into triangles, index by index; -1 separates strips.
 class StripCutter {
  public:
   explicit StripCutter(PlyFaceBatch& batch) : batch_(batch) {}
@@ -114,7 +113,7 @@ class StripCutter {
   PlyFaceBatch& batch_;
   int64_t before_last_ = 0;
   int64_t last_ = 0;
-  uint64_t length_ = 0;  ///< indices of this strip so far
+  uint64_t length_ = 0;  ///< indices of the current strip so far
 };
 
 }  // namespace lode::ingest

@@ -20,7 +20,7 @@ T load(const char* from, bool swap) noexcept {
   return std::bit_cast<T>(bytes);
 }
 
-/// Converts one property of many rows; false if some value is NaN or infinite.
+/// Converts one property of many rows. @return false if a value is NaN or infinite.
 template <class T, bool kSwap, class Store>
 bool convertColumn(const char* from, size_t stride, std::span<PlyVertex> rows, Store store) {
   bool finite = true;
@@ -35,7 +35,7 @@ bool convertColumn(const char* from, size_t stride, std::span<PlyVertex> rows, S
   return finite;
 }
 
-/// @return false if a value is to be looked at by itself: makeVertex() says what is wrong with it.
+/// @return false if some value needs a check by makeVertex().
 template <class T, bool kSwap>
 bool convertField(VertexField field, const char* from, size_t stride, std::span<PlyVertex> rows) {
   using enum VertexField;
@@ -124,7 +124,7 @@ class BinaryBody final : public PlyBody {
  private:
   std::string where() const override { return "byte " + std::to_string(row_offset_); }
 
-  /// The next n bytes, which are consumed.
+  /// Consumes and returns the next n bytes.
   const char* take(size_t n) {
     if (!input_.fill(n)) failTruncated();
     const char* data = input_.data();
@@ -139,7 +139,7 @@ class BinaryBody final : public PlyBody {
     });
     if (count < 0) {
       fail("list " + list.name + " has " + std::to_string(count) + " items",
-           "the file is damaged: export it again");
+           "the file is damaged; export it again");
     }
     const uint64_t items = static_cast<uint64_t>(count);
     if (items * plyTypeBytes(list.type) > input_.remaining()) failTruncated();
@@ -193,7 +193,7 @@ class BinaryBody final : public PlyBody {
     batch.commit(rows.size());
   }
 
-  /// The slow way, for a batch with a value that is NaN, infinite, beyond the range of float, or no colour.
+  /// Slow path, for a batch with a value that is NaN, infinite, out of float's range, or not a colour.
   void readVertexRowsOneByOne(const VertexPlan& plan, PlyVertexBatch& batch, std::span<PlyVertex> rows) {
     const uint64_t first_row = row_;
     VertexValues values{};
@@ -205,7 +205,7 @@ class BinaryBody final : public PlyBody {
       }
       row_ = first_row + i;
       row_offset_ = input_.offset() + i * plan.row_bytes;
-      judgeVertex(makeVertex(plan, values, rows[i]), i, batch);
+      handleVertexDefect(makeVertex(plan, values, rows[i]), i, batch);
     }
     row_ = first_row;
   }
@@ -220,7 +220,7 @@ class BinaryBody final : public PlyBody {
         values[static_cast<size_t>(plan.fields[i])] = takeDouble(property.type);
       }
     }
-    judgeVertex(makeVertex(plan, values, batch.room().front()), 0, batch);
+    handleVertexDefect(makeVertex(plan, values, batch.room().front()), 0, batch);
     ++row_;
     batch.commit(1);
   }
@@ -245,7 +245,7 @@ class BinaryBody final : public PlyBody {
         }
       }
     }
-    giveFace(texnumber, batch);
+    addFace(texnumber, batch);
   }
 
   void readStripRow(const FacePlan& plan, PlyFaceBatch& batch) {
@@ -259,7 +259,7 @@ class BinaryBody final : public PlyBody {
       for (uint64_t left = takeListCount(property); left > 0;) {
         const uint64_t count = std::min(left, kMaxFaceCorners);
         takeItems(property, count, corners_);
-        for (const int64_t index : corners_) giveStripIndex(index, strip, batch);
+        for (const int64_t index : corners_) addStripIndex(index, strip, batch);
         left -= count;
       }
     }

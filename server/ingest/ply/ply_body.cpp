@@ -24,28 +24,28 @@ void PlyBody::failTruncated(const std::string& how) const {
                                      " at " + where() + "; copy or export the file again" + how);
 }
 
-void PlyBody::tellDefect(bool is_bad, const std::string& what) const {
+void PlyBody::reportDefect(bool is_bad, const std::string& what) const {
   if (!options_.on_defect) return;
   options_.on_defect({is_bad, element_->name + " " + std::to_string(row_) + " at " + where() + ": " + what});
 }
 
-void PlyBody::judgeIndex(int64_t index) const {
+void PlyBody::handleBadIndex(int64_t index) const {
   const std::string what = "there is no vertex " + std::to_string(index);
   if (!options_.skip_bad) fail(what, kRepair);
-  tellDefect(true, what);
+  reportDefect(true, what);
 }
 
-void PlyBody::judgeVertex(VertexDefect defect, size_t index, PlyVertexBatch& batch) const {
+void PlyBody::handleVertexDefect(VertexDefect defect, size_t index, PlyVertexBatch& batch) const {
   if (defect == VertexDefect::kNone) return;
   if (defect == VertexDefect::kColour) return batch.countClamped();
   const char* what = defect == VertexDefect::kPosition ? "its position is NaN or infinite"
                                                        : "an attribute is NaN or infinite";
   if (!options_.skip_bad) fail(what, kRepair);
-  tellDefect(true, what);
+  reportDefect(true, what);
   batch.countDefect(index, defect);
 }
 
-void PlyBody::giveFace(int64_t texnumber, PlyFaceBatch& batch) {
+void PlyBody::addFace(int64_t texnumber, PlyFaceBatch& batch) {
   batch.countFace();
   const bool is_face = corners_.size() >= 3;
   if (is_face && !texture_.empty()) {
@@ -59,7 +59,7 @@ void PlyBody::giveFace(int64_t texnumber, PlyFaceBatch& batch) {
     }
     if (!defect.empty() && !options_.skip_bad) fail(defect, kRepair);
     if (!defect.empty()) {
-      tellDefect(true, defect);
+      reportDefect(true, defect);
       return batch.countSkipped(corners_.size());
     }
   }
@@ -67,16 +67,15 @@ void PlyBody::giveFace(int64_t texnumber, PlyFaceBatch& batch) {
       is_face ? std::span<const float>(texture_) : std::span<const float>();
   const FaceVerdict verdict = batch.add(corners_, texture, texnumber);
   if (verdict == FaceVerdict::kBadIndex) {
-    judgeIndex(
+    handleBadIndex(
         *std::find_if(corners_.begin(), corners_.end(), [&](int64_t i) { return !batch.isVertex(i); }));
   } else if (verdict == FaceVerdict::kDropped) {
-    tellDefect(false,
-               corners_.size() < 3 ? "it has fewer than three corners" : "a vertex occurs twice in it");
+    reportDefect(false, corners_.size() < 3 ? "it has fewer than three corners" : "it uses a vertex twice");
   }
 }
 
-void PlyBody::giveStripIndex(int64_t index, StripCutter& strip, const PlyFaceBatch& batch) const {
-  if (!StripCutter::isRestart(index) && !batch.isVertex(index)) judgeIndex(index);
+void PlyBody::addStripIndex(int64_t index, StripCutter& strip, const PlyFaceBatch& batch) const {
+  if (!StripCutter::isRestart(index) && !batch.isVertex(index)) handleBadIndex(index);
   strip.add(index);
 }
 
@@ -84,7 +83,7 @@ void PlyBody::checkListLength(const PlyProperty& list, FaceRole role, uint64_t c
   const uint64_t limit = role == FaceRole::kTexture ? 2 * kMaxFaceCorners : kMaxFaceCorners;
   if (count <= limit) return;
   fail("list " + list.name + " has " + std::to_string(count) + " items, more than " + std::to_string(limit),
-       "cut the face into smaller ones");
+       "split the face");
 }
 
 }  // namespace lode::ingest

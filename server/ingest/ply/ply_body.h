@@ -11,14 +11,14 @@
 
 namespace lode::ingest {
 
-/// A place between two elements of the body.
+/// Position between two elements of the body.
 struct PlyPlace {
-  uint64_t offset = 0;  ///< bytes from the file's start
+  uint64_t offset = 0;  ///< bytes from the start of the file
   uint64_t line = 0;    ///< from 1; ascii only
 };
 
 /// Reads the elements of a body in one encoding. All functions throw Error kInput with the element's name,
-/// the row's number (from 0), and the byte or, in ascii, the line.
+/// the row (from 0), and the byte or, in ascii, the line.
 class PlyBody {
  public:
   virtual ~PlyBody() = default;
@@ -31,42 +31,42 @@ class PlyBody {
 
   virtual PlyPlace place() const noexcept = 0;
   virtual void goTo(PlyPlace place) = 0;
-  /// The fewest bytes that a row of an element can take.
+  /// Minimum size of an element's row.
   virtual uint64_t leastRowBytes(const PlyElement& element) const noexcept = 0;
 
  protected:
   PlyBody(PlyInput& input, PlyReadOptions options) : input_(input), options_(options) {}
 
-  /// Where the row lies: "byte 12" or "line 3".
+  /// Position of the current row: "byte 12" or "line 3".
   virtual std::string where() const = 0;
   [[noreturn]] void fail(const std::string& what, const std::string& remedy) const;
-  /// @param how  the file is to be exported, after a comma.
+  /// @param how  addition to the remedy, after a comma.
   [[noreturn]] void failTruncated(const std::string& how = {}) const;
 
-  /// Tells the caller of a defect of the row at hand, if it asked for that.
-  void tellDefect(bool is_bad, const std::string& what) const;
-  /// Fails or counts, as the options say, for the vertex at batch.room()[index].
-  void judgeVertex(VertexDefect defect, size_t index, PlyVertexBatch& batch) const;
-  /// Gives the face in corners_ and texture_ to the batch.
-  void giveFace(int64_t texnumber, PlyFaceBatch& batch);
-  void giveStripIndex(int64_t index, StripCutter& strip, const PlyFaceBatch& batch) const;
+  /// Reports a defect of the current row to options.on_defect.
+  void reportDefect(bool is_bad, const std::string& what) const;
+  /// Handles a defect of the vertex at batch.room()[index]: counts it with skip_bad, else fails.
+  void handleVertexDefect(VertexDefect defect, size_t index, PlyVertexBatch& batch) const;
+  /// Adds the face in corners_ and texture_ to the batch.
+  void addFace(int64_t texnumber, PlyFaceBatch& batch);
+  void addStripIndex(int64_t index, StripCutter& strip, const PlyFaceBatch& batch) const;
   void checkListLength(const PlyProperty& list, FaceRole role, uint64_t count) const;
 
   PlyInput& input_;
   PlyReadOptions options_;
   const PlyElement* element_ = nullptr;
   uint64_t row_ = 0;
-  std::vector<int64_t> corners_;  ///< of the face at hand
-  std::vector<float> texture_;    ///< of the face at hand, two a corner
+  std::vector<int64_t> corners_;  ///< of the current face
+  std::vector<float> texture_;    ///< of the current face, two per corner
 
  private:
-  /// Fails or tells, as the options say, for a corner that is no vertex.
-  void judgeIndex(int64_t index) const;
+  /// Handles a corner whose vertex does not exist: reports it with skip_bad, else fails.
+  void handleBadIndex(int64_t index) const;
 };
 
 std::unique_ptr<PlyBody> makeBinaryBody(PlyInput& input, PlyEncoding encoding, PlyReadOptions options);
-/// @param first_line    of the body, from 1.
-/// @param extra_tokens  receives the number of values behind the ends of rows.
+/// @param first_line    line number of the body's first line, from 1.
+/// @param extra_tokens  receives the number of extra values in rows.
 std::unique_ptr<PlyBody> makeAsciiBody(PlyInput& input, PlyReadOptions options, uint64_t first_line,
                                        uint64_t& extra_tokens);
 

@@ -21,7 +21,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-/// Takes the first word off a line.
+/// Removes the first word from a line and returns it.
 std::string_view takeWord(std::string_view& line) {
   line = trimmed(line);
   const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
@@ -54,12 +54,12 @@ std::optional<PlyType> typeOf(std::string_view name) {
   return found->second;
 }
 
-/// Walks the lines of a header; see readPlyHeader for how line ends are told apart.
+/// Splits a header into lines; see readPlyHeader() for line ends.
 class HeaderLines {
  public:
   explicit HeaderLines(std::string_view text) : text_(text) {}
 
-  uint64_t number() const noexcept { return number_; }  ///< of the line given last, from 1
+  uint64_t number() const noexcept { return number_; }  ///< of the last returned line, from 1
   size_t position() const noexcept { return position_; }
 
   std::optional<std::string_view> next() {
@@ -132,14 +132,14 @@ class HeaderParser {
     }
     if (text_.starts_with("LODE\r\n")) {
       throw Error(ErrorCode::kInput,
-                  file_ + " is a store already, no PLY file; make a PLY of it with lodestreamd export");
+                  file_ + " is a store, not a PLY file; convert it with lodestreamd export");
     }
     if (text_.starts_with("\x1f\x8b") || text_.starts_with("PK\x03\x04")) {
       throw Error(ErrorCode::kInput, file_ + " is a compressed archive; unpack it first");
     }
     if (text_.starts_with("\xef\xbb\xbf")) {
-      throw Error(ErrorCode::kInput, file_ + " begins with a byte-order mark, which no PLY file has; " +
-                                         "save it as UTF-8 without one");
+      throw Error(ErrorCode::kInput,
+                  file_ + " begins with a byte-order mark; save it as UTF-8 " + "without one");
     }
     if (lines_.next() != "ply") {
       throw Error(ErrorCode::kInput, file_ + " is not a PLY file: it begins with " + quotedText(text_, 16) +
@@ -192,7 +192,7 @@ class HeaderParser {
     if (header_.find(name) != nullptr)
       fail("a second element " + quotedText(name), "merge the two or rename one");
     if (header_.elements.size() >= kMaxPlyElements) {
-      fail("more than " + std::to_string(kMaxPlyElements) + " elements", "remove those that are no geometry");
+      fail("more than " + std::to_string(kMaxPlyElements) + " elements", "remove those without geometry");
     }
     header_.elements.push_back({std::string(name), count, {}});
   }
@@ -211,7 +211,7 @@ class HeaderParser {
     if (element.properties.size() >= kMaxPlyProperties) {
       fail("element " + quotedText(element.name) + " has more than " + std::to_string(kMaxPlyProperties) +
                " properties",
-           "remove those that are not needed");
+           "remove unneeded ones");
     }
     PlyProperty property;
     std::string_view peeked = rest;
@@ -238,7 +238,7 @@ class HeaderParser {
   bool has_format_ = false;
 };
 
-/// Writers that name a texture after the PLY file itself say "<this>" for its name without the extension.
+/// Replaces "<this>", which some writers use for the PLY file's name without extension.
 void putStem(std::string& texture_file, const std::string& stem) {
   constexpr std::string_view kThis = "<this>";
   const size_t at = texture_file.find(kThis);

@@ -10,7 +10,7 @@ namespace lode::ingest {
 
 constexpr size_t kMaxPlyHeaderBytes = 1u << 20;
 constexpr size_t kMaxPlyElements = 256;
-constexpr size_t kMaxPlyProperties = 4096;  ///< of one element
+constexpr size_t kMaxPlyProperties = 4096;  ///< per element
 
 enum class PlyEncoding { kAscii, kLittleEndian, kBigEndian };
 enum class PlyType : uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
@@ -18,39 +18,39 @@ enum class PlyType : uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, 
 /// Size of a value in a binary body.
 size_t plyTypeBytes(PlyType type) noexcept;
 bool isFloating(PlyType type) noexcept;
-/// The type's name as headers spell it since 1998: char, uchar, short, ...
+/// Returns the classic name of a type: char, uchar, short, ...
 const char* plyTypeName(PlyType type) noexcept;
 
 struct PlyProperty {
   std::string name;
-  PlyType type = PlyType::kFloat32;  ///< of the value, or of a list's items
+  PlyType type = PlyType::kFloat32;  ///< type of the value, or of a list's items
   bool is_list = false;
-  PlyType count_type = PlyType::kUint8;  ///< of a list: never a floating type
+  PlyType count_type = PlyType::kUint8;  ///< type of a list's count, never floating
 };
 
 struct PlyElement {
   std::string name;
   uint64_t count = 0;
-  std::vector<PlyProperty> properties;  ///< never empty where count > 0
+  std::vector<PlyProperty> properties;  ///< not empty if count > 0
 };
 
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::kAscii;
-  std::vector<PlyElement> elements;        ///< no two of the same name
-  std::vector<std::string> comments;       ///< of `comment` and `obj_info`, trimmed
-  std::vector<std::string> texture_files;  ///< of `comment TextureFile NAME`: trimmed, inner blanks kept,
-                                           ///< "<this>" being the file's own name without its extension
-  uint64_t body_offset = 0;                ///< bytes from the file's start
+  std::vector<PlyElement> elements;        ///< with distinct names
+  std::vector<std::string> comments;       ///< text of `comment` and `obj_info`, trimmed
+  std::vector<std::string> texture_files;  ///< names in `comment TextureFile NAME`, trimmed; "<this>" is
+                                           ///< replaced by the PLY file's name without extension
+  uint64_t body_offset = 0;                ///< bytes from the start of the file
   uint64_t header_lines = 0;
 
-  /// The element of this name, or null.
+  /// Returns the element with this name, or null.
   const PlyElement* find(std::string_view name) const noexcept;
 };
 
-/// Reads the header of a PLY file: CR, LF, CRLF and mixed line ends.
-/// A binary body begins right behind the line end of `end_header`. CR LF there is one line end, unless all
-/// lines before end in a bare CR: then the LF is the body's first byte.
-/// @throws Error kIo (no file, a directory) or kInput (what is wrong, at which line, and what to do).
+/// Reads the header of a PLY file with CR, LF, CRLF or mixed line ends. A binary body begins right after the
+/// line end of `end_header`. CR LF there is one line end, unless all earlier lines end in a bare CR: then the
+/// LF is the first byte of the body.
+/// @throws Error kIo (no file, a directory) or kInput (problem, line, and remedy).
 PlyHeader readPlyHeader(const std::filesystem::path& path);
 
 }  // namespace lode::ingest

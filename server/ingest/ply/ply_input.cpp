@@ -41,8 +41,8 @@ PlyInput::PlyInput(const std::filesystem::path& path) : name_(quotedText(path.st
     ::close(file_);
     throw Error(ErrorCode::kIo,
                 name_ + (directory ? " is a directory; name the PLY file inside it"
-                                   : " is not a regular file; save the PLY to disk first, it is "
-                                     "read more than once"));
+                                   : " is not a regular file; save the PLY to disk first, since "
+                                     "it is read more than once"));
   }
   size_ = static_cast<uint64_t>(status.st_size);
   capacity_ = static_cast<size_t>(std::min<uint64_t>(kBufferBytes, std::max<uint64_t>(size_, 1)));
@@ -77,8 +77,8 @@ bool PlyInput::refill(size_t n) {
                                     std::strerror(errno) + "; check the disk");
   }
   if (*got < wanted) {
-    throw Error(ErrorCode::kIo, name_ + " became shorter while it was read, at byte " +
-                                    std::to_string(offset + *got) + "; read it when it is complete");
+    throw Error(ErrorCode::kIo, name_ + " was truncated during reading, at byte " +
+                                    std::to_string(offset + *got) + "; try again when it is complete");
   }
   end_ += *got;
   return true;

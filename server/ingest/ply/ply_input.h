@@ -9,10 +9,10 @@
 
 namespace lode::ingest {
 
-/// Text of a file for an error message: at most max_bytes of it in quotes, what is not printable as \xNN.
+/// Quotes at most max_bytes of a text for a message; escapes unprintable bytes as \xNN.
 std::string quotedText(std::string_view text, size_t max_bytes = 48);
 
-/// A window that slides over a file, forward or by seeking. Not thread safe.
+/// Reads a file through a sliding buffer. Not thread safe.
 class PlyInput {
  public:
   static constexpr size_t kBufferBytes = 4u << 20;
@@ -24,17 +24,18 @@ class PlyInput {
   PlyInput& operator=(PlyInput&&) = delete;
 
   const std::string& name() const noexcept { return name_; }  ///< quoted, for messages
-  uint64_t size() const noexcept { return size_; }            ///< bytes of the file when it was opened
+  uint64_t size() const noexcept { return size_; }            ///< size of the file when it was opened
   uint64_t offset() const noexcept { return window_offset_ + begin_; }
   uint64_t remaining() const noexcept { return size_ - offset(); }
 
   const char* data() const noexcept { return buffer_.get() + begin_; }
   size_t available() const noexcept { return end_ - begin_; }  ///< bytes at data()
-  /// True if n bytes (at most kBufferBytes) are at data(), which may move; false if the file ends before.
+  /// Makes n bytes (at most kBufferBytes) available at data(), which may move. @return false at the file's
+  /// end.
   bool fill(size_t n) { return available() >= n || refill(n); }
-  /// Moves on by n bytes, n <= available().
+  /// Skips n bytes, n <= available().
   void consume(size_t n) noexcept { begin_ += n; }
-  /// Moves to a byte of the file, offset <= size().
+  /// Moves to an offset, at most size().
   void seek(uint64_t offset);
 
  private:
@@ -43,7 +44,7 @@ class PlyInput {
   std::string name_;
   int file_ = -1;
   uint64_t size_ = 0;
-  uint64_t window_offset_ = 0;  ///< of the buffer's first byte
+  uint64_t window_offset_ = 0;  ///< file offset of the buffer's first byte
   size_t capacity_ = 0;
   size_t begin_ = 0;
   size_t end_ = 0;

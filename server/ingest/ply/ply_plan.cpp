@@ -11,11 +11,11 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kShownName = 64;  ///< bytes
+constexpr size_t kShownName = 64;  ///< bytes shown of a name
 
 using Names = std::initializer_list<std::pair<VertexField, std::string_view>>;
 
-/// The first scalar property of a name, or null.
+/// Returns the first scalar property with a name, or null.
 const PlyProperty* findScalar(const PlyElement& element, std::string_view name) {
   for (const PlyProperty& property : element.properties) {
     if (property.name == name && !property.is_list) return &property;
@@ -23,7 +23,7 @@ const PlyProperty* findScalar(const PlyElement& element, std::string_view name) 
   return nullptr;
 }
 
-/// Takes a group of properties into the plan if the element has all of them.
+/// Adds a group of properties to the plan if the element has all of them.
 bool takeGroup(VertexPlan& plan, Names names) {
   const std::vector<PlyProperty>& properties = plan.element->properties;
   for (const auto& [field, name] : names) {
@@ -56,7 +56,7 @@ VertexPlan planVertices(const PlyElement& element, const std::string& file) {
   plan.fields.assign(element.properties.size(), kNone);
   if (!takeGroup(plan, {{kX, "x"}, {kY, "y"}, {kZ, "z"}})) {
     throw Error(ErrorCode::kInput,
-                file + ": its vertices lack x, y or z; export the mesh again with positions");
+                file + ": the vertex element has no x, y or z; export the mesh again with positions");
   }
   if (takeGroup(plan, {{kNx, "nx"}, {kNy, "ny"}, {kNz, "nz"}})) plan.attributes.bits |= AttributeSet::kNormal;
   const bool plain = takeGroup(plan, {{kRed, "red"}, {kGreen, "green"}, {kBlue, "blue"}});
@@ -140,7 +140,7 @@ PlyPlan planBody(const PlyHeader& header, const std::string& file) {
     plan.materials = plan.materials || hasRole(plan.faces.back(), FaceRole::kMaterial);
   }
   if (plan.faces.empty()) {
-    throw Error(ErrorCode::kInput, file + " has no faces: it is a point cloud; make a surface of it first");
+    throw Error(ErrorCode::kInput, file + " has no faces: it is a point cloud; reconstruct a surface first");
   }
   return plan;
 }
@@ -157,7 +157,7 @@ std::vector<std::string> skippedProperties(const PlyHeader& header, const PlyPla
     if (&element == plan.vertices.element) {
       for (size_t i = 0; i < element.properties.size(); ++i) {
         const VertexField field = plan.vertices.fields[i];
-        // Texture coordinates of corners stand above those of vertices.
+        // Texture coordinates of corners override those of vertices.
         const bool is_superseded =
             plan.corner_texture && (field == VertexField::kS || field == VertexField::kT);
         if (field == VertexField::kNone || is_superseded) skip(element, i);

@@ -14,55 +14,54 @@
 
 namespace lode::ingest {
 
-/// What a vertex property is read into.
+/// Destination of a vertex property.
 enum class VertexField : uint8_t { kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kAlpha, kS, kT, kNone };
 constexpr size_t kVertexFields = static_cast<size_t>(VertexField::kNone);
 
-/// Values of one vertex as the file has them, by VertexField; fields that the file lacks are not looked at.
+/// Values of one vertex in the file, by VertexField; fields that are not in the file are undefined.
 using VertexValues = std::array<double, kVertexFields>;
 
-/// How the rows of the vertex element become vertices.
+/// Mapping of the vertex element's rows to vertices.
 struct VertexPlan {
   const PlyElement* element = nullptr;
-  std::vector<VertexField> fields;                ///< one a property, kNone where it is skipped
-  std::array<PlyType, kVertexFields> types{};     ///< of the property behind each field
+  std::vector<VertexField> fields;                ///< one per property; kNone: skipped
+  std::array<PlyType, kVertexFields> types{};     ///< type of each field's property
   std::array<bool, kVertexFields> has{};          ///< the file has the field
-  std::array<uint32_t, kVertexFields> offsets{};  ///< of the field in a binary row, where row_bytes > 0
-  uint32_t row_bytes = 0;                         ///< of a binary row, or 0 where a list makes rows differ
+  std::array<uint32_t, kVertexFields> offsets{};  ///< of each field in a binary row, if row_bytes > 0
+  uint32_t row_bytes = 0;                         ///< size of a binary row; 0 if a list makes it vary
   AttributeSet attributes;
 };
 
-/// What a property of the face element or of the tristrips element is read into.
+/// Destination of a property of the face or tristrips element.
 enum class FaceRole : uint8_t { kSkipped, kIndices, kTexture, kMaterial };
 
-/// How the rows of the face or tristrips element become faces.
+/// Mapping of the face or tristrips element's rows to faces.
 struct FacePlan {
   const PlyElement* element = nullptr;
   bool strips = false;
-  std::vector<FaceRole> roles;  ///< one a property
+  std::vector<FaceRole> roles;  ///< one per property
 };
 
 struct PlyPlan {
   VertexPlan vertices;
-  std::vector<FacePlan> faces;  ///< face and tristrips, those with rows, in the file's order
+  std::vector<FacePlan> faces;  ///< face and tristrips elements with rows, in file order
   bool corner_texture = false;  ///< a face element has texcoord
   bool materials = false;       ///< a face element has texnumber
-  size_t textures = 0;          ///< that the header names
+  size_t textures = 0;          ///< number named in the header
 
   AttributeSet attributes() const noexcept;
 };
 
-/// The plan points into the header.
+/// Plans how to read the body. The plan points into the header.
 /// @param file  quoted, for messages.
-/// @throws Error kInput: no vertices, no faces, or an element that lacks what it needs.
+/// @throws Error kInput: no vertices, no faces, or a required property is missing.
 PlyPlan planBody(const PlyHeader& header, const std::string& file);
 
-/// The properties of elements with rows that nothing is read from, in the header's order, each as
-/// "element 'property'", quoted for messages; an element of which nothing is read is one entry, "all of
-/// 'element'".
+/// Lists the properties that are not read, in header order, as "element 'property'", or "all of 'element'" if
+/// none of its properties is read. Elements without rows are omitted.
 std::vector<std::string> skippedProperties(const PlyHeader& header, const PlyPlan& plan);
 
-/// Calls visit(std::type_identity<T>) with the C++ type behind a PLY type.
+/// Calls visit(std::type_identity<T>) with the C++ type of a PLY type.
 template <class Visit>
 decltype(auto) withPlyType(PlyType type, Visit&& visit) {
   switch (type) {
@@ -86,8 +85,8 @@ decltype(auto) withPlyType(PlyType type, Visit&& visit) {
   return visit(std::type_identity<double>{});
 }
 
-/// A colour value as a byte: floating types run from 0 to 1, ushort from 0 to 65535, all others from 0 to
-/// 255; beyond that they are clamped. char is taken as uchar. A value that is not a number gives 0.
+/// Converts a colour value to a byte, clamped to its range: floating types 0 to 1, ushort 0 to 65535, others
+/// 0 to 255. Treats char as uchar. NaN gives 0.
 template <class T>
 uint8_t colourByte(T value) noexcept {
   if constexpr (std::is_floating_point_v<T>) {
@@ -101,7 +100,7 @@ uint8_t colourByte(T value) noexcept {
   }
 }
 
-/// Whether colourByte() keeps a value, to within its rounding, rather than clamping it. NaN is not kept.
+/// Returns whether a value is within colourByte()'s range, give or take its rounding. False for NaN.
 template <class T>
 bool isColour(T value) noexcept {
   if constexpr (std::is_floating_point_v<T>) {
@@ -114,8 +113,8 @@ bool isColour(T value) noexcept {
   }
 }
 
-/// What is wrong with the values of a vertex, the worst last: a colour that is clamped, an attribute or the
-/// position that is NaN or infinite.
+/// Defect of a vertex, in rising severity: a clamped colour, a NaN or infinite attribute, a NaN or infinite
+/// position.
 enum class VertexDefect { kNone, kColour, kAttribute, kPosition };
 
 /// Turns the values of one row into a vertex. Attributes that are NaN or infinite become zero.

@@ -15,9 +15,9 @@
 namespace lode::ingest {
 namespace {
 
-/// What is wrong with counts that the file cannot hold, before anything is done about them; empty if it can.
+/// Returns a message if the file is too short for the header's counts; empty if it is not.
 std::string sizeProblem(const PlyHeader& header, const PlyBody& body, const PlyInput& input) {
-  uint64_t left = input.remaining() + 1;  // the last line of an ascii file may lack its end
+  uint64_t left = input.remaining() + 1;  // an ascii file may end without a line end
   for (const PlyElement& element : header.elements) {
     const uint64_t row_bytes = body.leastRowBytes(element);
     if (row_bytes > 0 && element.count > left / row_bytes) {
@@ -31,7 +31,7 @@ std::string sizeProblem(const PlyHeader& header, const PlyBody& body, const PlyI
   return {};
 }
 
-/// Counts what lies behind the last element.
+/// Counts the bytes after the last element.
 uint64_t countTrailingBytes(PlyInput& input, PlyEncoding encoding) {
   if (encoding != PlyEncoding::kAscii) return input.remaining();
   for (; input.fill(1); input.consume(1)) {
@@ -70,7 +70,7 @@ class BodyWalk {
     return found == plan_.faces.end() ? nullptr : &*found;
   }
 
-  /// Reads the faces that lie before the vertices, and comes back.
+  /// Reads faces that precede the vertices in the file, then returns to the current place.
   void readPostponed(const std::vector<std::pair<const FacePlan*, PlyPlace>>& postponed,
                      PlyFaceBatch& faces) {
     if (postponed.empty()) return;
@@ -107,7 +107,7 @@ PlyReader::PlyReader(const std::filesystem::path& path, PlyReadOptions options)
 std::string skippedInWords(const std::vector<std::string>& skipped) {
   constexpr size_t kShown = 12;
   if (skipped.empty()) return {};
-  std::string words = "it has properties that are not read: ";
+  std::string words = "ignored properties: ";
   for (size_t i = 0; i < std::min(skipped.size(), kShown); ++i) words += (i == 0 ? "" : ", ") + skipped[i];
   if (skipped.size() > kShown) words += " and " + std::to_string(skipped.size() - kShown) + " more";
   return words;
@@ -116,42 +116,43 @@ std::string skippedInWords(const std::vector<std::string>& skipped) {
 std::string unknownTexturesInWords(uint64_t faces, size_t textures) {
   return counted(faces, "face") + " with a texnumber that is neither -1 nor below " +
          std::to_string(textures) +
-         ", the number of textures in the header, and so without an image; correct it or name the texture";
+         ", the number of textures in the header; they get no image; correct the texnumber or name the "
+         "texture";
 }
 
 std::string lengthlessInWords(const PlyCounts& counts) {
   if (counts.lengthless_normals == 0) return {};
   const std::string all = std::to_string(counts.normals);
   if (counts.hasOnlyLengthlessNormals())
-    return "none of its " + all + " normals has a length: they are computed, as where a file has none";
+    return "none of its " + all + " normals has a length; the build computes normals";
   return std::to_string(counts.lengthless_normals) + " of " + all +
          (counts.lengthless_normals == 1 ? " normals has" : " normals have") +
-         " no length: those of the faces are taken; leave all normals out, so that a build "
-         "computes them, where that shows";
+         " no length; the build uses face normals there; if that is visible, remove all normals from the "
+         "file, "
+         "so that the build computes them";
 }
 
 std::string trailingInWords(const PlyCounts& counts) {
-  return counted(counts.trailing_bytes, "byte") + " behind the last element, from byte " +
-         std::to_string(counts.trailing_from) +
-         "; a build ignores them, but check that the header counts all";
+  return counted(counts.trailing_bytes, "byte") + " after the last element, from byte " +
+         std::to_string(counts.trailing_from) + "; the build ignores them; check the counts in the header";
 }
 
 std::string replacedInWords(uint64_t vertices) {
   return counted(vertices, "vertex", "vertices") +
-         " with a colour, normal or texture coordinate that is NaN or infinite, set to 0; lodestreamd doctor "
-         "says where";
+         " with a NaN or infinite colour, normal or texture coordinate, set to 0; lodestreamd doctor shows "
+         "where";
 }
 
 std::string clampedInWords(uint64_t vertices) {
   return counted(vertices, "vertex", "vertices") +
-         " with colours beyond the range of the type (float: 0 to 1, ushort: 0 to 65535, others: 0 to 255), "
-         "clamped to it; scale the values or declare the type that they are of";
+         " with colours outside the range of their type (float: 0 to 1, ushort: 0 to 65535, others: 0 to "
+         "255), clamped; scale the values or declare the right type";
 }
 
 PlyCounts PlyReader::read(const VertexSink& vertices, const FaceSink& faces, const Progress& progress) {
   PlyInput input(path_);
   if (input.size() < header_.body_offset) {
-    throw Error(ErrorCode::kIo, input.name() + " changed while it was read; read it when it is complete");
+    throw Error(ErrorCode::kIo, input.name() + " changed during reading; try again when it is complete");
   }
   input.seek(header_.body_offset);
   const PlyPlan plan = planBody(header_, input.name());

@@ -9,25 +9,25 @@
 
 namespace lode::ingest {
 
-/// As many of a packed input's faces as a bounded memory holds with what is wanted of their vertices, which
-/// one sweep over the file gives in their order: no sort, and no look at the file for each corner. To be read
-/// by one thread, and looked up by any.
+/// A batch of a packed input's faces that fits, with data of their vertices, in a memory limit. One
+/// sequential pass over the vertex file visits these vertices: no sort, no random access. read() is for one
+/// thread; other functions are thread safe.
 class FaceBatch {
  public:
-  /// @param member_bytes  of memory, for each vertex that the faces use.
+  /// @param member_bytes  memory per vertex that the faces use.
   FaceBatch(const PackedInput& input, uint64_t memory_bytes, uint64_t member_bytes)
       : input_(input), used_(input.vertexCount()), memory_bytes_(memory_bytes), member_bytes_(member_bytes) {}
 
-  /// Reads faces until the memory is full, one block at least. @return false if there were none left.
+  /// Reads faces until the memory is full, at least one block. @return false if no faces are left.
   bool read(PackedInput::FaceCursor& cursor);
   const std::vector<PackedInput::FaceBlock>& blocks() const noexcept { return blocks_; }
-  /// Vertices that they use.
+  /// Number of vertices that the faces use.
   uint64_t members() const noexcept { return members_; }
-  /// The place of a corner's vertex among those.
+  /// Rank of a vertex among these.
   uint32_t rank(uint32_t corner) const noexcept { return used_.rank(corner); }
 
   /// Calls take(number, position, attributes) for each member of vertices begin..end, in rising order.
-  /// @param begin, end  multiples of kSweepVertices, or the last of all. Thread safe.
+  /// @param begin, end  multiples of kSweepVertices; end may be the vertex count. Thread safe.
   template <typename Take>
   void sweep(uint64_t begin, uint64_t end, Take&& take) const {
     const auto takeMember = [&](uint64_t number, glm::dvec3 position, const VertexAttributes& attributes) {
@@ -41,7 +41,7 @@ class FaceBatch {
     }
   }
 
-  static constexpr uint64_t kSweepVertices = 4096;  ///< read, or skipped, at once
+  static constexpr uint64_t kSweepVertices = 4096;  ///< read or skipped at once
 
  private:
   bool isNeeded(uint64_t first) const noexcept;
@@ -53,7 +53,7 @@ class FaceBatch {
   std::vector<PackedInput::FaceBlock> blocks_;
 };
 
-/// Calls visit(first, corners) for each face of a block: where its corners begin, and how many there are.
+/// Calls visit(first, corners) for each face of a block: index of its first corner, number of corners.
 template <typename Visit>
 void forEachFace(const PackedInput::FaceBlock& block, Visit&& visit) {
   size_t first = 0;

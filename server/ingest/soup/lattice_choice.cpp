@@ -17,19 +17,19 @@ namespace {
 
 constexpr uint64_t kSampledFaces = 1 << 17;
 constexpr double kStepsInShortEdge = 32;
-/// Of the longest side, at least. Snapping moves a corner by half the diagonal of a cell, 0.87 steps, at
-/// most; where the side fills 3840 pixels, those are 0.81 of a pixel.
+/// Minimum over the longest side. Snapping moves a corner by at most half a cell diagonal, 0.87 steps: less
+/// than a pixel if the side fills 3840 pixels.
 constexpr double kLeastStepsInBox = 4096;
 constexpr double kMostStepsInBox = (1 << kLatticeBits) - 2;
 constexpr uint64_t kFacesForEachLost = 1'000'000;
 
-/// Vertices that faces use, and some faces, spread evenly.
+/// Vertices that faces use, and evenly sampled faces.
 struct UsedAndSampled {
   VertexSet used;
   std::vector<SampledFace> faces;
 };
 
-UsedAndSampled lookAtFaces(const PackedInput& input) {
+UsedAndSampled sampleFaces(const PackedInput& input) {
   UsedAndSampled result{VertexSet(input.vertexCount()), {}};
   const uint64_t stride = faceStride(input.faceCount());
   PackedInput::FaceCursor cursor(input);
@@ -43,7 +43,7 @@ UsedAndSampled lookAtFaces(const PackedInput& input) {
   return result;
 }
 
-/// The largest of isLatticeStep() that is not above a value.
+/// Largest isLatticeStep() that is at most `value`.
 double stepAtMost(double value) {
   int exponent = 0;
   const double eighths = std::floor(8 * std::frexp(value, &exponent));
@@ -51,8 +51,8 @@ double stepAtMost(double value) {
 }
 double powerOfTwoAtLeast(double value) { return std::exp2(std::ceil(std::log2(value))); }
 
-/// A power of two: of a step that is none, coordinates have more bits, for which double has room above four
-/// times its epsilon, that of the box's corner rounded down to a step included.
+/// A power of two. Multiples of other steps have more bits; the factor of four times epsilon leaves room for
+/// them, including the origin, which is the box's corner rounded down.
 double finestStep(glm::dvec3 box_min, glm::dvec3 box_max) {
   const glm::dvec3 size = box_max - box_min;
   const glm::dvec3 farthest = glm::max(glm::abs(box_min), glm::abs(box_max));
@@ -115,7 +115,7 @@ Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& posi
   std::vector<double> edges = edgesOf(faces, position_of);
   const double coarsest = chooseStep(edges, box_min, box_max), finest = finestStep(box_min, box_max);
   releaseStorage(edges);
-  std::vector<SampledFace> at_risk;  // nothing else is lost on a finer lattice
+  std::vector<SampledFace> at_risk;  // only these can be lost on a finer lattice
   const auto reaches = [&](const SampledFace& face) {
     for (size_t c = 0; c < 4; ++c) {
       if (face[c] == face[(c + 1) % 4]) continue;
@@ -137,7 +137,7 @@ Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& posi
 }
 
 UsedVertices findUsedVertices(const PackedInput& input) {
-  UsedAndSampled looked = lookAtFaces(input);
+  UsedAndSampled looked = sampleFaces(input);
   std::vector<uint32_t> corners;
   corners.reserve(looked.faces.size() * 4);
   for (const SampledFace& face : looked.faces) corners.insert(corners.end(), face.begin(), face.end());
@@ -164,11 +164,11 @@ UsedVertices findUsedVertices(const PackedInput& input) {
 }
 
 LatticeOrProblem chooseLattice(const UsedVertices& used) {
-  if (used.coincide()) return {{}, "all vertices that faces use coincide; nothing can be built of it"};
+  if (used.coincide()) return {{}, "all vertices that faces use coincide; check the file"};
   const Lattice lattice = chooseLattice(
       used.faces, [&](uint32_t corner) { return used.positions[corner]; }, used.min, used.max);
   if (isLatticeStep(lattice.step)) return {lattice, {}};
-  return {{}, "the coordinates are too small or too large to be stored; give the model in another unit"};
+  return {{}, "the coordinates are too small or too large to store; scale the model to another unit"};
 }
 
 LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name) {

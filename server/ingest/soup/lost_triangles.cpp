@@ -9,7 +9,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Beyond it what is left is not the model: its box is too large for its details.
+/// Above it the model's box is too large for its details.
 constexpr double kMostLostShare = 0.5;
 
 std::string inDigits(double value, int digits = 6) {
@@ -31,14 +31,11 @@ bool LostTriangles::areMost() const noexcept {
 std::string LostTriangles::inWords() const {
   if (areMost())
     return std::to_string(lost) + " of " + counted(of, "triangle") +
-           " would be lost, since their corners are nearer than a 2-millionth of the model, which runs "
-           "from " +
-           inDigits(min) + " to " + inDigits(max) +
-           "; remove stray vertices far away from the others, or split the model";
+           " would be lost: their corners are closer than a 2-millionth of the model, which extends from " +
+           inDigits(min) + " to " + inDigits(max) + "; remove distant stray vertices, or split the model";
   return "a build drops " + counted(lost, "triangle") + " with corners less than " + inDigits(step, 3) +
-         " apart, the step of the finest lattice that pays for so large a model; split the model or join "
-         "such "
-         "corners to keep or to close what is around them";
+         " apart, the finest lattice step for a model of this size; split the model to keep them, or merge "
+         "such corners to avoid gaps";
 }
 
 uint64_t LostTriangleCounter::count(std::span<const glm::dvec3> corners) {

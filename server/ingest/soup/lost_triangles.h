@@ -11,25 +11,24 @@
 
 namespace lode::ingest {
 
-/// Of a model's triangles, those that a build drops since the lattice makes corners one that the file has
-/// apart.
+/// Triangles that a build drops because corners that are distinct in the file coincide on the lattice.
 struct LostTriangles {
-  uint64_t lost = 0, of = 0;
+  uint64_t lost = 0, of = 0;  ///< lost triangles, all triangles
   double step = 0;            ///< the lattice's
   glm::dvec3 min{0}, max{0};  ///< box of the model
 
-  /// What is left does not stand for the model: nothing is built of it.
+  /// Returns whether so many are lost that the rest does not represent the model. The build then fails.
   bool areMost() const noexcept;
-  /// How many, why, and what to do.
+  /// Tells how many triangles are lost, why, and the remedy.
   std::string inWords() const;
 };
 
-/// Counts the triangles that faces lose to a lattice; polygons are cut as a build cuts them.
+/// Counts the triangles that faces lose on a lattice. Cuts polygons as a build does.
 class LostTriangleCounter {
  public:
   explicit LostTriangleCounter(const Lattice& lattice) : lattice_(lattice) {}
 
-  /// Of one face. @param corners  true coordinates, >= 3.
+  /// Counts for one face. @param corners  at least 3, in model units.
   uint64_t count(std::span<const glm::dvec3> corners);
 
  private:
@@ -37,7 +36,7 @@ class LostTriangleCounter {
   bool someMeet();
 
   const Lattice lattice_;
-  std::vector<PositionCode> snapped_, sorted_;  ///< of the face at hand, as are the next
+  std::vector<PositionCode> snapped_, sorted_;  ///< of the current face, like the next two
   std::vector<glm::dvec3> outline_;
   std::vector<glm::u32vec3> cut_;
 };

@@ -63,7 +63,7 @@ PackedInput PackedInput::load(const TemporaryFolder& folder, RecordReader& recor
   PackedInput input(folder, place);
   if (place.vertex_bytes % input.vertex_bytes_ != 0 ||
       place.vertex_bytes / input.vertex_bytes_ != place.vertices) {
-    throw Error(ErrorCode::kFormat, "the journal of a build names no packed input; build without --resume");
+    throw Error(ErrorCode::kFormat, "the build's journal has a damaged packed input; build without --resume");
   }
   return input;
 }
@@ -130,7 +130,7 @@ UvRange PackedInput::usedUvRange() const {
   UvRange range;
   SpoolCursor cursor(vertex_spool_, 0, vertices_ * vertex_bytes_);
   for (uint64_t vertex = 0; vertex < vertices_; ++vertex) {
-    glm::vec2 uv;  // the last of a vertex
+    glm::vec2 uv;  // last field of a vertex
     std::memcpy(&uv, cursor.take(vertex_bytes_).last(sizeof(uv)).data(), sizeof(uv));
     if (used.contains(vertex)) range.add(uv);
   }

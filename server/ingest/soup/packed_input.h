@@ -17,24 +17,24 @@
 
 namespace lode::ingest {
 
-/// In place of an octahedral code: the file's normal has no length.
+/// Replaces the octahedral code of a normal without length.
 constexpr uint16_t kNoNormal = 0xffff;
 
-/// The input, packed: what later stages read instead of the PLY. Vertices have a fixed size, faces lie in
-/// blocks, both in the file's order. Attributes are quantized already (normals may be kNoNormal); positions
-/// and texture coordinates are not yet: their grids follow from them.
+/// Vertices and faces in temporary files, which later stages read instead of the PLY. Vertices have a fixed
+/// size, faces are in blocks, both in file order. Attributes are quantized (normals may be kNoNormal);
+/// positions and texture coordinates are not, since their grids depend on all of them.
 class PackedInput {
  public:
-  /// Names of the files, which last.
+  /// Names of the files, which outlive a killed build.
   static constexpr std::string_view kVertexFile = "vertices", kFaceFile = "faces";
 
-  /// @param corner_texture  texture coordinates come with the faces' corners, not with vertices.
+  /// @param corner_texture  texture coordinates are per corner of a face, not per vertex.
   PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
               bool corner_texture = false);
 
-  /// Writes a flushed input to the disk for good, and notes in `record` where it is.
+  /// Syncs a flushed input to disk and records its location.
   void save(RecordWriter& record) const;
-  /// What save() noted. @throws Error kIo, kFormat.
+  /// Opens the input that save() recorded. @throws Error kIo, kFormat.
   static PackedInput load(const TemporaryFolder& folder, RecordReader& record);
 
   AttributeSet attributes() const noexcept { return attributes_; }
@@ -46,30 +46,30 @@ class PackedInput {
   void addFaces(const PlyFaces& faces);
   void flush();
 
-  /// Of all texture coordinates.
+  /// Range of all texture coordinates.
   const UvRange& uvRange() const noexcept { return uv_range_; }
-  /// Of those that faces use, of a flushed input. Reads it, if some vertices have coordinates outside 0
-  /// ... 1.
+  /// Range of the texture coordinates that faces use. The input must be flushed; reads it if some vertex has
+  /// coordinates outside 0..1.
   UvRange usedUvRange() const;
-  /// Of texture coordinates, as they are read from now on.
+  /// Sets the grid to which texture coordinates are snapped when read.
   void setUvGrid(const UvGrid& grid) noexcept { uv_grid_ = grid; }
   const UvGrid& uvGrid() const noexcept { return uv_grid_; }
 
-  /// Whether vertices have attributes, as against corners and faces.
+  /// Returns whether vertices have attributes; those of corners and faces do not count.
   bool hasVertexAttributes() const noexcept { return vertex_attributes_.bits != 0; }
-  /// Vertices first..first+count, to a sink of (number, position, attributes).
+  /// Passes vertices first..first+count to sink(number, position, attributes).
   template <typename Sink>
   void readVertices(uint64_t first, uint64_t count, Sink&& sink) const;
   size_t vertexBytes() const noexcept { return vertex_bytes_; }
-  /// Of one vertex, of a flushed input: a look at the file.
+  /// Reads the position of one vertex from disk. The input must be flushed.
   glm::dvec3 positionOf(uint64_t vertex) const;
 
-  /// Polygons as flat arrays; triangles only where corner_counts is empty.
+  /// Polygons as flat arrays; all are triangles if corner_counts is empty.
   struct FaceBlock {
     std::vector<uint32_t> corner_counts;
     std::vector<uint32_t> corners;
-    std::vector<glm::u16vec2> texture;  ///< one a corner, or empty
-    std::vector<uint16_t> materials;    ///< one a face, or empty
+    std::vector<glm::u16vec2> texture;  ///< one per corner, or empty
+    std::vector<uint16_t> materials;    ///< one per face, or empty
     size_t faceCount() const noexcept {
       return corner_counts.empty() ? corners.size() / 3 : corner_counts.size();
     }
@@ -78,11 +78,11 @@ class PackedInput {
              texture.size() * sizeof(glm::u16vec2) + materials.size() * sizeof(uint16_t);
     }
   };
-  /// Reads blocks from front to end.
+  /// Reads blocks sequentially.
   class FaceCursor {
    public:
     explicit FaceCursor(const PackedInput& input, uint64_t offset = 0);
-    uint64_t offset() const noexcept { return cursor_.offset(); }  ///< of the next block
+    uint64_t offset() const noexcept { return cursor_.offset(); }  ///< offset of the next block
     bool next(FaceBlock& block);
 
    private:
@@ -122,10 +122,10 @@ class PackedInput {
   std::vector<std::byte> packed_;
 };
 
-/// Of a model's attributes, those that come with vertices, as against corners and faces.
+/// Attributes that belong to vertices, not to corners or faces.
 AttributeSet vertexAttributes(AttributeSet attributes, bool corner_texture) noexcept;
 
-/// Bytes of a vertex in temporary files.
+/// Size of a vertex in temporary files.
 size_t packedVertexBytes(AttributeSet vertex_attributes, bool double_positions) noexcept;
 
 template <typename Sink>

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/error.h"
+#include "common/printable.h"
 
 namespace lode::ingest {
 
@@ -33,10 +34,10 @@ void checkVertices(const PlyHeader& header, const std::string& name) {
   const PlyElement* const vertices = header.find("vertex");
   if (vertices == nullptr || vertices->count <= UINT32_MAX) return;
   throw Error(ErrorCode::kLimit, name + ": " + std::to_string(vertices->count) +
-                                     " vertices; at most 4294967295 can be indexed, split the model");
+                                     " vertices, more than 4294967295; split the model");
 }
 
-/// @param attributes  of the model; what else the file has is left out.
+/// @param attributes  to take from the file.
 ScannedModel pack(PlyReader& reader, AttributeSet attributes, const TemporaryFolder& folder,
                   const BuildProgress& progress) {
   ScannedModel model{
@@ -73,23 +74,22 @@ std::vector<std::string> warningsOf(const PlyReader& reader, const PlyCounts& co
   warn(!skipped.empty(), skipped);
   warn(counts.skipped_bad > 0,
        std::to_string(counts.skipped_bad) +
-           " bad indices, coordinates or faces were left out; lodestreamd doctor says where");
+           " bad indices, coordinates or faces were skipped; lodestreamd doctor shows where");
   warn(counts.replaced_attributes > 0, replacedInWords(counts.replaced_attributes));
   warn(counts.unknown_textures > 0,
        unknownTexturesInWords(counts.unknown_textures, reader.header().texture_files.size()));
   warn(counts.lengthless_normals > 0, lengthlessInWords(counts));
   warn(counts.clamped_colours > 0, clampedInWords(counts.clamped_colours));
   warn(counts.extra_tokens > 0,
-       std::to_string(counts.extra_tokens) + " surplus values at the ends of lines were ignored");
+       std::to_string(counts.extra_tokens) + " extra values at ends of lines were ignored");
   warn(counts.trailing_bytes > 0, trailingInWords(counts));
   return warnings;
 }
 
 void checkFaces(const PlyCounts& counts, const std::filesystem::path& name) {
   if (counts.triangles > 0) return;
-  const std::string skipped = counts.skipped_bad > 0
-                                  ? " is left without the " + std::to_string(counts.skipped_bad) + " bad ones"
-                                  : "";
+  const std::string skipped =
+      counts.skipped_bad > 0 ? ", with " + counted(counts.skipped_bad, "bad value") + " skipped" : "";
   throw Error(ErrorCode::kInput,
               name.string() + ": no usable face" + skipped + "; export the model again, with its faces");
 }

@@ -14,13 +14,13 @@ struct ScannedModel {
   std::vector<std::string> texture_files;  ///< as the header names them
 };
 
-/// Whether the file's positions need more than float.
+/// Returns whether the file's positions need double.
 bool hasDoublePositions(const PlyHeader& header);
 
-/// Of a file's attributes, those that a build takes: no normals where none of them has a length.
+/// Attributes that a build takes from a file: without normals if none has a length.
 AttributeSet takenAttributes(AttributeSet attributes, const PlyCounts& counts) noexcept;
 
-/// Stage 1: reads the PLY file once and packs it; twice, if none of its normals has a length.
+/// Reads and packs a PLY file; reads it twice if none of its normals has a length.
 /// @throws Error as PlyReader; kInput also if no face is usable.
 ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, const BuildProgress& progress,
                   std::vector<std::string>& warnings);

@@ -13,10 +13,10 @@ double cross(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// How much an ear may lack before it is cut. A simple polygon needs no more than kFlat.
+/// Tolerance in accepting ears, rising. Simple polygons need at most kFlat.
 enum Tolerance { kStrict, kTouching, kFlat, kConvex, kAny };
 
-/// Points in square cells, about one a cell.
+/// Points in square cells, about one per cell.
 class PointGrid {
  public:
   PointGrid() = default;
@@ -38,8 +38,8 @@ class PointGrid {
     for (const uint32_t i : numbers) numbers_[next[cellOf(points[i])]++] = i;
   }
 
-  /// True if the test holds for a point in the cells that a triangle's box touches. Takes steps off the
-  /// budget.
+  /// Returns whether the test holds for any point in the cells that a triangle's box touches. Subtracts its
+  /// steps from the budget.
   template <class Test>
   bool any(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, int64_t& budget, const Test& test) const {
     if (cells_ == 0) return false;
@@ -69,12 +69,12 @@ class PointGrid {
 
   glm::dvec2 low_{0};
   double scale_ = 0;
-  uint32_t cells_ = 0;  ///< a side
+  uint32_t cells_ = 0;  ///< per side
   std::vector<uint32_t> starts_;
   std::vector<uint32_t> numbers_;
 };
 
-/// A polygon in the coordinate plane that shows most of it, counter-clockwise there, of size about 1.
+/// A polygon projected to the coordinate plane where it is largest, counter-clockwise, scaled to about 1.
 class Outline {
  public:
   explicit Outline(std::span<const glm::dvec3> corners) : size_(static_cast<uint32_t>(corners.size())) {
@@ -84,7 +84,7 @@ class Outline {
       const glm::dvec3 relative = corner - corners[0];
       extent = std::max({extent, std::fabs(relative.x), std::fabs(relative.y), std::fabs(relative.z)});
     }
-    if (!(extent > 0) || !std::isfinite(extent)) return;  // all points at 0: every ear is as good
+    if (!(extent > 0) || !std::isfinite(extent)) return;  // all points at 0: any ear will do
     glm::dvec3 normal(0);                                 // Newell's method
     glm::dvec3 last = (corners.back() - corners[0]) / extent;
     for (const glm::dvec3& corner : corners) {
@@ -125,7 +125,7 @@ class Outline {
       --left;
       if (tolerance != kStrict) candidates_.clear();
       tolerance = kStrict;
-      candidates_.push_back(before);  // of the others none becomes an ear by this
+      candidates_.push_back(before);  // no other corner becomes an ear by this
       candidates_.push_back(after);
     }
     const uint32_t last =
@@ -149,7 +149,7 @@ class Outline {
     queueAll();
   }
 
-  /// Every second corner first: one after the other would give fans.
+  /// Queues every second corner first, since consecutive ears would form fans.
   void queueAll() {
     for (const uint32_t first : {0u, 1u}) {
       for (uint32_t i = first; i < size_; i += 2) {
@@ -180,8 +180,7 @@ class Outline {
     return tolerance == kStrict ? least >= 0 : least > 0;
   }
 
-  /// Tests of one corner against one ear; beyond that, any ear will do. A polygon that needs more is not
-  /// simple.
+  /// Limit of tests of a corner against an ear. A polygon that exceeds it is not simple: then any ear is cut.
   static constexpr int64_t kLeastBudget = 100'000;
   static constexpr int64_t kBudgetPerCorner = 1024;
 
@@ -191,13 +190,13 @@ class Outline {
   std::vector<uint32_t> after_;
   std::vector<bool> removed_;
   std::deque<uint32_t> candidates_;
-  PointGrid reflex_;  ///< only a corner that was not convex at first can lie in an ear
+  PointGrid reflex_;  ///< only corners that are reflex initially can lie in an ear
   int64_t budget_ = 0;
 };
 
-/// Of the two diagonals, one that lies inside; of two such the shorter.
+/// Cuts along a diagonal that lies inside; along the shorter one if both do.
 void cutQuad(std::span<const glm::dvec3> corners, std::vector<glm::u32vec3>& triangles) {
-  // The quad's area vector; a triangle lies inside if its own points the same way.
+  // Area vector of the quad; a triangle is inside if its area vector has the same direction.
   const glm::dvec3 normal = glm::cross(corners[2] - corners[0], corners[3] - corners[1]);
   const auto area = [&](int a, int b, int c) {
     return glm::dot(glm::cross(corners[b] - corners[a], corners[c] - corners[a]), normal);

@@ -8,13 +8,12 @@
 
 namespace lode::ingest {
 
-/// Cuts a polygon, convex or not, into corners.size() - 2 triangles by ear clipping, seen along the axis that
-/// is nearest to the normal of its best-fit plane (a quad: along that normal); orientation is kept, and no
-/// triangle is left out even where ears are flat, so that the outline's edges are all used once. A polygon
-/// that is not simple, or has no area, is cut too, somehow. The work is bounded by a number of steps a
-/// corner; what needs more is not simple.
-/// @param corners    positions in order, >= 3.
-/// @param triangles  receives corner numbers 0..corners.size()-1; cleared first.
+/// Cuts a polygon, convex or not, into corners.size() - 2 triangles by ear clipping. Projects along the axis
+/// nearest to the normal of the best-fit plane (a quad: along the normal). Keeps the orientation and emits
+/// flat ears too, so that every edge of the outline is used once. Polygons that are not simple or have no
+/// area are cut arbitrarily; so are those that exceed a bound of steps per corner.
+/// @param corners    positions in order, at least 3.
+/// @param triangles  receives corner indices; cleared first.
 /// Source: Meisters, Polygons Have Ears, 1975.
 void triangulate(std::span<const glm::dvec3> corners, std::vector<glm::u32vec3>& triangles);
 

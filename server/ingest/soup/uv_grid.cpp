@@ -29,10 +29,11 @@ UvGrid chooseUvGrid(const UvRange& range, const std::string& file) {
     if (glm::any(glm::greaterThan(glm::abs(grid.origin), glm::dvec2(kMaxUvOrigin)))) break;
     if (glm::all(glm::lessThanEqual((range.max - grid.origin) / step, glm::dvec2(kCodes)))) return grid;
   }
-  throw Error(ErrorCode::kInput, file + ": texture coordinates run from " +
-                                     std::to_string(std::min(range.min.x, range.min.y)) + " to " +
-                                     std::to_string(std::max(range.max.x, range.max.y)) +
-                                     ": some of them are wrong; correct them or export the model without");
+  throw Error(ErrorCode::kInput,
+              file + ": texture coordinates range from " +
+                  std::to_string(std::min(range.min.x, range.min.y)) + " to " +
+                  std::to_string(std::max(range.max.x, range.max.y)) +
+                  ", too far for a store; correct wrong coordinates or export the model without");
 }
 
 }  // namespace lode::ingest

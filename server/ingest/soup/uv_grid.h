@@ -8,7 +8,7 @@
 
 namespace lode::ingest {
 
-/// The texture coordinates that a file uses.
+/// Range of texture coordinates.
 struct UvRange {
   glm::dvec2 min{std::numeric_limits<double>::infinity()};
   glm::dvec2 max{-std::numeric_limits<double>::infinity()};
@@ -18,25 +18,25 @@ struct UvRange {
     max = glm::max(max, glm::dvec2(uv));
   }
   bool empty() const noexcept { return !(min.x <= max.x); }
-  /// Nothing of it lies outside 0 ... 1.
+  /// Returns whether the range lies within 0..1 or is empty.
   bool withinImage() const noexcept {
     return empty() || (glm::all(glm::greaterThanEqual(min, glm::dvec2(0))) &&
                        glm::all(glm::lessThanEqual(max, glm::dvec2(1))));
   }
 };
 
-/// The grid of a model's texture coordinates, see TextureSet: origin + code * 2^(scale_exponent - 16).
+/// Grid of a model's texture coordinates: origin + code * 2^(scale_exponent - 16). See TextureSet.
 struct UvGrid {
   glm::dvec2 origin{0};
   int32_t scale_exponent = 0;
 
   bool operator==(const UvGrid&) const = default;
-  /// Nearest code; beyond the ends the last.
+  /// Returns the nearest code, clamped to the grid.
   glm::u16vec2 snap(glm::vec2 uv) const noexcept;
 };
 
-/// The finest grid that holds a range, of a step of 2^-16 at least; what lies within 0 ... 1 gets the origin
-/// 0. The greatest coordinate may lie up to a step beyond the last code.
+/// Chooses the finest grid that covers a range, with a step of at least 2^-16. A range within 0..1 gets
+/// origin 0. The largest coordinate may be up to a step beyond the last code.
 /// @param file  for the message.
 /// @throws Error kInput if the range is too wide for any grid.
 UvGrid chooseUvGrid(const UvRange& range, const std::string& file);

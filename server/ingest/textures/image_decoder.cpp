@@ -16,22 +16,22 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kTexelBytes = sizeof(glm::u8vec4);
-/// Of a texel beside the picture itself: the next level, or a decoder's rows.
+/// Per texel, beside the image: the next level, or a decoder's rows.
 constexpr uint64_t kUsualTexelBytes = 2;
-/// Beside that: the coefficients of a JPEG that is read in several scans, in blocks; WebP's own picture.
+/// Additional per texel: coefficients of a JPEG in several scans, in blocks.
 constexpr uint64_t kCoefficientBytes = 6, kJpegBlockPx = 32;
-/// And the tables by which a WebP without loss, or its alpha, is read: of 18 pictures that the reference
-/// encoder made they took 0.64 MB at most. A file may be made to have many more.
+/// Tables to decode lossless WebP or its alpha: enough for files of the reference encoder; a crafted file may
+/// need more.
 constexpr uint64_t kWebpTableBytes = 1u << 20;
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::kInput, what); }
 
-/// @param decoder_bytes  of a texel, that its decoder takes for the whole picture.
+/// @param decoder_bytes  per texel, for the decoder.
 ImageHeader headerOf(uint64_t width, uint64_t height, uint64_t decoder_bytes) {
   if (width == 0 || height == 0) refuse("has no pixels");
   if (std::max(width, height) > kMaxTextureEdgePx)
-    refuse("has " + std::to_string(width) + " x " + std::to_string(height) + " pixels, the limit is " +
-           std::to_string(kMaxTextureEdgePx) + " each way; scale it down");
+    refuse("has " + std::to_string(width) + " x " + std::to_string(height) + " pixels; the limit is " +
+           std::to_string(kMaxTextureEdgePx) + " per side; scale it down");
   return {width, height, width * height * (kTexelBytes + kUsualTexelBytes + decoder_bytes)};
 }
 
@@ -49,7 +49,7 @@ void decodePng(std::span<const std::byte> file, Image& image) {
   png.version = PNG_IMAGE_VERSION;
   if (png_image_begin_read_from_memory(&png, file.data(), file.size()) != 0) {
     png.format = PNG_FORMAT_RGBA;
-    png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // as all programs but libpng take 16 bits without a gamma
+    png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // treat 16 bits without a gamma as sRGB, like other programs
     if (png_image_finish_read(&png, nullptr, image.texels.data(), 0, nullptr) != 0) return;
   }
   refuse(std::string("is a damaged PNG: ") + png.message);
@@ -58,7 +58,7 @@ void decodePng(std::span<const std::byte> file, Image& image) {
 ImageHeader readJpegHeader(std::span<const std::byte> file) {
   JpegDecoder decoder(file, false);
   if (!decoder.readHeader()) refuse(std::string("is a damaged JPEG: ") + decoder.failure());
-  if (decoder.isCmyk()) refuse("is a CMYK JPEG: convert it to RGB");
+  if (decoder.isCmyk()) refuse("is a CMYK JPEG; convert it to RGB");
   ImageHeader header = headerOf(decoder.size().x, decoder.size().y, 0);
   if (decoder.hasSeveralScans()) {
     const glm::u64vec2 blocks =
@@ -104,7 +104,7 @@ bool isPng(std::span<const std::byte> file) {
 ImageHeader readImageHeader(std::span<const std::byte> file) {
   if (isPng(file)) return readPngHeader(file);
   const auto kind = tileKind(file);
-  if (!kind) refuse("is no JPEG, PNG or WebP picture: convert it to one");
+  if (!kind) refuse("is not a JPEG, PNG or WebP image; convert it to one");
   return *kind == TileKind::kJpeg ? readJpegHeader(file) : readWebpHeader(file);
 }
 
@@ -113,7 +113,7 @@ Image decodeImage(std::span<const std::byte> file, uint64_t memory_bytes, std::s
   const ImageHeader header = readImageHeader(file);
   if (header.working_bytes > memory_bytes)
     throw Error(ErrorCode::kLimit, "has " + std::to_string(header.width) + " x " +
-                                       std::to_string(header.height) + " pixels, which take " +
+                                       std::to_string(header.height) + " pixels, which need " +
                                        byteSizeAtLeast(header.working_bytes) +
                                        " of memory; raise --memory or scale it down");
   Image image;

@@ -9,23 +9,23 @@
 
 namespace lode::ingest {
 
-/// What a picture's file announces.
+/// Header of an image file.
 struct ImageHeader {
   uint64_t width = 0, height = 0;  ///< pixels, up to kMaxTextureEdgePx each
-  /// Of memory, at most: the texels with what their decoder takes beside them, or the next coarser level.
+  /// Upper bound on the memory for the texels and their decoder, or the next coarser level.
   uint64_t working_bytes = 0;
 };
 
-/// Of a JPEG, PNG or WebP file, told apart by its first bytes. Takes no memory for texels.
-/// @throws Error kInput: no picture of these kinds, a damaged header, or a size above the limit. The message
-/// begins with what is wrong. Thread safe.
+/// Reads the header of a JPEG, PNG or WebP file, recognized by its first bytes. Allocates no texels.
+/// @throws Error kInput: another format, a damaged header, or a size above the limit. The message begins with
+/// the problem, without the file's name. Thread safe.
 ImageHeader readImageHeader(std::span<const std::byte> file);
 
-/// Decodes a file of which readImageHeader() reads the header.
-/// @param memory_bytes  to be used at most, the file's bytes not counted; checked before any is taken.
-/// @param damage        receives what a decoder could not read of a picture that it gave all the same.
-/// @throws Error kInput: as readImageHeader(), or a damaged picture; kLimit: it takes more memory. The
-/// message begins with what is wrong. Thread safe.
+/// Decodes an image file.
+/// @param memory_bytes  limit, without the file's bytes; checked before any allocation.
+/// @param damage        receives the decoder's warning about an image that is damaged but usable.
+/// @throws Error kInput: as readImageHeader(), or a damaged image; kLimit: too little memory. The message
+/// begins with the problem. Thread safe.
 Image decodeImage(std::span<const std::byte> file, uint64_t memory_bytes, std::string& damage);
 
 }  // namespace lode::ingest

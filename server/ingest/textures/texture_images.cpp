@@ -18,10 +18,10 @@ bool isInside(const std::filesystem::path& path, const std::filesystem::path& fo
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }
 
-/// "takes N MB of memory, ...": why an image is left out, and what to do.
+/// Returns the problem of an image that is too large for the memory, and its remedy.
 std::string tooLarge(uint64_t needed, uint64_t memory_bytes) {
-  return "takes " + byteSizeAtLeast(needed) + " of memory, and an image may take " +
-         describeBytes(memory_bytes) + " of --memory: raise it to " +
+  return "needs " + byteSizeAtLeast(needed) + " of memory, but an image may use only " +
+         describeBytes(memory_bytes) + " of --memory; raise it to " +
          byteSizeAtLeast(budgetForImage(needed)) + " or scale the image down";
 }
 
@@ -29,7 +29,7 @@ std::string inPixels(const ImageHeader& header) {
   return std::to_string(header.width) + " x " + std::to_string(header.height) + " pixels";
 }
 
-/// Reads the header, or says in `problem` why the image is left out.
+/// Reads the header, or sets `problem`.
 void examine(TextureImage& image, uint64_t memory_bytes) {
   try {
     const std::vector<std::byte> file = readImageFile(image.path, memory_bytes);
@@ -58,15 +58,15 @@ void checkTiles(const std::filesystem::path& ply, const std::vector<TextureImage
   if (tiles <= kMaxTextureTiles) return;
   const auto largest = std::max_element(images.begin(), images.end(),
                                         [](const auto& a, const auto& b) { return tilesOf(a) < tilesOf(b); });
-  throw Error(ErrorCode::kInput, ply.string() + ": its texture images make " + std::to_string(tiles) +
-                                     " tiles, the limit is " + std::to_string(kMaxTextureTiles) +
+  throw Error(ErrorCode::kInput, ply.string() + ": its texture images need " + std::to_string(tiles) +
+                                     " tiles; the limit is " + std::to_string(kMaxTextureTiles) +
                                      "; scale them down (the largest, " + quotedText(largest->name, 4096) +
                                      ", has " + inPixels(largest->header) + ") or split the model");
 }
 
-constexpr const char* kOutside = "is outside the PLY file's folder; put it there and name it without a path";
+constexpr const char* kOutside = "is outside the PLY file's folder; move it there and name it without a path";
 
-/// Where images of a PLY may lie: beside it, and, where it is a link, beside what it leads to.
+/// Folders that may contain images of a PLY: its own and, if it is a link, that of its target.
 std::vector<std::filesystem::path> foldersOf(const std::filesystem::path& ply) {
   std::vector<std::filesystem::path> folders;
   std::error_code failed;
@@ -81,12 +81,12 @@ std::vector<std::filesystem::path> foldersOf(const std::filesystem::path& ply) {
   return folders;
 }
 
-struct LookedUp {
-  bool is_there = false;
+struct FoundTexture {
+  bool exists = false;
   TextureFile file;
 };
 
-LookedUp lookIn(const std::filesystem::path& folder, const std::filesystem::path& named) {
+FoundTexture findIn(const std::filesystem::path& folder, const std::filesystem::path& named) {
   std::error_code failed;
   const std::filesystem::path path = std::filesystem::canonical(folder / named, failed);
   if (failed || !std::filesystem::exists(path, failed)) return {};
@@ -94,15 +94,16 @@ LookedUp lookIn(const std::filesystem::path& folder, const std::filesystem::path
     return {true,
             {{},
              named.is_absolute() ? kOutside
-                                 : "is a link out of the PLY file's folder; put the image itself there"}};
-  if (!std::filesystem::is_regular_file(path, failed)) return {true, {{}, "is no file; put the image there"}};
+                                 : "is a link out of the PLY file's folder; copy the image itself there"}};
+  if (!std::filesystem::is_regular_file(path, failed))
+    return {true, {{}, "is not a file; replace it by the image"}};
   return {true, {path, {}}};
 }
 
-std::string notThere(const std::vector<std::filesystem::path>& folders) {
-  std::string words = "is not there; put it into the PLY file's folder";
+std::string notFound(const std::vector<std::filesystem::path>& folders) {
+  std::string words = "was not found; put it into the PLY file's folder";
   for (size_t i = 0; i < folders.size(); ++i)
-    words += (i == 0 ? ", " : ", or into that of the file that it is a link to, ") +
+    words += (i == 0 ? ", " : ", or into the folder of its link's target, ") +
              quotedText(folders[i].string(), 4096);
   return words;
 }
@@ -116,25 +117,25 @@ TextureFile findTexture(const std::filesystem::path& ply, const std::string& nam
   const std::vector<std::filesystem::path> folders = foldersOf(ply);
   std::optional<std::string> problem;
   for (const std::filesystem::path& folder : folders) {
-    LookedUp looked = lookIn(folder, named);
-    if (looked.is_there && looked.file.problem.empty()) return looked.file;
-    if (looked.is_there && !problem) problem = looked.file.problem;
+    FoundTexture looked = findIn(folder, named);
+    if (looked.exists && looked.file.problem.empty()) return looked.file;
+    if (looked.exists && !problem) problem = looked.file.problem;
   }
   if (problem) return {{}, *problem};
   if (named.is_absolute()) return {{}, kOutside};
   if (name.find('\\') != std::string::npos)
     return {{},
-            "is named with a path of another system; put it into the PLY file's folder and name it without a "
+            "has a path of another system; put it into the PLY file's folder and name it without a "
             "path"};
-  return {{}, notThere(folders)};
+  return {{}, notFound(folders)};
 }
 
 std::vector<TextureImage> surveyTextures(const std::filesystem::path& ply, std::span<const std::string> names,
                                          uint64_t memory_bytes) {
   if (names.size() > kMaxTextures)
     throw Error(ErrorCode::kInput, ply.string() + ": " + std::to_string(names.size()) +
-                                       " texture files, the limit is " + std::to_string(kMaxTextures) +
-                                       "; join some of them");
+                                       " texture files; the limit is " + std::to_string(kMaxTextures) +
+                                       "; merge some of them");
   std::vector<TextureImage> images;
   for (const std::string& name : names) {
     TextureFile file = findTexture(ply, name);
@@ -161,7 +162,7 @@ std::vector<std::byte> readImageFile(const std::filesystem::path& path, uint64_t
 Image readImage(const std::filesystem::path& path, uint64_t memory_bytes, std::string& damage) {
   const std::vector<std::byte> file = readImageFile(path, memory_bytes);
   Image image = decodeImage(file, memory_bytes - file.size(), damage);
-  if (!damage.empty()) damage = "is damaged (" + damage + "): what could be read of it is used";
+  if (!damage.empty()) damage = "is damaged (" + damage + "); the readable part is used";
   return image;
 }
 

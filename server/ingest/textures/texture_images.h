@@ -11,49 +11,49 @@
 
 namespace lode::ingest {
 
-/// What is wrong with a model that has texture coordinates and names no image.
+/// Warning about a model that has texture coordinates but names no image.
 constexpr const char* kNoTextureFile =
-    "texture coordinates, but no comment TextureFile names a texture; add one to the header";
+    "has texture coordinates, but its header names no image; add a line: comment TextureFile NAME";
 
-/// Where the image of a `comment TextureFile` is.
+/// Image of a `comment TextureFile`.
 struct TextureFile {
   std::filesystem::path path;
-  std::string problem;  ///< why there is none to be read, with a remedy; empty if there is
+  std::string problem;  ///< reason why it cannot be read, and remedy; empty if it can
 };
 
-/// Looks for an image in the PLY file's folder or below, then, where the PLY is a link, in that of the file
-/// that it leads to; links of images are followed, but not out of these. Thread safe.
+/// Finds an image in the PLY file's folder or below, then, if the PLY is a link, in the folder of its target.
+/// Follows links of images, but not out of these folders. Thread safe.
 TextureFile findTexture(const std::filesystem::path& ply, const std::string& name);
 
-/// An image that a model names, as far as its header tells.
+/// An image that a model names, and its header.
 struct TextureImage {
-  std::string name;            ///< as the model's file has it
-  std::filesystem::path path;  ///< empty: there is none
-  std::string problem;         ///< why it is left out, with a remedy; empty if it is not
-  bool needs_memory = false;   ///< the problem is this build's budget, from which no store may follow
+  std::string name;            ///< as written in the PLY file
+  std::filesystem::path path;  ///< empty if it was not found
+  std::string problem;         ///< reason why it cannot be used, and remedy; empty if it can
+  bool needs_memory = false;   ///< more memory would solve the problem
   uint64_t file_bytes = 0;
-  ImageHeader header;  ///< no pixels if there is a problem
+  ImageHeader header;  ///< empty if there is a problem
 
-  /// Of memory, that decoding it and making its levels take.
+  /// Memory to decode the image and make its levels.
   uint64_t memoryBytes() const noexcept { return file_bytes + header.working_bytes; }
 };
 
-/// Finds the images and reads their headers; takes the memory of one file at a time.
-/// @param memory_bytes  that an image may take (MemoryPlan::image_bytes); one that takes more has a problem.
-/// @throws Error kInput if there are more images, or tiles of all together, than a store takes. Thread safe.
+/// Finds the images and reads their headers. Holds one file in memory at a time.
+/// @param memory_bytes  limit per image (MemoryPlan::image_bytes); an image that needs more has a problem.
+/// @throws Error kInput if the number of images or of their tiles exceeds a store's limit. Thread safe.
 std::vector<TextureImage> surveyTextures(const std::filesystem::path& ply, std::span<const std::string> names,
                                          uint64_t memory_bytes);
 
-/// The bytes of an image's file. @throws Error kInput if they cannot be read, kLimit if there are more than
-/// `memory_bytes`; the message begins with what is wrong. Thread safe.
+/// Reads the bytes of an image file. @throws Error kInput if it cannot be read, kLimit if it is larger than
+/// `memory_bytes`; the message begins with the problem. Thread safe.
 std::vector<std::byte> readImageFile(const std::filesystem::path& path, uint64_t memory_bytes);
 
-/// Decodes an image's file, within `memory_bytes` for both. @param damage  receives what could not be read of
-/// one that can be shown all the same, in words after textureInWords(). @throws Error as readImageFile() and
+/// Reads and decodes an image file within `memory_bytes`. @param damage  receives a warning about an image
+/// that is damaged but usable, to follow textureInWords(). @throws Error as readImageFile() and
 /// decodeImage(). Thread safe.
 Image readImage(const std::filesystem::path& path, uint64_t memory_bytes, std::string& damage);
 
-/// "FILE.ply: texture 'NAME'", as a warning about an image begins.
+/// Returns "FILE.ply: texture 'NAME'", the beginning of messages about an image.
 std::string textureInWords(const std::filesystem::path& ply, const std::string& name);
 
 }  // namespace lode::ingest

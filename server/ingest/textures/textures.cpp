@@ -15,9 +15,9 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kTilesAtOnce = 8;  ///< a thread, before they are written
+constexpr size_t kTilesAtOnce = 8;  ///< encoded per thread before they are written
 
-/// A name that a texture set takes.
+/// Makes a name valid for a texture set.
 std::string presentable(std::string name) {
   name.resize(std::min<size_t>(name.size(), kMaxTextureNameBytes));
   if (isPrintableUtf8(name)) return name;
@@ -26,7 +26,7 @@ std::string presentable(std::string name) {
   return name;
 }
 
-/// Runs work(0) ... work(count - 1) on threads; throws what the first that failed met.
+/// Runs work(0) ... work(count - 1) on threads. Rethrows the exception with the lowest index.
 template <typename Work>
 void forEach(size_t count, unsigned threads, const Work& work) {
   std::atomic<size_t> next{0};
@@ -71,7 +71,7 @@ class Stager {
         problem = error.what();
       }
     }
-    if (!problem.empty()) warnings_.push_back(words + " " + problem + "; it is built without");
+    if (!problem.empty()) warnings_.push_back(words + " " + problem + "; the build leaves it out");
     ++done_textures_;
     return staged;
   }
@@ -129,13 +129,13 @@ class Stager {
   std::vector<std::string>& warnings_;
   const size_t textures_;
   size_t done_textures_ = 0;
-  unsigned threads_ = 1;  ///< for the texture at hand, as are the next
+  unsigned threads_ = 1;  ///< of the current texture, like the next two
   TileCodec codec_ = TileCodec::kJpeg;
   size_t staged_tiles_ = 0;
   uint64_t all_tiles_ = 0;
 };
 
-/// Says where a wide range of coordinates makes them coarser than the images.
+/// Warns if a wide range makes texture coordinates coarser than a pixel of the images.
 void checkPrecision(const StagedTextures& staged, const UvGrid& grid, const std::string& ply,
                     std::vector<std::string>& warnings) {
   uint32_t largest = 0;
@@ -143,9 +143,9 @@ void checkPrecision(const StagedTextures& staged, const UvGrid& grid, const std:
     largest = std::max({largest, texture.width, texture.height});
   const double texels = std::ldexp(largest, grid.scale_exponent - 16);
   if (texels <= 1) return;
-  warnings.push_back(ply + ": texture coordinates run over " + std::to_string(1ull << grid.scale_exponent) +
-                     " repetitions of the image, and are rounded to " + std::to_string(texels) +
-                     " pixels of it; bring them nearer to 0 ... 1 where that shows");
+  warnings.push_back(ply + ": texture coordinates cover " + std::to_string(1ull << grid.scale_exponent) +
+                     " repetitions of the image and are rounded to " + std::to_string(texels) +
+                     " of its pixels; if that is visible, move them closer to 0..1");
 }
 
 }  // namespace

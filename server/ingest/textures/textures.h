@@ -14,31 +14,31 @@
 
 namespace lode::ingest {
 
-/// Tiles of the images, encoded, in a temporary file.
+/// Encoded tiles of the images, in a temporary file.
 struct StagedTextures {
   struct Place {
     uint64_t offset = 0;
     uint32_t bytes = 0;
   };
   struct Texture {
-    std::string name;  ///< fit for a texture set
+    std::string name;  ///< shortened and printable, as a texture set requires
     uint32_t width = 0, height = 0;
-    std::vector<Place> tiles;  ///< in the order of lode::Texture's
+    std::vector<Place> tiles;  ///< in the order of lode::Texture::tiles; empty if the image has a problem
   };
-  /// Name of the tiles' file, which lasts.
+  /// Name of the tiles' file, which outlives a killed build.
   static constexpr std::string_view kFile = "tiles";
 
   std::vector<Texture> textures;
 
   void save(RecordWriter& record) const;
-  /// What save() noted. @throws Error kFormat.
+  /// @throws Error kFormat.
   static StagedTextures load(RecordReader& record);
 };
 
-/// Stage "textures": decodes the images, makes their levels and encodes the tiles, on options.threads
-/// threads at most; the tiles do not depend on how many. One image is in memory at a time. An image that has
-/// a problem or cannot be read is a warning, and its texture has no tiles.
-/// @param image_bytes  that an image may take (MemoryPlan).
+/// Decodes the images, makes their levels and encodes the tiles, on at most options.threads threads. The
+/// tiles do not depend on the number of threads. Holds one image in memory at a time. Adds a warning for an
+/// image that has a problem or cannot be read; its texture has no tiles.
+/// @param image_bytes  limit per image (MemoryPlan).
 /// @throws Error kIo.
 StagedTextures stageTextures(const BuildOptions& options, std::span<const TextureImage> images,
                              const UvGrid& grid, Spool& tiles, uint64_t image_bytes,

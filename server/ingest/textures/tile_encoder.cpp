@@ -17,7 +17,7 @@ namespace {
 constexpr int kQuality = 90;
 constexpr size_t kDrawingColours = 256;
 
-/// Nothing with a destructor may be made in here: libjpeg reports errors by a jump.
+/// Must create no object with a destructor, since libjpeg reports errors by longjmp.
 /// @param bytes  allocated with malloc.
 bool compressJpeg(const Image& tile, unsigned char*& bytes, unsigned long& size) {
   jpeg_compress_struct info{};
@@ -71,9 +71,9 @@ std::vector<std::byte> encodeWebp(const Image& tile, bool lossless) {
   WebPConfig config;
   WebPPicture picture;
   if (WebPConfigPreset(&config, WEBP_PRESET_DEFAULT, kQuality) == 0 || WebPPictureInit(&picture) == 0)
-    throw Error(ErrorCode::kInternal, "libwebp is of another version than its headers");
+    throw Error(ErrorCode::kInternal, "libwebp has another version than its headers");
   if (lossless) WebPConfigLosslessPreset(&config, 6);
-  config.exact = 1;  // colours under full transparency are mixed with their neighbours when filtered
+  config.exact = 1;  // keep colours of transparent texels, since filtering mixes them with neighbours
   picture.use_argb = 1;
   picture.width = static_cast<int>(tile.size.x);
   picture.height = static_cast<int>(tile.size.y);

@@ -7,17 +7,18 @@
 
 namespace lode::ingest {
 
-/// How the tiles of a picture are stored.
+/// Format of an image's tiles.
 enum class TileCodec {
   kJpeg,      ///< photographs: quality 90, full colour resolution
   kWebp,      ///< photographs with alpha: quality 90, alpha exact
-  kLossless,  ///< drawings of up to 256 colours: WebP without loss
+  kLossless,  ///< drawings of up to 256 colours: lossless WebP
 };
 
-/// By a picture's content: all its tiles are stored alike, so that none shows beside the others. Thread safe.
+/// Chooses the format by the image's content. All tiles of an image use one, so that no tile stands out.
+/// Thread safe.
 TileCodec chooseCodec(const Image& image);
 
-/// The bytes of a tile's file, the same for the same texels. @throws Error kInternal. Thread safe.
+/// Encodes a tile; equal texels give equal bytes. @throws Error kInternal. Thread safe.
 std::vector<std::byte> encodeTile(const Image& tile, TileCodec codec);
 
 }  // namespace lode::ingest

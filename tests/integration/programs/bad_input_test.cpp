@@ -1,4 +1,4 @@
-// Input that nothing can be made of: the work fails with one line that names it, and leaves nothing behind.
+// Bad input: commands fail with one line that names the file, and leave nothing behind.
 
 #include <cmath>
 #include <cstdlib>
@@ -19,10 +19,10 @@ namespace {
 struct BadPly {
   const char* what;
   std::string bytes;
-  std::vector<std::string> named;  ///< what the message says, besides the file
+  std::vector<std::string> named;  ///< expected in the message, besides the file's name
 };
 
-/// A header of three vertices of floats and one triangle; `format` with its version.
+/// Returns the header of three float vertices and one triangle. @param format  with its version.
 std::string header(const std::string& format, int faces = 1) {
   return "ply\nformat " + format +
          "\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face " +
@@ -99,7 +99,7 @@ TEST(BadInput, thatIsAStoreIsSaidToBeOne) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   expectFailure(lodestreamd({"build", store, "-o", folder / "b.lode", "--quiet"}),
-                {"small.lode", "is a store already", "lodestreamd export"});
+                {"small.lode", "is a store, not a PLY file", "lodestreamd export"});
 }
 
 TEST(BadOutput, isRefusedByBuildIfItIsAnImageThatTheModelNames) {
@@ -155,7 +155,7 @@ TEST(BadInput, isNamedByFetchIfItsCameraIsNone) {
   }
 }
 
-/// A port of loopback that is taken, by a socket that listens or does not.
+/// Occupies a loopback port with a socket that listens or does not.
 class TakenPort {
  public:
   explicit TakenPort(bool listens) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {

@@ -1,4 +1,4 @@
-// A PLY as a target of the client: the store that is built of it, kept in the cache and used again.
+// The client opens a PLY: it builds a store, keeps it in the cache and reuses it.
 
 #include <csignal>
 #include <filesystem>
@@ -30,7 +30,7 @@ class BuiltStore : public testing::Test {
     return {"fetch", ply.string(), "--json", "--pixels", "4"};
   }
   Outcome fetch(const fs::path& ply) const { return lodestream(fetchOf(ply), environment_); }
-  /// The stores in the cache.
+  /// Lists the stores in the cache.
   std::vector<fs::path> stores() const {
     std::vector<fs::path> found;
     for (const auto& entry : fs::recursive_directory_iterator(folder_ / "cache"))
@@ -70,7 +70,7 @@ TEST_F(BuiltStore, isBuiltAnewOfAFileThatChangesAndKeepsItsSizeAndTime) {
   EXPECT_NE(readBytes(stores().at(0)), before);
 }
 
-/// Returns when the process stands still.
+/// Returns when the process is stopped.
 void stop(pid_t process) {
   kill(process, SIGSTOP);
   const std::string status = "/proc/" + std::to_string(process) + "/stat";
@@ -124,7 +124,7 @@ TEST_F(BuiltStore, isBuiltAnewWhenTheFileHasChangedAndTheOneBeforeGoes) {
   EXPECT_NE(stores(), before);
 }
 
-/// A PNG of one pixel, in hexadecimal digits.
+/// PNG of one pixel, in hexadecimal digits.
 constexpr std::string_view kRed =
     "89504e470d0a1a0a0000000d4948445200000001000000010802000000907753de0000000c49444154789c63f8"
     "cfc0000003010100c9fe92ef0000000049454e44ae426082";

@@ -1,4 +1,4 @@
-// A client that is killed while it writes its cache, or whose disk is full: the next one shows the same.
+// A client is killed while it writes its cache, or its disk is full: the next client shows the same picture.
 
 #include <chrono>
 #include <csignal>
@@ -58,7 +58,7 @@ class KilledClient : public testing::Test {
     EXPECT_TRUE(readBytes(folder_ / "found.ply") == expected_);
   }
 
-  /// @param moment  part of the time that one takes. @return whether it was there still.
+  /// @param moment  as a fraction of a client's run time. @return whether the client was still running.
   bool killsAt(double moment, const std::string& cache) const {
     Program client("lodestream", fetch({"--cache", cache}));
     std::this_thread::sleep_for(moment * undisturbed_);
@@ -66,7 +66,7 @@ class KilledClient : public testing::Test {
     return client.wait().status == 128 + SIGKILL;
   }
 
-  /// The system ends a client in the write that would make a file longer. @return whether it did.
+  /// The system kills a client in the write that exceeds a file size limit. @return whether it did.
   bool killsWhileWriting(int longest_bytes, const std::string& cache) const {
     Strings limited{"--core=0", "--fsize=" + std::to_string(longest_bytes), LODE_BIN_DIR "/bin/lodestream"};
     const Strings fetching = fetch({"--cache", cache});
@@ -74,9 +74,9 @@ class KilledClient : public testing::Test {
     return Program("prlimit", limited).wait().status == 128 + SIGXFSZ;
   }
 
-  /// Kills clients by turns at a random moment and within a random file of their cache; after every third one
-  /// shows all, and again without the server. @return those that were killed, and of them those that left a
-  /// part of a file.
+  /// Kills clients alternately at a random moment and within a random file of their cache. After every third,
+  /// a client shows the whole model, then again without the server. @return number of killed clients, and of
+  /// those that left a partial file.
   Kills killMany(int kills, uint32_t seed) const {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> part(0, 1);

@@ -1,4 +1,4 @@
-// I4, the honest error: what the store says against what dense sampling finds, LOD by LOD.
+// I4: compares the stored error of each LOD with the deviation that dense sampling finds.
 
 #include <algorithm>
 #include <iostream>
@@ -17,9 +17,9 @@ namespace lode::test {
 namespace {
 
 constexpr size_t kSamplesOfLod = 30000;
-constexpr size_t kMaxLods = 200;  ///< checked of a model, evenly spread
+constexpr size_t kMaxLods = 200;  ///< checked per model, evenly spread
 
-/// The original surface below a node.
+/// Original surface below a node.
 TriangleSoup leavesBelow(const store::Reader& reader, NodeKey key) {
   TriangleSoup soup;
   for (const Node& node : reader.nodes()) {
@@ -83,8 +83,8 @@ TEST_P(HonestError, isAtLeastWhatDenseSamplingFinds) {
 
 INSTANTIATE_TEST_SUITE_P(Of, HonestError, testing::ValuesIn(models()), nameOf);
 
-// Of this sample an LOD of 8,689 triangles is farthest off where what it was made of already is, inside a
-// triangle of the leaves; without that place among its samples its error is 0.91 of what is found.
+// In this sample an LOD of 8,689 triangles deviates most where its source already deviates most, inside a
+// triangle of a leaf. If that point is not sampled, the stored error is 0.91 of the true one.
 TEST(HonestErrorOfSample, countsAWorstPlaceThatIsNoVertexInTheLodsAbove) {
   const WorkFolder folder;
   const std::string model = folder / "a.ply", store = folder / "a.lode";

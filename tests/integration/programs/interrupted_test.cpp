@@ -1,4 +1,4 @@
-// Commands of lodestreamd that a signal ends while they write: nothing of it stays, and they say so.
+// A signal ends lodestreamd commands while they write: they remove partial files and report it.
 
 #include <chrono>
 #include <csignal>
@@ -19,7 +19,7 @@ using Strings = std::vector<std::string>;
 
 class InterruptedCommand : public testing::Test {
  protected:
-  /// Sends a signal once there is one more file or folder than before, and expects it gone again.
+  /// Sends a signal once the command has created a file or folder, and expects that it removes it.
   void expectNothingLeft(const Strings& command, int signal) const {
     const Strings before = folder_.contents();
     Program program("lodestreamd", command);

@@ -1,4 +1,4 @@
-// The invariants of the build on real models, read from the stores with the libraries.
+// Checks the build's invariants on real models, by reading the stores with the libraries.
 
 #include <algorithm>
 #include <array>
@@ -44,13 +44,14 @@ class Invariants : public testing::TestWithParam<Model> {
 
 using Corners = std::array<uint64_t, 3>;
 
-/// A triangle by its positions, orientation kept, smallest first.
+/// Positions of a triangle, smallest first, with its orientation.
 Corners canonical(Corners corners) {
   std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
   return corners;
 }
 
-/// The input's triangles with three distinct lattice corners, sorted. The models hold no polygons.
+/// Returns the input's triangles with three distinct lattice corners, sorted. Requires a model without
+/// polygons.
 std::vector<Corners> inputTriangles(const Model& model, const Lattice& lattice) {
   ingest::PlyReader reader(model.input, {});
   std::vector<PositionCode> positions;
@@ -99,7 +100,7 @@ TEST_P(Invariants, I2RandomCutsOfClosedModelsHaveNoOpenEdges) {
   }
 }
 
-/// Edges by the positions of their ends, of which more than two triangles have one.
+/// Counts edges that more than two triangles use.
 size_t crowdedEdges(const store::Reader& reader, const store::NodeTree& tree, const store::Cut& cut) {
   std::vector<std::pair<uint64_t, uint64_t>> edges;
   for (const store::CutItem& item : cut.items) {
@@ -117,7 +118,7 @@ size_t crowdedEdges(const store::Reader& reader, const store::NodeTree& tree, co
   return crowded;
 }
 
-/// But for the root alone: a porous model's has too few triangles for all the handles.
+/// Excludes the root: that of a porous model has too few triangles for all handles.
 TEST_P(Invariants, randomCutsOfManifoldsHaveNoEdgeOfMoreThanTwoTriangles) {
   if (!GetParam().is_closed) GTEST_SKIP() << GetParam().name << " has boundaries";
   ASSERT_EQ(crowdedEdges(*reader_, *tree_, store::leafCut(*tree_)), 0u);
@@ -146,7 +147,7 @@ TEST_P(Invariants, I3ErrorsNeverFallTowardsCoarser) {
   }
 }
 
-/// The attributes at each position of a mesh that has one wedge there.
+/// Returns the attributes at each position that has only one wedge.
 std::unordered_map<uint64_t, VertexAttributes> singleWedges(const Mesh& mesh) {
   std::unordered_map<uint64_t, VertexAttributes> single;
   std::unordered_map<uint64_t, uint32_t> wedges;
@@ -160,7 +161,7 @@ std::unordered_map<uint64_t, VertexAttributes> singleWedges(const Mesh& mesh) {
   return single;
 }
 
-/// At each position the computed normals of the original surface: several on a crease.
+/// Returns the computed normals of the original surface at each position: several on a crease.
 std::unordered_map<uint64_t, std::set<uint16_t>> originalNormals(const store::Reader& reader) {
   std::unordered_map<uint64_t, std::set<uint16_t>> normals;
   for (const Node& node : reader.nodes()) {
@@ -172,7 +173,7 @@ std::unordered_map<uint64_t, std::set<uint16_t>> originalNormals(const store::Re
   return normals;
 }
 
-/// Parts may have one side each of a crease: of such they have a normal of the original's there.
+/// Nodes may each have one side of a crease; then each has one of the original normals there.
 TEST_P(Invariants, I5VerticesSharedByPartsOfACutHaveTheSameAttributesInAll) {
   std::unordered_map<uint64_t, std::set<uint16_t>> original;
   if (reader_->summary().attributes.has(AttributeSet::kComputedNormal)) original = originalNormals(*reader_);

@@ -1,5 +1,5 @@
-// The bytes of a store depend on the input and the options alone (I6): not on the compiler, the libraries or
-// the release of the system.
+// The bytes of a store depend only on the input and the options (I6), not on the compiler, the libraries or
+// the system's release.
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,8 @@
 namespace lode::test {
 namespace {
 
-// A change that is meant to change stores changes this line: the failing test prints what it is to be. A
-// failure without such a change is a defect; what differs between two stores, `lodestreamd info --nodes` of
-// both shows.
+// A change that is meant to change stores must change this line; the failing test prints the new value. Any
+// other failure is a defect: compare `lodestreamd info --nodes` of two stores to find the difference.
 constexpr const char* kSha256 = "d5242e6414f1cf28537279ec8f44774f763d3714754acc0af9ea10d069ed639e";
 
 TEST(SameBytes, aSamplesStoreHasTheHashThatIsWrittenHere) {

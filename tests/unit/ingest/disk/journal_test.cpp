@@ -53,7 +53,7 @@ class JournalFile : public testing::Test {
     return {kWritten.begin(), kWritten.begin() + static_cast<ptrdiff_t>(count)};
   }
 
-  /// Bytes of the file with only so many entries.
+  /// Size of the file with this number of entries.
   static size_t end(size_t count) {
     size_t bytes = 8;
     for (size_t i = 0; i < count; ++i) bytes += kEntryHeaderBytes + kWritten[i].second.size();

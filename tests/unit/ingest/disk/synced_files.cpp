@@ -26,7 +26,7 @@ void SyncedFiles::note(int file) {
 
 }  // namespace lode::test
 
-/// This program's own: the system's, and noted.
+/// Replaces the system's fdatasync(); records the file and forwards the call.
 extern "C" int fdatasync(int file) {
   lode::test::noteSync(file);
   static const auto system = reinterpret_cast<decltype(&fdatasync)>(dlsym(RTLD_NEXT, "fdatasync"));

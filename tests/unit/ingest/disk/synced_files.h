@@ -5,8 +5,8 @@
 
 namespace lode::test {
 
-/// While it lives, notes the names of the files that its thread brings to the disk: this program has an
-/// fdatasync() of its own.
+/// Records the names of files that the current thread syncs during this object's lifetime. The test program
+/// replaces fdatasync().
 class SyncedFiles {
  public:
   SyncedFiles();

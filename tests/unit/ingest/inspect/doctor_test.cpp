@@ -87,7 +87,7 @@ TEST(Doctor, saysWhereEveryBadValueIs) {
   EXPECT_TRUE(report.is_readable);
   EXPECT_TRUE(mentions(report, true, "vertex 3 at line 13: its position is NaN or infinite"));
   EXPECT_TRUE(mentions(report, true, "face 1 at line 16: there is no vertex 9"));
-  EXPECT_TRUE(mentions(report, false, "face 2 at line 17: a vertex occurs twice in it"));
+  EXPECT_TRUE(mentions(report, false, "face 2 at line 17: it uses a vertex twice"));
   EXPECT_TRUE(report.forecast) << "of a build with --skip-bad";
 }
 
@@ -235,7 +235,7 @@ TEST(Doctor, saysWhatABuildWillDoWithTextureImages) {
   EXPECT_TRUE(mentions(large, true, "'huge.png' has 60000 x 60000 pixels"));
   EXPECT_FALSE(large.is_buildable);
   const DoctorReport without = examined("comment TextureFile text.png\n");
-  EXPECT_TRUE(mentions(without, false, "'text.png' is no JPEG, PNG or WebP picture"));
+  EXPECT_TRUE(mentions(without, false, "'text.png' is not a JPEG, PNG or WebP image"));
   EXPECT_TRUE(without.is_buildable);
   const DoctorReport with = examined("comment TextureFile good.png\n");
   ASSERT_TRUE(with.forecast && without.forecast);

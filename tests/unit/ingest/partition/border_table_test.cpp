@@ -15,7 +15,7 @@ ListedFan listed(uint32_t leaf, glm::i64vec3 sum) {
   return fan;
 }
 
-/// A fan that goes on at an edge.
+/// Makes a fan with one end.
 ListedFan listed(uint32_t leaf, glm::i64vec3 sum, PositionCode other, glm::vec3 direction) {
   ListedFan fan = listed(leaf, sum);
   fan.ends = 1;

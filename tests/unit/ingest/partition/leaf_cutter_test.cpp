@@ -28,7 +28,7 @@ Leaves cut(const std::vector<uint64_t>& codes, uint32_t max_triangles) {
   return leaves;
 }
 
-/// The definition: split from the root while a cell holds too many.
+/// Reference implementation: splits cells from the root while they hold too many triangles.
 void split(const std::vector<uint64_t>& codes, NodeKey key, size_t begin, size_t end, uint32_t max,
            Leaves& leaves) {
   if (begin == end) return;

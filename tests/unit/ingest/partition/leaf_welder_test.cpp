@@ -14,7 +14,7 @@ namespace {
 
 PositionCode at(uint32_t x, uint32_t y) { return packPosition({x, y, 0}); }
 
-/// Two triangles that share the edge from (1, 0) to (0, 1), moved to the right.
+/// Makes two triangles that share the edge from (1, 0) to (0, 1), moved along x.
 std::vector<std::byte> squareAt(uint32_t x) {
   const SoupTriangle triangles[] = {{{at(x, 0), at(x + 1, 0), at(x, 1)}, {}},
                                     {{at(x + 1, 0), at(x + 1, 1), at(x, 1)}, {}}};
@@ -24,7 +24,7 @@ std::vector<std::byte> squareAt(uint32_t x) {
   return records;
 }
 
-/// Of a row of squares, one a leaf.
+/// Welds a row of squares, one per leaf.
 std::vector<std::vector<BorderVertex>> bordersOfARow(unsigned threads) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);

@@ -48,7 +48,7 @@ TEST(NormalFans, areOneEverywhereOnASmoothSurfaceAndWithoutCreases) {
   EXPECT_EQ(findFans(cube, CreaseAngle(180)).sums.size(), cube.positions.size());
 }
 
-/// Two squares that meet along the y axis, one of them turned up.
+/// Makes two squares that meet along the y axis, one of them folded up.
 NodeMesh makeFold(double angle_deg) {
   const double angle = glm::radians(angle_deg);
   test::MachinePart fold;
@@ -67,8 +67,8 @@ TEST(NormalFans, partAtAChamferAndNotInABoreOfNineSidesByDefault) {
   EXPECT_EQ(fansAt(findFans(makeFold(360.0 / 9), crease), 1), 1u);
 }
 
-/// A roof over the x axis, of slopes that end at x = 2, as a mesh of four positions on the ridge and two
-/// rows beside it; at the last two the ridge has come down.
+/// Makes a roof over the x axis with four positions on the ridge and two rows beside it. The slopes end at
+/// x = 2, where the ridge has come down.
 NodeMesh makeFadingRidge() {
   NodeMesh mesh;
   for (uint32_t x = 0; x < 4; ++x)
@@ -104,7 +104,7 @@ TEST(NormalFans, takeInTrianglesWithoutADirection) {
   EXPECT_EQ(normalOf(fans.sums[fans.first[0]]), encodeOctahedral({0, 0, 1}));
 }
 
-/// Deals the triangles of a part out to leaves and joins what these list.
+/// Distributes triangles to leaves and joins the fans that the leaves list.
 std::vector<std::set<uint16_t>> joinedNormals(const NodeMesh& whole, uint32_t leaves,
                                               const CreaseAngle& crease) {
   std::vector<std::vector<ListedFan>> listed(whole.positions.size());

@@ -5,7 +5,7 @@
 namespace lode::ingest {
 namespace {
 
-/// A tetrahedron whose vertices have these values as red, green and blue.
+/// Makes a tetrahedron whose vertices have these values as red, green and blue.
 PlySource coloured(const std::string& type, const std::vector<double>& values) {
   PlySource source = tetrahedron();
   for (const char* name : {"red", "green", "blue"}) {

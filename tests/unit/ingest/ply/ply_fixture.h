@@ -16,7 +16,7 @@
 
 namespace lode::ingest {
 
-/// A folder for PLY files that is there while the test runs.
+/// A temporary folder for PLY files.
 class PlyFolder : public test::WorkFolder {
  public:
   std::filesystem::path write(const std::string& bytes, const std::string& name = "mesh.ply") const {
@@ -26,7 +26,7 @@ class PlyFolder : public test::WorkFolder {
   }
 };
 
-/// All of a file, for small ones.
+/// Reads a whole file.
 struct PlyContent {
   std::vector<PlyVertex> vertices;
   std::vector<std::vector<uint64_t>> faces;
@@ -65,8 +65,8 @@ inline PlyContent readPlyBytes(const std::string& bytes, PlyReadOptions options 
   return readPly(folder.write(bytes), options);
 }
 
-/// The message of the Error that reading throws; empty and a failure if it throws none. The message must be
-/// one line.
+/// Reads a file and returns the message of its Error, which must be one line. Fails the test if there is
+/// none.
 inline std::string plyErrorOf(const std::string& bytes, PlyReadOptions options = {}) {
   try {
     readPlyBytes(bytes, options);
@@ -87,12 +87,12 @@ inline void expectMentions(const std::string& message, const std::vector<std::st
     EXPECT_NE(message.find(part), std::string::npos) << part << " in: " << message;
 }
 
-/// A PLY file as a value, to be written in any encoding.
+/// Content of a PLY file, which can be written in any encoding.
 struct PlySource {
   struct Property {
     std::string name;
     std::string type;
-    std::string count_type;  ///< of a list, else empty
+    std::string count_type;  ///< empty if not a list
   };
   struct Element {
     std::string name;
@@ -167,7 +167,7 @@ struct PlySource {
 constexpr PlyEncoding kPlyEncodings[] = {PlyEncoding::kAscii, PlyEncoding::kLittleEndian,
                                          PlyEncoding::kBigEndian};
 
-/// A tetrahedron, as plain as can be.
+/// A minimal tetrahedron.
 inline PlySource tetrahedron() {
   return {
       {{"vertex",
@@ -176,8 +176,8 @@ inline PlySource tetrahedron() {
        {"face", {{"vertex_indices", "int", "uchar"}}, {{{0, 2, 1}}, {{0, 1, 3}}, {{1, 2, 3}}, {{2, 0, 3}}}}}};
 }
 
-/// Everything the reader takes from a file, in rows of lists and scalars of all types, with what it skips
-/// between.
+/// A file with everything that the reader reads, as lists and scalars of all types, mixed with skipped
+/// properties.
 inline PlySource everything() {
   return {
       {{"vertex",

@@ -12,7 +12,7 @@ std::string declaring(const std::string& format, const std::string& vertices, co
          "\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
-/// Reads hostile bytes; whatever they are, the outcome is a mesh or an Error of one line.
+/// Reads hostile bytes and expects a mesh or an Error of one line.
 bool isRead(const std::string& bytes, bool skip_bad) {
   const test::MemoryFile file(bytes);
   try {
@@ -118,8 +118,8 @@ TEST(PlyHostile, rowsThatAreJoinedOrWrappedAreErrorsThatSayWhatIsExpected) {
   std::string joined = text, wrapped = text;
   std::replace(joined.begin() + static_cast<ptrdiff_t>(body), joined.end(), '\n', ' ');
   std::replace(wrapped.begin() + static_cast<ptrdiff_t>(body), wrapped.end(), ' ', '\n');
-  expectMentions(plyErrorOf(joined), {"vertex 1", "each row on a line of its own"});
-  expectMentions(plyErrorOf(wrapped), {"vertex 0", "each row on a line of its own"});
+  expectMentions(plyErrorOf(joined), {"vertex 1", "with one row per line"});
+  expectMentions(plyErrorOf(wrapped), {"vertex 0", "with one row per line"});
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Rows of the manifest of the test data, by column name.
+/// Reads the rows of the test data's manifest, by column name.
 std::vector<std::map<std::string, std::string>> readManifest(const std::filesystem::path& folder) {
   std::ifstream file(folder / "MANIFEST.tsv");
   std::vector<std::string> names;
@@ -25,7 +25,7 @@ std::vector<std::map<std::string, std::string>> readManifest(const std::filesyst
   return rows;
 }
 
-/// The number behind `tri=` in the manifest.
+/// Returns the number after `tri=` in the manifest.
 uint64_t trianglesOf(const std::string& sizes) { return std::stoull(sizes.substr(sizes.find("tri=") + 4)); }
 
 void expectAccepted(const std::filesystem::path& path, std::map<std::string, std::string>& row) {

@@ -239,7 +239,7 @@ TEST(PlyReader, refusesMeshesWithoutVerticesOrFaces) {
 TEST(PlyReader, refusesElementsThatLackWhatTheyNeed) {
   PlySource source = tetrahedron();
   source.elements[0].properties[2].name = "height";
-  expectMentions(plyErrorOf(source.encode(PlyEncoding::kAscii)), {"lack x, y or z"});
+  expectMentions(plyErrorOf(source.encode(PlyEncoding::kAscii)), {"has no x, y or z"});
   source = tetrahedron();
   source.elements[1].properties[0].name = "edges";
   expectMentions(plyErrorOf(source.encode(PlyEncoding::kAscii)), {"no list vertex_indices"});
@@ -404,7 +404,7 @@ TEST(PlyReader, namesCoordinatesOfVerticesThatThoseOfCornersReplace) {
 
 TEST(PlyReader, saysOfManySkippedPropertiesTheFirstAndHowManyMore) {
   EXPECT_EQ(skippedInWords({}), "");
-  EXPECT_EQ(skippedInWords({"a 'b'", "c 'd'"}), "it has properties that are not read: a 'b', c 'd'");
+  EXPECT_EQ(skippedInWords({"a 'b'", "c 'd'"}), "ignored properties: a 'b', c 'd'");
   const std::string many = skippedInWords(std::vector<std::string>(100, "a 'b'"));
   EXPECT_LT(many.size(), 200u);
   EXPECT_NE(many.find(" and 88 more"), std::string::npos);

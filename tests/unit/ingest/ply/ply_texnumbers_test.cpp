@@ -5,7 +5,7 @@
 namespace lode::ingest {
 namespace {
 
-/// A tetrahedron with texture coordinates, two textures and a texnumber a face.
+/// A tetrahedron with texture coordinates, two textures and a texnumber per face.
 std::string textured(const std::vector<double>& texnumbers, PlyEncoding encoding,
                      bool names_textures = true) {
   PlySource source = tetrahedron();

@@ -97,7 +97,7 @@ TEST_F(LatticeFixture, putsTheOriginOnAMultipleOfTheStepAtOrBelowTheBox) {
   EXPECT_GT(lattice.origin.x, -7.3 - lattice.step);
 }
 
-/// So many that one short edge decides no percentile.
+/// Makes so many edges that one short edge does not change the percentile.
 std::vector<uint64_t> amongManyFaces(std::vector<uint64_t> corners) {
   for (int i = 0; i < 40; ++i) corners.insert(corners.end(), {0, 1, 2});
   return corners;

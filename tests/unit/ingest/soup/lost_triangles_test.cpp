@@ -33,7 +33,7 @@ TEST(LostTriangles, nameTheBoxWhereTheyAreMost) {
       lost.inWords(),
       "9 of 10 triangles would be lost, since their corners are nearer than a 2-millionth of the model, "
       "which "
-      "runs from [0, 0, 0] to [500005, 5.3e+06, 120]; remove stray vertices far away from the others, or "
+      "extends from [0, 0, 0] to [500005, 5.3e+06, 120]; remove distant stray vertices, or "
       "split the model");
 }
 

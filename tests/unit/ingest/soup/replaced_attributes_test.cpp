@@ -10,7 +10,7 @@
 namespace lode::ingest {
 namespace {
 
-/// A tetrahedron with colours; of two vertices a value is NaN.
+/// A tetrahedron with colours; two vertices have a NaN value.
 PlySource colouredBadly() {
   PlySource source = tetrahedron();
   for (const char* name : {"red", "green", "blue"})

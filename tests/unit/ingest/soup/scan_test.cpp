@@ -9,8 +9,7 @@
 namespace lode::ingest {
 namespace {
 
-/// A triangle with texture coordinates at its vertices from 0 to `used`, and a vertex of `stray` that no face
-/// uses.
+/// Makes a triangle with texture coordinates from 0 to `used`, and an unused vertex with `stray`.
 std::string triangleWithStray(const std::string& used, const std::string& stray) {
   return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
          "property float s\nproperty float t\nelement face 1\nproperty list uchar int vertex_indices\n"

@@ -21,7 +21,7 @@ glm::dvec3 areaVector(const Polygon& polygon) {
   return sum * 0.5;
 }
 
-/// The outline's edges are used once and forwards, all others twice, in both directions.
+/// Expects that outline edges are used once, forwards, and all others twice, in both directions.
 void expectClosesTheOutline(size_t corners, const std::vector<glm::u32vec3>& triangles) {
   ASSERT_EQ(triangles.size(), corners - 2);
   std::map<std::pair<uint32_t, uint32_t>, int> uses;
@@ -37,7 +37,7 @@ void expectClosesTheOutline(size_t corners, const std::vector<glm::u32vec3>& tri
     EXPECT_TRUE(uses.contains({i, static_cast<uint32_t>((i + 1) % corners)})) << i;
 }
 
-/// All triangles face the polygon's way, and their areas sum to its area: none overlaps or lies outside.
+/// Expects that all triangles have the polygon's orientation and their areas sum to its area.
 void expectCoversExactly(const Polygon& polygon) {
   std::vector<glm::u32vec3> triangles;
   triangulate(polygon, triangles);
@@ -77,7 +77,8 @@ bool crosses(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, glm::dvec2 d) {
   return side(a, b, c) != side(a, b, d) && side(c, d, a) != side(c, d, b);
 }
 
-/// Random points joined in random order, untangled by reversing stretches between crossing edges.
+/// Makes a simple polygon of random points: joins them in random order, then reverses ranges between crossing
+/// edges.
 std::vector<glm::dvec2> randomSimplePolygon(size_t corners, std::mt19937& random) {
   std::uniform_real_distribution<double> unit;
   std::vector<glm::dvec2> points(corners);

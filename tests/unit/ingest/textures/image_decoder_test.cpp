@@ -59,7 +59,7 @@ TEST(DecodeImage, takesAPngOf16BitsAsTheSameColoursAsOneOf8) {
 TEST(DecodeImage, namesACmykJpegByItsHeader) {
   const std::vector<std::byte> file = test::jpegOf(makePhoto(64, 64), false, 4);
   EXPECT_THROW(readImageHeader(file), Error);
-  expectRefused(file, "is a CMYK JPEG: convert it to RGB");
+  expectRefused(file, "is a CMYK JPEG; convert it to RGB");
 }
 
 TEST(DecodeImage, countsTheTablesOfAWebpInTheMemoryThatItTakes) {
@@ -71,7 +71,7 @@ TEST(DecodeImage, countsTheTablesOfAWebpInTheMemoryThatItTakes) {
 }
 
 TEST(DecodeImage, refusesWhatIsNoPicture) {
-  expectRefused({}, "no JPEG, PNG or WebP");
+  expectRefused({}, "not a JPEG, PNG or WebP");
   const std::string text = "GIF89a and so on";
   expectRefused(std::as_bytes(std::span(text)), "convert it");
 }

@@ -13,10 +13,10 @@
 #include "common/error.h"
 #include "server/ingest/textures/image_decoder.h"
 
-/// Pictures made for tests, and files of them.
+/// Synthetic images and their files.
 namespace lode::test {
 
-/// Many colours that change smoothly; alpha of 255, or varying too.
+/// Makes an image of many smoothly changing colours; alpha is 255 or varies.
 inline Image makePhoto(uint32_t width, uint32_t height, bool alpha = false) {
   Image image{{width, height}, {}};
   for (uint32_t y = 0; y < height; ++y)
@@ -45,7 +45,7 @@ inline std::vector<std::byte> pngOf(const Image& image) {
   return file;
 }
 
-/// With 16 bits a channel, each byte twice, and no word about the light that they stand for.
+/// Encodes a PNG with 16 bits per channel, each byte twice, without gamma or colour space.
 inline std::vector<std::byte> png16Of(const Image& image) {
   std::vector<std::byte> file;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -75,7 +75,7 @@ inline void writeBytes(const std::filesystem::path& path, const std::vector<std:
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
-/// A PNG file whose header announces a size of one's own, its checksum right, with data for one texel.
+/// Makes a PNG file whose header declares the given size, with a valid checksum and data for one texel.
 inline std::vector<std::byte> pngHeader(uint32_t width, uint32_t height) {
   std::vector<std::byte> file = pngOf(makePhoto(1, 1));
   for (int i = 0; i < 4; ++i) {

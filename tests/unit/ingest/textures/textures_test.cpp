@@ -15,7 +15,7 @@ using test::makePhoto;
 using test::pngOf;
 using test::writeBytes;
 
-/// Two triangles with texture coordinates from `low` to `high`, and materials 0 and 1.
+/// Makes two triangles with texture coordinates from `low` to `high`, and materials 0 and 1.
 std::string quad(const std::vector<std::string>& textures, const std::string& low = "0",
                  const std::string& high = "1") {
   std::string text = "ply\nformat ascii 1.0\n";
@@ -136,7 +136,7 @@ TEST_F(Textures, thatDoNotFitTheMemoryFailTheBuildAndSayWhatToDo) {
     EXPECT_EQ(error.code(), ErrorCode::kLimit);
     EXPECT_NE(std::string(error.what()).find("'large.png' has 2000 x 2000 pixels"), std::string::npos)
         << error.what();
-    EXPECT_NE(std::string(error.what()).find("--memory: raise it to"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("--memory; raise it to"), std::string::npos) << error.what();
   }
   EXPECT_FALSE(std::filesystem::exists(store_));
 }
@@ -153,7 +153,7 @@ TEST_F(Textures, ofTooManyTilesFailTheBuildBeforeTheModelIsRead) {
     build(options);
     ADD_FAILURE() << "built";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("tiles, the limit is 1048576"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("tiles; the limit is 1048576"), std::string::npos)
         << error.what();
   }
 }
