@@ -201,7 +201,7 @@ TEST(Doctor, refusesCoordinatesThatNoLatticeHolds) {
     for (size_t at = 0; (at = text.find("float", at)) != std::string::npos;) text.replace(at, 5, "double");
     const DoctorReport report = examineFile(folder.write(text));
     EXPECT_FALSE(report.is_readable) << size;
-    EXPECT_TRUE(mentions(report, true, "the coordinates are too small or too large to be stored")) << size;
+    EXPECT_TRUE(mentions(report, true, "the coordinates are too small or too large to store")) << size;
     EXPECT_FALSE(report.forecast) << size;
   }
 }

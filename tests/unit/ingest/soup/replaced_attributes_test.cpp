@@ -36,7 +36,7 @@ TEST(ReplacedAttributes, areNotCalledLeftOut) {
     const std::vector<std::string> warnings = warningsOf(colouredBadly(), encoding);
     ASSERT_EQ(warnings.size(), 1u);
     expectMentions(warnings[0], {"2 vertices with a colour, normal or texture coordinate", "set to 0"});
-    EXPECT_EQ(warnings[0].find("left out"), std::string::npos) << warnings[0];
+    EXPECT_EQ(warnings[0].find("skipped"), std::string::npos) << warnings[0];
   }
 }
 
