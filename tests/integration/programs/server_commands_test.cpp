@@ -332,7 +332,7 @@ TEST_F(ServerCommands, countWhatABuildLeavesOutAndSaySo) {
              "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 1 9\n3 0 1 1\n");
   const Outcome outcome = run("build bad.ply -o bad.lode --skip-bad");
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_NE(outcome.err.find("1 bad indices, coordinates or faces were left out"), std::string::npos)
+  EXPECT_NE(outcome.err.find("1 bad indices, coordinates or faces were skipped"), std::string::npos)
       << outcome.err;
   EXPECT_NE(outcome.out.find("1 triangle in 1 node, "), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("2 flat or bad triangles dropped"), std::string::npos) << outcome.out;

@@ -60,13 +60,13 @@ TEST_F(SameWarnings, areGivenOfAMemoryThatIsLessThanABuildTakes) {
   sample.kind = "asteroid";
   sample.triangles = 60000;
   writeSample(sample, options_.input);
-  expectMentions(expectOne(), {"--memory is less than 181MB", "16384 triangles a node"});
+  expectMentions(expectOne(), {"--memory is less than the 181MB", "16384 triangles per node"});
 }
 
 TEST_F(SameWarnings, areGivenOfAMemoryThatIsLessThanTheProgramTakes) {
   options_.memory_bytes = 10;
   folder_.write(tetrahedron().encode(PlyEncoding::kAscii));
-  expectMentions(expectOne(), {"--memory is less than 14.7MB", "the program itself"});
+  expectMentions(expectOne(), {"--memory is less than the 14.7MB", "the program itself"});
   options_.memory_bytes = 64 << 20;
   EXPECT_EQ(build(options_).warnings.size(), 0u);
 }

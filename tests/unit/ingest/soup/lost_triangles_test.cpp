@@ -31,10 +31,8 @@ TEST(LostTriangles, nameTheBoxWhereTheyAreMost) {
   lost.lost = 9;
   EXPECT_EQ(
       lost.inWords(),
-      "9 of 10 triangles would be lost, since their corners are nearer than a 2-millionth of the model, "
-      "which "
-      "extends from [0, 0, 0] to [500005, 5.3e+06, 120]; remove distant stray vertices, or "
-      "split the model");
+      "9 of 10 triangles would be lost: their corners are closer than a 2-millionth of the model, which "
+      "extends from [0, 0, 0] to [500005, 5.3e+06, 120]; remove distant stray vertices, or split the model");
 }
 
 }  // namespace
