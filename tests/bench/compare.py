@@ -68,6 +68,8 @@ def main():
     parser.add_argument("before", type=pathlib.Path, nargs="?")
     options = parser.parse_args()
     now = medians(rows_of(options.now.read_text()))
+    if not now:
+        parser.error(f"{options.now} has no rows")
     if options.before:
         print_ratios(now, medians(rows_of(options.before.read_text())))
     else:
