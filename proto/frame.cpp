@@ -23,11 +23,19 @@ uint32_t getU32(const std::byte* at) noexcept {
 }  // namespace
 
 std::string_view frameName(uint8_t type) noexcept {
-  constexpr std::array<std::string_view, 18> kNames{
-      "unknown", "Hello",     "Welcome", "List",   "Models",        "Open", "Opened", "Requests", "Credit",
-      "Blob",    "Cancelled", "Error",   "GoAway", "ModelReplaced", "Ping", "Pong",   "Close",    "Closed"};
-  return type < kNames.size() ? kNames[type] : kNames[0];
+  switch (static_cast<FrameType>(type)) {
+    case FrameType::kBlob:
+      return "Blob";
+#define LODE_MESSAGE(number, name, type) \
+  case FrameType::k##name:               \
+    return #name;
+      LODE_MESSAGES(LODE_MESSAGE)
+#undef LODE_MESSAGE
+  }
+  return "unknown";
 }
+
+bool isFrameType(uint8_t type) noexcept { return frameName(type) != "unknown"; }
 
 std::array<std::byte, kFrameHeaderBytes> encodeFrameHeader(const FrameHeader& header) noexcept {
   std::array<std::byte, kFrameHeaderBytes> bytes{};

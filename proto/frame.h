@@ -8,33 +8,42 @@
 
 namespace lode::proto {
 
+/// Every message: X(frame type, name, struct in messages.h). The name is that of the table in lodestream.fbs
+/// and of the FrameType. Numbers are part of the protocol: never change or reuse one.
+#define LODE_MESSAGES(X)              \
+  X(1, Hello, Hello)                  \
+  X(2, Welcome, Welcome)              \
+  X(3, List, List)                    \
+  X(4, Models, Models)                \
+  X(5, Open, Open)                    \
+  X(6, Opened, Opened)                \
+  X(7, Requests, Requests)            \
+  X(8, Credit, Credit)                \
+  X(10, Cancelled, Cancelled)         \
+  X(11, Error, ErrorMessage)          \
+  X(12, GoAway, GoAway)               \
+  X(13, ModelReplaced, ModelReplaced) \
+  X(14, Ping, Ping)                   \
+  X(15, Pong, Pong)                   \
+  X(16, Close, Close)                 \
+  X(17, Closed, Closed)
+
 enum class FrameType : uint8_t {
-  kHello = 1,
-  kWelcome = 2,
-  kList = 3,
-  kModels = 4,
-  kOpen = 5,
-  kOpened = 6,
-  kRequests = 7,
-  kCredit = 8,
-  kBlob = 9,
-  kCancelled = 10,
-  kError = 11,
-  kGoAway = 12,
-  kModelReplaced = 13,
-  kPing = 14,
-  kPong = 15,
-  kClose = 16,
-  kClosed = 17,
+#define LODE_MESSAGE(number, name, type) k##name = number,
+  LODE_MESSAGES(LODE_MESSAGE)
+#undef LODE_MESSAGE
+      kBlob = 9,  ///< not a message: its body is a BlobChunkHeader and raw bytes
 };
 
-/// "Hello" and so on, for messages to people; "unknown" for a type that this version does not know.
+/// Name of a frame type for error messages: "Hello" and so on, or "unknown".
 std::string_view frameName(uint8_t type) noexcept;
+/// Returns true if this version of the protocol has the frame type.
+bool isFrameType(uint8_t type) noexcept;
 
-constexpr uint8_t kFlagOptional = 1;  ///< who does not know the frame's type skips it
+constexpr uint8_t kFlagOptional = 1;  ///< a receiver that does not know the frame's type skips the frame
 
-/// The fixed header of every frame: 12 bytes, little-endian: body length u32, type u8, flags u8, reserved u16
-/// (zero), call id u32 (answers repeat it).
+/// Header of every frame, 12 bytes, little-endian: body length u32, type u8, flags u8, reserved u16 (zero),
+/// call id u32. An answer repeats the call id of the frame that it answers.
 struct FrameHeader {
   uint32_t body_bytes = 0;
   uint8_t type = 0;
@@ -47,11 +56,12 @@ constexpr size_t kFrameHeaderBytes = 12;
 
 std::array<std::byte, kFrameHeaderBytes> encodeFrameHeader(const FrameHeader& header) noexcept;
 
-/// @throws Error kLimit if the body is longer than kMaxFrameBodyBytes, kProtocol if reserved bits are set.
+/// @throws Error kLimit if the header announces more than kMaxFrameBodyBytes, kProtocol if reserved bits are
+/// set.
 FrameHeader decodeFrameHeader(std::span<const std::byte, kFrameHeaderBytes> bytes);
 
-/// The fixed fields at the head of a Blob frame's body; raw bytes of the blob follow. Little-endian: request
-/// u32, total u32 (size of the blob), offset u32 (of this chunk in it).
+/// Head of a Blob frame's body, 12 bytes, little-endian: request u32, size of the blob u32, offset of this
+/// chunk in the blob u32. The chunk's raw bytes follow.
 struct BlobChunkHeader {
   uint32_t request = 0;
   uint32_t total_bytes = 0;
@@ -67,8 +77,8 @@ struct BlobChunk {
   BlobChunkHeader header;
   std::span<const std::byte> bytes;  ///< into the frame's body
 };
-/// @throws Error kProtocol if the body is too short, the chunk is empty or does not lie inside the blob;
-/// kLimit for a chunk above kMaxChunkBytes or a blob above kMaxBlobBytes.
+/// @throws Error kProtocol if the body is too short, or the chunk is empty or exceeds its blob; kLimit if the
+/// chunk exceeds kMaxChunkBytes or the blob kMaxBlobBytes.
 BlobChunk decodeBlobChunk(std::span<const std::byte> body);
 
 }  // namespace lode::proto

@@ -4,16 +4,15 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/codec/model_summary.h"
 #include "proto/frame.h"
 #include "proto/limits.h"
 
-/// The messages as plain structs, and their FlatBuffers bodies (proto/lodestream.fbs). Each encode function
-/// gives a whole frame, header included. Each decode function takes a frame's body from an untrusted peer and
-/// throws Error kProtocol or kLimit; all are thread safe.
+/// The messages as plain structs. Their bodies on the wire are the FlatBuffers tables of lodestream.fbs;
+/// docs/protocol.md says what each message means. A new message takes a line of LODE_MESSAGES (frame.h), a
+/// table in lodestream.fbs, a struct here and a write() and a read() in messages.cpp.
 namespace lode::proto {
 
 using Bytes = std::vector<std::byte>;
@@ -44,11 +43,11 @@ struct Models {
 
 struct Open {
   std::string model;
-  Digest known_build_id;  ///< zeros for none
+  Digest known_build_id;  ///< build in the client's cache; zeros if none
   bool operator==(const Open&) const = default;
 };
 
-/// Followed, unasked, by the blobs of the root's page and of the root's coarsest LOD, both as request 0.
+/// The blobs of the root's page and of the root's coarsest LOD follow without a request, as request 0.
 struct Opened {
   uint32_t handle = 0;
   ModelSummary summary;
@@ -61,20 +60,20 @@ enum class RequestAction : uint8_t { kAdd = 0, kReprioritise = 1, kCancel = 2 };
 struct RequestChange {
   RequestAction action = RequestAction::kAdd;
   RequestClass request_class = RequestClass::kVisible;
-  uint32_t request = 0;   ///< chosen by the client, > 0, unique in the session while it is open
-  uint32_t blob = 0;      ///< with kAdd: number of the blob in the model's store
-  float priority_px = 0;  ///< within the class: projected error, higher first
+  uint32_t request = 0;   ///< number > 0 that the client chooses, unique among the session's open requests
+  uint32_t blob = 0;      ///< kAdd only: number of the blob in the model's store
+  float priority_px = 0;  ///< projected error; the highest of a class comes first
   bool operator==(const RequestChange&) const = default;
 };
 
-/// Each request added has exactly one ending: its blob complete, Cancelled, or Error.
+/// Each added request ends exactly once: with the last chunk of its blob, Cancelled, or Error.
 struct Requests {
   uint32_t handle = 0;
   std::vector<RequestChange> changes;
   bool operator==(const Requests&) const = default;
 };
 
-/// The server may have sent this many bytes of Blob frame bodies in all, since the session's start.
+/// Total bytes of Blob frame bodies that the server may send from the session's start.
 struct Credit {
   uint64_t granted_bytes = 0;
   bool operator==(const Credit&) const = default;
@@ -100,8 +99,8 @@ enum class WireError : uint8_t {
 
 struct ErrorMessage {
   WireError code = WireError::kInternal;
-  uint32_t request = 0;  ///< the request that it ends; 0: it answers the frame with the call id
-  bool closes = false;   ///< the connection closes after it
+  uint32_t request = 0;  ///< the request that the error ends; 0 if it answers the frame with the call id
+  bool closes = false;   ///< the server closes the connection after this error
   std::string message;
   bool operator==(const ErrorMessage&) const = default;
 };
@@ -126,7 +125,7 @@ struct Pong {
   bool operator==(const Pong&) const = default;
 };
 
-/// The client is done with a model. Its open requests end with Cancelled, then Closed comes.
+/// Closes a model: the server ends its open requests with Cancelled, then answers Closed.
 struct Close {
   uint32_t handle = 0;
   bool operator==(const Close&) const = default;
@@ -137,32 +136,26 @@ struct Closed {
   bool operator==(const Closed&) const = default;
 };
 
-/// Whether a string may be sent: UTF-8 without control characters (it may end up on a terminal). encode()
-/// makes texts for people fit by itself; it throws Error kProtocol or kLimit for names and tokens that are
-/// not.
-bool isWireText(std::string_view text) noexcept;
+/// The frame type of a message: kFrameTypeOf<Hello> is FrameType::kHello.
+template <typename Message>
+constexpr FrameType kFrameTypeOf = FrameType::kBlob;
+#define LODE_MESSAGE(number, name, type) \
+  template <>                            \
+  inline constexpr FrameType kFrameTypeOf<type> = FrameType::k##name;
+LODE_MESSAGES(LODE_MESSAGE)
+#undef LODE_MESSAGE
 
-Bytes encode(const Hello& message, uint32_t call);
-Bytes encode(const Welcome& message, uint32_t call);
-Bytes encode(const List& message, uint32_t call);
-Bytes encode(const Models& message, uint32_t call);
-Bytes encode(const Open& message, uint32_t call);
-Bytes encode(const Opened& message, uint32_t call);
-Bytes encode(const Requests& message, uint32_t call);
-Bytes encode(const Credit& message, uint32_t call);
-Bytes encode(const Cancelled& message, uint32_t call);
-Bytes encode(const ErrorMessage& message, uint32_t call);
-Bytes encode(const GoAway& message, uint32_t call);
-Bytes encode(const ModelReplaced& message, uint32_t call);
-Bytes encode(const Ping& message, uint32_t call);
-Bytes encode(const Pong& message, uint32_t call);
-Bytes encode(const Close& message, uint32_t call);
-Bytes encode(const Closed& message, uint32_t call);
+/// Encodes any message of LODE_MESSAGES as a whole frame, header included. Texts for people (reasons, errors,
+/// names of programs) are cut to the limit and made printable. Thread safe.
+/// @throws Error kProtocol or kLimit if a model's name, a token or a list breaks a rule or a limit.
+template <typename Message>
+Bytes encode(const Message& message, uint32_t call);
 
-/// decode<Hello>(body) and so on, for every message above.
+/// Decodes a frame's body from an untrusted peer: decode<Hello>(body). Thread safe.
+/// @throws Error kProtocol or kLimit.
 template <typename Message>
 Message decode(std::span<const std::byte> body);
-/// The same into a message that keeps its memory from call to call.
+/// Decodes into a message whose memory is reused.
 void decodeInto(std::span<const std::byte> body, Requests& into);
 
 }  // namespace lode::proto

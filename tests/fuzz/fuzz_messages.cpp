@@ -1,5 +1,5 @@
-// Bodies of every message from an untrusted peer: the first byte is the frame's type. What decodes must come
-// back the same from its own encoding, and be text where it is text.
+// Decodes bodies of every message from an untrusted peer; the first byte is the frame's type. A message that
+// decodes must decode to the same again after encoding, and error messages must be one line.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -26,40 +26,13 @@ void check(std::span<const std::byte> body) {
 
 void checkTyped(uint8_t type, std::span<const std::byte> body) {
   switch (static_cast<FrameType>(type)) {
-    case FrameType::kHello:
-      return check<Hello>(body);
-    case FrameType::kWelcome:
-      return check<Welcome>(body);
-    case FrameType::kList:
-      return check<List>(body);
-    case FrameType::kModels:
-      return check<Models>(body);
-    case FrameType::kOpen:
-      return check<Open>(body);
-    case FrameType::kOpened:
-      return check<Opened>(body);
-    case FrameType::kRequests:
-      return check<Requests>(body);
-    case FrameType::kCredit:
-      return check<Credit>(body);
     case FrameType::kBlob:
       return (void)decodeBlobChunk(body);
-    case FrameType::kCancelled:
-      return check<Cancelled>(body);
-    case FrameType::kError:
-      return check<ErrorMessage>(body);
-    case FrameType::kGoAway:
-      return check<GoAway>(body);
-    case FrameType::kModelReplaced:
-      return check<ModelReplaced>(body);
-    case FrameType::kPing:
-      return check<Ping>(body);
-    case FrameType::kPong:
-      return check<Pong>(body);
-    case FrameType::kClose:
-      return check<Close>(body);
-    case FrameType::kClosed:
-      return check<Closed>(body);
+#define LODE_MESSAGE(number, name, type) \
+  case FrameType::k##name:               \
+    return check<type>(body);
+      LODE_MESSAGES(LODE_MESSAGE)
+#undef LODE_MESSAGE
   }
 }
 

@@ -15,8 +15,8 @@
 #include "common/byte_size.h"
 #include "common/command_line.h"
 #include "common/error.h"
+#include "common/printable.h"
 #include "proto/limits.h"
-#include "proto/messages.h"
 
 namespace lode::app {
 namespace {
@@ -36,7 +36,7 @@ bool isGrant(std::string_view text) {
 
 /// @param source  names the token in errors.
 std::string checkedToken(std::string token, const std::string& source) {
-  if (token.size() > proto::kMaxTokenBytes || !proto::isWireText(token) || isGrant(token))
+  if (token.size() > proto::kMaxTokenBytes || !isPrintableUtf8(token) || isGrant(token))
     throw Error(ErrorCode::kUsage,
                 source + ": is not one token: that is up to " + std::to_string(proto::kMaxTokenBytes) +
                     " bytes of printable UTF-8 in one line, without what follows it in the "

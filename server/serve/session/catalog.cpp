@@ -6,6 +6,7 @@
 
 #include "common/error.h"
 #include "common/limits.h"
+#include "common/printable.h"
 #include "proto/limits.h"
 #include "proto/messages.h"
 
@@ -63,7 +64,7 @@ std::vector<fs::path> storeFiles(std::span<const fs::path> stores, bool allow_em
 
 std::shared_ptr<const Model> openModel(const fs::path& file, const BlobReaderOptions& options) {
   const std::string name = file.stem().string();
-  if (name.empty() || name.size() > kMaxModelNameBytes || !proto::isWireText(name))
+  if (name.empty() || name.size() > kMaxModelNameBytes || !isPrintableUtf8(name))
     throw Error(ErrorCode::kUsage, "the name of " + file.string() + " cannot name a model: use at most " +
                                        std::to_string(kMaxModelNameBytes) + " bytes of printable UTF-8");
   store::Reader reader(file);

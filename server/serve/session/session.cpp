@@ -116,7 +116,7 @@ void Session::receive(const proto::FrameHeader& header, std::span<const std::byt
   now_ = now;
   try {
     dispatch(header, body);
-    const bool known = proto::frameName(header.type) != proto::frameName(0);
+    const bool known = proto::isFrameType(header.type);
     if (greeted_ && known) deadline_ = now + limits_.idle;
   } catch (const Error& error) {
     refuse(wireCode(error), std::string(proto::frameName(header.type)) + " frame: " + error.what(),
@@ -128,7 +128,7 @@ void Session::receive(const proto::FrameHeader& header, std::span<const std::byt
 
 void Session::dispatch(const proto::FrameHeader& header, std::span<const std::byte> body) {
   const auto type = static_cast<FrameType>(header.type);
-  const bool known = type >= FrameType::kHello && type <= FrameType::kClosed;
+  const bool known = proto::isFrameType(header.type);
   if (!known && (header.flags & proto::kFlagOptional) != 0) return;
   if (!known)
     throw Refusal{WireError::kUnknownFrame, "frame type " + std::to_string(header.type) +

@@ -15,8 +15,8 @@
 
 #include "common/error.h"
 #include "common/limits.h"
+#include "common/printable.h"
 #include "proto/limits.h"
-#include "proto/messages.h"
 
 namespace lode::serve {
 
@@ -75,7 +75,7 @@ TokenGrant parseGrant(std::span<const std::string> words, size_t line) {
   grant.models.assign(words.begin() + 1, words.end());
   std::ranges::sort(grant.models);
   for (const std::string& name : grant.models)
-    if (name.empty() || name.size() > kMaxModelNameBytes || !proto::isWireText(name))
+    if (name.empty() || name.size() > kMaxModelNameBytes || !isPrintableUtf8(name))
       refuse(line, "a model name is invalid");
   if (std::ranges::find(grant.models, "*") == grant.models.end()) return grant;
   if (grant.models.size() > 1) refuse(line, "* allows all models and must be the only name");
@@ -100,7 +100,7 @@ TokenFile TokenFile::parse(std::string_view text) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     const std::vector<std::string> words = wordsOf(line, number);
     if (words.empty()) continue;
-    if (words[0].empty() || words[0].size() > proto::kMaxTokenBytes || !proto::isWireText(words[0]))
+    if (words[0].empty() || words[0].size() > proto::kMaxTokenBytes || !isPrintableUtf8(words[0]))
       refuse(number,
              "a token is 1 to " + std::to_string(proto::kMaxTokenBytes) + " bytes of printable UTF-8");
     Entry entry{hashOf(words[0]), parseGrant(std::span(words).subspan(1), number)};

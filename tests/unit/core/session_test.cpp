@@ -87,6 +87,13 @@ TEST_F(SessionTest, takesAServerWithoutTheModelForOneThatIsLeavingIfItAwaitsThat
   EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "the server says: no model x; name one that it has");
 }
 
+TEST_F(SessionTest, saysThatTheServerIsTooOld) {
+  const std::string why =
+      "this server speaks version 3 of the protocol, the client 4 or newer; update the server";
+  expectRefused(proto::encode(proto::ErrorMessage{proto::WireError::kVersion, 0, true, why}, 1),
+                "the server says: " + why);
+}
+
 TEST_F(SessionTest, saysThatTheServerIsLeaving) {
   open();
   const auto events = give(proto::encode(proto::GoAway{"drain"}, 0));

@@ -37,7 +37,7 @@ inline ModelSummary sampleSummary(const std::string& name = "bunny") {
   return summary;
 }
 
-/// One of each message in the order of their types, no field at its default.
+/// One of each message, in the order of LODE_MESSAGES, no field at its default.
 inline auto sampleMessages() {
   const float inf = std::numeric_limits<float>::infinity();
   return std::tuple{Hello{1, 3, 0x8000000000000001, "s3cret", "a viewer"},
@@ -62,7 +62,7 @@ inline auto sampleMessages() {
                     Closed{8}};
 }
 
-/// Calls action(message) for each of them.
+/// Calls action(message) for each of sampleMessages().
 void forEachSample(const auto& action) {
   std::apply([&](const auto&... message) { (action(message), ...); }, sampleMessages());
 }

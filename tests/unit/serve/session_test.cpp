@@ -22,8 +22,12 @@ TEST_F(SessionTest, refusesAClientThatIsTooNew) {
 }
 
 TEST_F(SessionTest, refusesAClientThatIsTooOld) {
-  send(proto::Hello{1, proto::kProtocolVersion - 1, 0, "", "test"});
-  expectClosedWith(WireError::kVersion);
+  send(proto::Hello{3, 3, 0, "", "test"});
+  const auto error = only<proto::ErrorMessage>(FrameType::kError);
+  EXPECT_EQ(error.code, WireError::kVersion);
+  EXPECT_EQ(error.message,
+            "this server speaks version 4 of the protocol, the client none above 3; update the client");
+  EXPECT_TRUE(session_.finished());
 }
 
 TEST_F(SessionTest, refusesAnyFrameBeforeHello) {
