@@ -9,14 +9,13 @@
 
 namespace lode {
 
-/// A first-in, first-out queue between threads that holds at most `capacity` items. Any number of producers
-/// and consumers.
+/// A FIFO queue of at most `capacity` items between any number of producer and consumer threads.
 template <typename T>
 class BoundedQueue {
  public:
   explicit BoundedQueue(size_t capacity) : capacity_(capacity) {}
 
-  /// Waits for room. @return false if the queue was closed; the item is dropped.
+  /// Waits for room. @return false if the queue is closed; the item is dropped.
   bool push(T item) {
     std::unique_lock lock(mutex_);
     not_full_.wait(lock, [&] { return items_.size() < capacity_ || closed_; });
@@ -26,7 +25,7 @@ class BoundedQueue {
     return true;
   }
 
-  /// Never waits. @return false, leaving the item untouched, if there is no room or the queue is closed.
+  /// Never waits. @return false if the queue is full or closed; the item is unchanged.
   bool tryPush(T& item) {
     std::lock_guard lock(mutex_);
     if (closed_ || items_.size() >= capacity_) return false;
@@ -35,7 +34,7 @@ class BoundedQueue {
     return true;
   }
 
-  /// Waits for an item. @return nothing once the queue is closed and empty.
+  /// Waits for an item. @return nothing if the queue is closed and empty.
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
     not_empty_.wait(lock, [&] { return !items_.empty() || closed_; });
@@ -47,7 +46,7 @@ class BoundedQueue {
     return take();
   }
 
-  /// No more items come in; those inside can still be taken.
+  /// Refuses further items; queued ones can still be popped.
   void close() {
     std::lock_guard lock(mutex_);
     closed_ = true;

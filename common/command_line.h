@@ -13,30 +13,30 @@
 #include <CLI/CLI.hpp>
 
 #include "common/error.h"
-#include "common/one_line.h"
+#include "common/printable.h"
 
-/// How both programs read their command lines and end. In a header alone, so that CLI11, which takes seconds
-/// to compile, is compiled only where commands are.
+/// Command lines and exit statuses of both programs. Header only, so that CLI11, which takes seconds to
+/// compile, is compiled only for commands.
 namespace lode {
 
 namespace command_line {
 
 constexpr int kDone = 0, kWorkFailed = 1, kWrongUsage = 2;
 
-/// Says on one line of stderr what went wrong. @return the exit status.
+/// Prints an error on one line of stderr. @return `status`.
 inline int fail(const CLI::App& program, const std::string& message, int status) {
-  sayOnOneLine(program.get_name(), message);
+  printOnOneLine(program.get_name(), message);
   return status;
 }
 
-/// @return the status, or that of failed work where stdout did not take all that was printed.
+/// @return `status`, or kWorkFailed if stdout could not be written.
 inline int endAfterPrinting(const CLI::App& program, int status) {
   if (std::cout.flush() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
   return fail(program, std::string("cannot write to standard output: ") + std::strerror(errno), kWorkFailed);
 }
 
-/// Ends a message about wrong usage: "see lodestream fetch --help", of the command that was called, if any.
-inline std::string whereHelpIs(const CLI::App& program) {
+/// Returns the end of a message about wrong usage: "see lodestream fetch --help".
+inline std::string helpHint(const CLI::App& program) {
   std::string words = "see " + program.get_name();
   for (const CLI::App* command : program.get_subcommands()) words += " " + command->get_name();
   return words + " --help";
@@ -44,7 +44,7 @@ inline std::string whereHelpIs(const CLI::App& program) {
 
 }  // namespace command_line
 
-/// A check of options: a number from `least` to `most`. CLI::Range() lets "nan" pass.
+/// Returns a validator for options: a number from `least` to `most`. CLI::Range() accepts "nan".
 inline CLI::Validator numberFrom(double least, double most) {
   std::ostringstream range;
   range << '[' << least << " - " << most << ']';
@@ -56,11 +56,10 @@ inline CLI::Validator numberFrom(double least, double most) {
   return CLI::Validator(check, "FLOAT in " + range.str());
 }
 
-/// Reads the command line and runs the command that it names. Whatever goes wrong is said on one line of
-/// stderr.
-/// @param declare  adds the commands, whose callbacks throw Error when they fail and may set the exit status.
-/// @param more_memory  what to do where memory is out.
-/// @return the exit status: 0 done, 1 the work failed, 2 used wrongly.
+/// Parses the command line and runs the command. Prints errors on one line of stderr.
+/// @param declare  adds the commands; their callbacks throw Error on failure and may set the exit status.
+/// @param more_memory  remedy for the message about exhausted memory.
+/// @return the exit status: 0 success, 1 the work failed, 2 wrong usage.
 inline int runCommandLine(CLI::App& program, int argc, const char* const* argv,
                           const std::function<void(int& exit_status)>& declare, const char* more_memory) {
   using namespace command_line;
@@ -75,7 +74,7 @@ inline int runCommandLine(CLI::App& program, int argc, const char* const* argv,
   } catch (const CLI::ParseError& error) {
     const std::string unknown = CLI::detail::join(program.remaining(true), " ");
     const std::string what = unknown.empty() ? error.what() : "not known here: " + unknown;
-    return fail(program, what + ": " + whereHelpIs(program), kWrongUsage);
+    return fail(program, what + ": " + helpHint(program), kWrongUsage);
   } catch (const Error& error) {
     return fail(program, error.what(), error.code() == ErrorCode::kUsage ? kWrongUsage : kWorkFailed);
   } catch (const std::bad_alloc&) {

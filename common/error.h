@@ -6,19 +6,19 @@
 namespace lode {
 
 enum class ErrorCode {
-  kUsage,     ///< the caller asked for something that cannot be: exit status 2
-  kInput,     ///< a file that the user gave is damaged or not what was expected
-  kIo,        ///< the operating system refused: open, read, write, rename, disk full
-  kFormat,    ///< a store, page, payload or frame that does not hold what it must
-  kLimit,     ///< a length or count above a named limit
+  kUsage,     ///< wrong use of a program or function: exit status 2
+  kInput,     ///< a file of the user is damaged or of the wrong kind
+  kIo,        ///< the operating system refused to open, read, write or rename, or the disk is full
+  kFormat,    ///< a store, page, payload or frame is damaged
+  kLimit,     ///< a length or count exceeds a named limit
   kNetwork,   ///< connect, send or receive failed, or the peer went away
-  kProtocol,  ///< the peer said something that the protocol does not allow
+  kProtocol,  ///< the peer broke the protocol
   kTimeout,   ///< a deadline passed
-  kInternal,  ///< our own mistake
+  kInternal,  ///< a bug in Lodestream
 };
 
-/// The one exception of Lodestream. The message is one line that says what failed, where (file, byte, line,
-/// address) and what to do; programs print it as it is.
+/// The exception type of Lodestream. The message is one line that says what failed, where (file, byte, line,
+/// address) and what to do. Programs print it unchanged.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
@@ -28,8 +28,8 @@ class Error : public std::runtime_error {
   ErrorCode code_;
 };
 
-/// What is said where the system gives no memory.
+/// Message for std::bad_alloc.
 constexpr const char* kOutOfMemory =
-    "out of memory: let the program have more (ulimit -v), or give it a smaller memory budget";
+    "out of memory: raise the limit of the program (ulimit -v), or give it a smaller memory budget";
 
 }  // namespace lode

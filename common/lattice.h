@@ -12,8 +12,8 @@ namespace lode {
 constexpr int kLatticeBits = 21;                            ///< bits of a lattice coordinate
 constexpr uint32_t kMaxLattice = (1u << kLatticeBits) - 1;  ///< largest lattice coordinate
 
-/// A vertex position: three lattice coordinates in 63 bits (x lowest). It is the identity of a vertex:
-/// welding, border join and soup compare it, and every payload decodes to it exactly.
+/// A vertex position: three lattice coordinates in 63 bits, x lowest. It identifies a vertex: welding, joining
+/// of boundaries and the triangle soup compare it, and every payload decodes to it exactly.
 struct PositionCode {
   uint64_t value = 0;
   friend constexpr auto operator<=>(PositionCode, PositionCode) = default;
@@ -48,26 +48,26 @@ struct LatticeBox {
   }
 };
 
-/// Steps outside of these have lattice points whose floats are no normal numbers.
+/// Beyond these steps, floats of lattice points may be subnormal or infinite.
 constexpr double kMinStep = 0x1p-100, kMaxStep = 0x1p60;
 
-/// True for 4, 5, 6 and 7 times a power of two within kMinStep .. kMaxStep. So a multiple of up to 21 bits is
-/// exact in float.
+/// Returns true for 4, 5, 6 and 7 times a power of two from kMinStep to kMaxStep. Such a step times a lattice
+/// coordinate is exact in float: 3 + 21 bits.
 inline bool isLatticeStep(double step) noexcept {
   int exponent = 0;
   const double eighths = 8 * std::frexp(step, &exponent);
   return step >= kMinStep && step <= kMaxStep && eighths == std::floor(eighths);
 }
 
-/// The grid on which every vertex of a model lies.
-/// True coordinates = origin + step * lattice coordinates; the **model frame** is step * lattice coordinates:
-/// its floats are exact, since coordinates have 21 bits and the step has three.
+/// The grid on which every vertex of a model lies. True coordinates are origin + step * lattice coordinates.
+/// The model frame is step * lattice coordinates; its floats are exact.
 struct Lattice {
   glm::dvec3 origin{0};  ///< true coordinates of lattice point (0,0,0); a multiple of the step
   double step = 1;       ///< see isLatticeStep(); true units
 
   bool operator==(const Lattice&) const = default;
-  /// Source of all rounding in the system: nearest lattice point, in double, clamped to the grid.
+  /// Returns the nearest lattice point, computed in double and clamped to the grid. Nothing else rounds
+  /// positions.
   glm::uvec3 snap(glm::dvec3 world) const noexcept {
     const glm::dvec3 steps = glm::clamp(glm::round((world - origin) / step), 0.0, double(kMaxLattice));
     return glm::uvec3(steps);

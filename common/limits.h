@@ -2,12 +2,12 @@
 
 #include <cstdint>
 
-/// Limits of what a store, page or payload may announce. Parsers check them before they take memory.
-/// Those of the wire are in proto/limits.h.
+/// Limits for stores, pages and payloads. Parsers check them before they allocate memory.
+/// proto/limits.h has the limits of the protocol.
 namespace lode {
 
-constexpr uint32_t kMaxLodTriangles = 1u << 20;  ///< of one (node, LOD)
-constexpr uint32_t kMaxLodVertices = 3u << 20;   ///< of one (node, LOD)
+constexpr uint32_t kMaxLodTriangles = 1u << 20;  ///< of one LOD of a node
+constexpr uint32_t kMaxLodVertices = 3u << 20;   ///< of one LOD of a node
 constexpr uint32_t kMaxBlobBytes = 128u << 20;   ///< of one blob
 constexpr uint32_t kMaxPageBytes = 64u << 10;    ///< of one hierarchy page
 constexpr uint32_t kMaxPageNodes = 73;           ///< 1 + 8 + 64: a page covers at most three levels

@@ -8,8 +8,8 @@ namespace lode {
 
 constexpr int kMaxDepth = 20;  ///< depth of the deepest node; the root's is 0
 
-/// Locational code of an octree cell: a leading 1, then 3 bits a level (x is bit 0, y bit 1, z bit 2).
-/// Ordered by value: coarse before fine, siblings together.
+/// Locational code of an octree cell: a leading 1, then 3 bits per level (x is bit 0, y bit 1, z bit 2).
+/// Keys are ordered by value: coarse nodes before fine ones, siblings together.
 /// Source: Gargantini, An Effective Way to Represent Quadtrees, 1982.
 struct NodeKey {
   uint64_t value = 1;
@@ -23,9 +23,9 @@ struct NodeKey {
   constexpr NodeKey parent() const noexcept { return {value >> 3}; }
   constexpr NodeKey child(unsigned octant) const noexcept { return {value << 3 | octant}; }
   constexpr unsigned octant() const noexcept { return static_cast<unsigned>(value & 7); }
-  /// The node's ancestor (or itself) at a depth <= depth().
+  /// Returns the node's ancestor at a depth <= depth(); at depth() the node itself.
   constexpr NodeKey ancestorAt(int at_depth) const noexcept { return {value >> 3 * (depth() - at_depth)}; }
-  /// True for the node itself too.
+  /// Returns true for the node itself and its descendants.
   constexpr bool contains(NodeKey other) const noexcept {
     return other.depth() >= depth() && other.ancestorAt(depth()) == *this;
   }
@@ -33,7 +33,7 @@ struct NodeKey {
 
 constexpr NodeKey kRootKey{1};
 
-/// Lowest common ancestor.
+/// Returns the lowest common ancestor.
 constexpr NodeKey commonAncestor(NodeKey a, NodeKey b) noexcept {
   if (a.depth() > b.depth()) a = a.ancestorAt(b.depth());
   if (b.depth() > a.depth()) b = b.ancestorAt(a.depth());

@@ -6,7 +6,7 @@
 
 namespace lode {
 
-/// Square of the distance from a point to the segment from a to b.
+/// Returns the squared distance from a point to the segment from a to b.
 template <typename T>
 T squaredDistanceToSegment(const glm::vec<3, T>& point, const glm::vec<3, T>& a,
                            const glm::vec<3, T>& b) noexcept {

@@ -1,6 +1,8 @@
 #include "common/printable.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <cstdio>
 
 namespace lode {
 
@@ -46,6 +48,11 @@ std::string counted(uint64_t count, std::string_view one, std::string_view sever
   if (count == 1 || several.empty()) text += one;
   if (count != 1) text += several.empty() ? "s" : several;
   return text;
+}
+
+void printOnOneLine(std::string_view program, std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::fprintf(stderr, "%.*s: %s\n", static_cast<int>(program.size()), program.data(), message.c_str());
 }
 
 }  // namespace lode

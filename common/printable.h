@@ -6,11 +6,14 @@
 
 namespace lode {
 
-/// Whether a text is UTF-8 without control characters and marks of direction: it may be shown, and end up on
-/// a terminal. Thread safe.
+/// Returns true if a text is valid UTF-8 without control characters and directional marks, so that it is safe
+/// on a terminal. Thread safe.
 bool isPrintableUtf8(std::string_view text) noexcept;
 
-/// "1 vertex", "2 vertices". @param several  by default `one` with an s.
+/// Returns "1 vertex" or "2 vertices". @param several  plural; by default `one` with an s.
 std::string counted(uint64_t count, std::string_view one, std::string_view several = {});
+
+/// Prints "PROGRAM: MESSAGE" as one line on stderr.
+void printOnOneLine(std::string_view program, std::string message);
 
 }  // namespace lode

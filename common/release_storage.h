@@ -4,8 +4,7 @@
 
 namespace lode {
 
-/// Empties a container and frees what it holds: `container = {}` is an assignment of no items, which keeps
-/// the room for those that were there.
+/// Empties a container and frees its memory. `container = {}` assigns no items and keeps the capacity.
 template <typename Container>
 void releaseStorage(Container& container) {
   Container empty;

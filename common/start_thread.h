@@ -11,9 +11,9 @@
 
 namespace lode {
 
-/// What `make` gives, which starts threads.
-/// @param purpose  what they are for, for people: "to decode".
-/// @throws Error kIo if the system gives none.
+/// Returns make(), which starts threads.
+/// @param purpose  for the error message: "to decode".
+/// @throws Error kIo if the system refuses a thread.
 template <typename Make>
 auto withThreads(const std::string& purpose, Make&& make) {
   try {
@@ -25,13 +25,14 @@ auto withThreads(const std::string& purpose, Make&& make) {
   }
 }
 
-/// A thread that does some work; the caller's to join. @throws Error as withThreads().
+/// Starts a thread, which the caller joins. @throws Error as withThreads().
 template <typename Thread = std::thread, typename Work>
 Thread startThread(const std::string& purpose, Work&& work) {
   return withThreads(purpose, [&] { return Thread(std::forward<Work>(work)); });
 }
 
-/// Threads that share some work, as many of `count` as the system gives. @throws Error as withThreads().
+/// Starts up to `count` threads that share work: as many as the system allows, at least one.
+/// @throws Error as withThreads().
 template <typename Work>
 std::vector<std::jthread> startThreads(size_t count, const std::string& purpose, const Work& work) {
   std::vector<std::jthread> threads;

@@ -12,7 +12,7 @@
 #include "client/embed/internal.h"
 #include "client/embed/lodestream.h"
 #include "common/codec/octahedral.h"
-#include "common/codec/texture_coordinates.h"
+#include "common/codec/texture_set.h"
 #include "common/error.h"
 
 struct lodestream_mesh {

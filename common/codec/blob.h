@@ -9,18 +9,18 @@
 
 namespace lode {
 
-/// Name of a blob: SHA-256 of its bytes, cut to 128 bits. Caches go by it.
+/// SHA-256 of a blob, cut to 128 bits. Caches use it as the key of the blob.
 struct Digest {
   std::array<std::byte, 16> bytes{};
   friend constexpr auto operator<=>(const Digest&, const Digest&) = default;
 };
 
 Digest digestOf(std::span<const std::byte> blob);
-std::string toHex(const Digest& name);  ///< 32 lower-case digits
+std::string toHex(const Digest& digest);  ///< 32 lower-case digits
 
-/// How a blob is asked for and checked: its number in the store, its size and its name.
+/// Identifies a blob for requests and checks: its number in the store, its size and its digest.
 struct BlobRef {
-  uint32_t number = 0;  ///< 0 is no blob: an LOD without triangles
+  uint32_t number = 0;  ///< 0: no blob (an LOD without triangles)
   uint32_t bytes = 0;
   Digest digest;
 
@@ -28,7 +28,7 @@ struct BlobRef {
   explicit operator bool() const noexcept { return number != 0; }
 };
 
-/// xxh3, 64 bits: damage detection only, never a name.
+/// Returns the 64-bit xxh3 checksum. It detects damage; it never identifies a blob.
 uint64_t checksum(std::span<const std::byte> bytes) noexcept;
 
 }  // namespace lode

@@ -9,14 +9,14 @@
 
 namespace lode {
 
-/// The normals of a mesh's vertices, to be found again in a mesh of the same triangles whose vertices are
-/// others: Draco orders them anew, and parts one whose triangles do not hang together.
+/// Transfers the normals of a mesh to another mesh of the same triangles with other vertices: Draco reorders
+/// vertices and splits non-manifold ones.
 class CornerNormals {
  public:
   explicit CornerNormals(const Mesh& mesh);
 
-  /// @param mesh  its triangles, by their positions and their sides, are those of the one before.
-  /// @return a code a vertex; nothing where equal triangles have different normals.
+  /// Returns the normal code of each vertex, or nothing if equal triangles have different normals.
+  /// @param mesh  has the triangles of the original mesh, with equal positions and orientation.
   std::optional<std::vector<uint16_t>> ofVertices(const Mesh& mesh) const;
 
  private:
@@ -25,21 +25,21 @@ class CornerNormals {
     uint16_t normal = 0;
     bool is_taken = false, has_several = false;
   };
-  /// Of a triangle, at a position that has several normals.
+  /// Corner of a triangle at a position that has several normals.
   struct OfCorner {
     PositionCode position, next, last;
     uint16_t normal = 0;
     auto operator<=>(const OfCorner&) const = default;
   };
-  /// The place of a position in the table, or where it would be.
+  /// Returns the slot of a position in the table, or the slot to insert it.
   size_t placeOf(PositionCode position) const noexcept;
-  /// The only one there; nothing where there are several.
+  /// Returns the normal if the position has exactly one.
   std::optional<uint16_t> at(PositionCode position) const;
   std::optional<uint16_t> at(const OfCorner& corner) const;
   static OfCorner cornerOf(const Mesh& mesh, glm::u32vec3 triangle, int corner);
 
-  std::vector<OfPosition> positions_;  ///< by open addressing
-  std::vector<OfCorner> corners_;      ///< each once, rising
+  std::vector<OfPosition> positions_;  ///< hash table with open addressing
+  std::vector<OfCorner> corners_;      ///< sorted, unique
 };
 
 }  // namespace lode

@@ -9,32 +9,32 @@
 
 namespace lode {
 
-/// What a hierarchy page announces of a payload; the decoder compares before it takes memory.
+/// Properties of a payload as its hierarchy page announces them. The decoder checks them before it allocates.
 struct PayloadExpectation {
   uint32_t triangles = 0;
-  uint32_t vertices = 0;    ///< at most this many decoded vertices (the encoder's count)
-  AttributeSet attributes;  ///< those of the model
-  LatticeBox box;           ///< the node's box; a position outside is an error
+  uint32_t vertices = 0;    ///< upper bound of decoded vertices: the encoder's count
+  AttributeSet attributes;  ///< attributes of the model
+  LatticeBox box;           ///< box of the node; a position outside is an error
 };
 
 struct EncodedPayload {
   std::vector<std::byte> bytes;  ///< empty for a mesh without triangles
-  uint32_t vertices = 0;         ///< vertices that a decoder will produce
+  uint32_t vertices = 0;         ///< number of vertices after decoding
 };
 
-/// Where a mesh's triangles come from: those of a file are often regular, and those of a far LOD few and
-/// for the most part border; both are predicted more closely.
+/// Origin of a mesh's triangles. Triangles of a file are often regular, and far LODs have few triangles, most
+/// at the boundary: both get a better predictor.
 enum class MeshSource { kFile, kSimplified, kFarLod };
 
 /// Encodes an LOD with Draco's edgebreaker (settings: docs/store-format.md), float positions in the model
-/// frame. The decoded mesh has the same triangles (as sets of position and attributes, orientation kept) in
-/// another order. Computed normals that the surface gives are left out, where they are most.
-/// @param step  the lattice's step.
+/// frame. The decoded mesh has the same triangles with the same positions, attributes and orientation in
+/// another order. Omits computed normals if most of them follow from the triangles.
+/// @param step  step of the lattice.
 /// @throws Error kInternal if Draco fails. Thread safe.
 EncodedPayload encodePayload(const Mesh& mesh, double step, MeshSource source = MeshSource::kSimplified);
 
-/// Decodes a payload from an untrusted source, guarded as docs/protocol.md says: header and counts are
-/// checked before memory is taken, every index, position and attribute afterwards.
+/// Decodes a payload from an untrusted source: checks header and counts before it allocates memory, and every
+/// index, position and attribute afterwards (docs/protocol.md).
 /// @throws Error kFormat or kLimit. Thread safe.
 Mesh decodePayload(std::span<const std::byte> bytes, double step, const PayloadExpectation& expected);
 

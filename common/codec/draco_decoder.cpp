@@ -9,8 +9,7 @@
 #include <draco/mesh/mesh.h>
 
 #include "common/codec/draco_codec.h"
-#include "common/codec/draco_header.h"
-#include "common/codec/draco_settings.h"
+#include "common/codec/draco_stream.h"
 #include "common/codec/surface_normals.h"
 #include "common/error.h"
 #include "common/limits.h"
@@ -20,9 +19,9 @@ namespace {
 
 using draco::GeometryAttribute;
 using draco::PointAttribute;
-using namespace draco_settings;
+using namespace draco_stream;
 
-using draco_header::refuse;
+using draco_stream::refuse;
 
 // Everything by which Draco sizes its tables. Source: Draco's bitstream specification 2.2, sections 3 and 6.
 void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& expected) {
@@ -30,7 +29,7 @@ void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& exp
     throw Error(ErrorCode::kLimit, "a payload of " + std::to_string(expected.triangles) + " triangles and " +
                                        std::to_string(expected.vertices) +
                                        " vertices is announced: above the limits");
-  draco_header::Cursor header(bytes);
+  draco_stream::Cursor header(bytes);
   header.skipStart();
   const uint8_t traversal = header.u8();
   if (traversal != draco::MESH_EDGEBREAKER_STANDARD_ENCODING &&

@@ -13,8 +13,7 @@
 
 #include "common/codec/corner_normals.h"
 #include "common/codec/draco_codec.h"
-#include "common/codec/draco_header.h"
-#include "common/codec/draco_settings.h"
+#include "common/codec/draco_stream.h"
 #include "common/codec/octahedral.h"
 #include "common/codec/surface_normals.h"
 #include "common/error.h"
@@ -24,7 +23,7 @@ namespace lode {
 namespace {
 
 using draco::GeometryAttribute;
-using namespace draco_settings;
+using namespace draco_stream;
 
 // Below 4, texture coordinates take a predictor that damaged input keeps busy for seconds.
 constexpr int kSpeed = 4;
@@ -194,7 +193,7 @@ void setQuantization(draco::ExpertEncoder& encoder, const AttributeIds& ids, con
 // Without seams of its own a payload decodes to as many vertices as its header says; to have Draco count them
 // again takes a twentieth of the time.
 uint32_t verticesOf(std::span<const std::byte> payload) {
-  draco_header::Cursor header(payload);
+  draco_stream::Cursor header(payload);
   header.skipStart();
   header.u8();
   return header.varint();

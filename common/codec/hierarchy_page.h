@@ -15,37 +15,37 @@ namespace lode {
 
 /// One level of detail of a node. LOD 0 is the finest.
 struct Lod {
-  BlobRef payload;  ///< no blob where the LOD has no triangles
+  BlobRef payload;  ///< no blob if the LOD has no triangles
   uint32_t triangles = 0;
-  uint32_t vertices = 0;             ///< that the payload decodes to
-  uint32_t locked = 0;               ///< locked vertices among them, by position
-  float error_model = 0;             ///< largest deviation from the original surface, model units
-  float appearance_error_model = 0;  ///< size of lost detail in colours, normals and pictures, model units
+  uint32_t vertices = 0;             ///< vertices of the decoded payload
+  uint32_t locked = 0;               ///< positions of locked vertices
+  float error_model = 0;             ///< largest distance from the original surface, model units
+  float appearance_error_model = 0;  ///< size of lost detail in colours, normals and textures, model units
 
   bool operator==(const Lod&) const = default;
-  /// What it is refined on.
+  /// Returns the error that refinement compares with the threshold, in model units.
   float offModel() const noexcept { return std::max(error_model, appearance_error_model); }
 };
 
 struct Node {
   NodeKey key;
-  LatticeBox box;  ///< tight box of all LODs and of the children's boxes; empty if there are no triangles
+  LatticeBox box;  ///< tight box of all LODs and the children's boxes; empty without triangles
   uint8_t child_mask = 0;  ///< bit o: child(o) exists; 0 for a leaf
-  std::vector<Lod> lods;   ///< at least one; errors never fall from finer to coarser
-  /// At the end of `lods`, coarser than what the parent is made of: for parts that a view does not see.
-  /// Their errors may be above the parent's, those of all others are not. None of the root, nor of leaves.
+  std::vector<Lod> lods;   ///< at least one; errors never decrease from finer to coarser
+  /// Number of far LODs at the end of `lods`: coarser than sourceLod(), for nodes that a view does not see.
+  /// Only their errors may exceed the parent's. The root and leaves have none.
   uint32_t far_lods = 0;
-  BlobRef child_page;  ///< page that holds the children, where they are not in this page
+  BlobRef child_page;  ///< page of the children if they are not in this page
 
   bool operator==(const Node&) const = default;
   bool isLeaf() const noexcept { return child_mask == 0; }
-  /// The LOD that the parent is made of.
+  /// Returns the LOD from which the parent is built.
   const Lod& sourceLod() const noexcept { return lods[lods.size() - 1 - far_lods]; }
 };
 
-/// A subtree in one blob, so that a client learns of a model as it needs to. The root's page holds depths 0
-/// to 2; every other page hangs below a node X of even depth >= 2 and holds X's children and grandchildren.
-/// Nodes stand in key order. See docs/store-format.md.
+/// A subtree of the hierarchy in one blob, so that clients load the hierarchy on demand. The root page holds
+/// depths 0 to 2. Every other page belongs to an owner node of even depth >= 2 and holds its children and
+/// grandchildren. Nodes are in key order. See docs/store-format.md.
 struct HierarchyPage {
   std::vector<Node> nodes;
   bool operator==(const HierarchyPage&) const = default;
@@ -53,9 +53,9 @@ struct HierarchyPage {
 
 std::vector<std::byte> encodePage(const HierarchyPage& page);
 
-/// Validates everything that can be seen in one page: limits, keys, order, child masks against nodes present,
-/// boxes inside parents' boxes, monotone errors (I3).
-/// @param owner  the node below which the page hangs; kRootKey with is_root_page for the first page.
+/// Decodes a page and validates it: limits, keys, order, child masks against the page's nodes, boxes inside
+/// parents' boxes, monotone errors (I3 of docs/architecture.md).
+/// @param owner  node above the page's nodes; kRootKey with is_root_page for the root page.
 /// @throws Error kFormat or kLimit. Thread safe.
 HierarchyPage decodePage(std::span<const std::byte> bytes, NodeKey owner, bool is_root_page);
 

@@ -1,12 +1,16 @@
 #include "common/codec/surface_normals.h"
 
-#include "common/codec/draco_header.h"
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "common/codec/draco_stream.h"
 #include "common/codec/octahedral.h"
 
 namespace lode {
 namespace {
 
-using draco_header::refuse;
+using draco_stream::refuse;
 
 constexpr int kNibbleBias = 8;  ///< a coordinate that is -8 to 7 off takes four bits
 
@@ -15,6 +19,30 @@ glm::ivec2 fromCode(uint16_t code) noexcept { return {code & 255, code >> 8}; }
 void putVarint(std::vector<std::byte>& out, uint32_t value) {
   for (; value >= 128; value >>= 7) out.push_back(static_cast<std::byte>(value | 128));
   out.push_back(static_cast<std::byte>(value));
+}
+
+constexpr int kMiddle = 127, kEnd = 2 * kMiddle;
+constexpr int64_t kLargestSum = 1 << 29;
+constexpr int kFar = kMiddle / 2;  ///< the prediction tells nothing
+
+int64_t sumOf(glm::i64vec3 v) noexcept { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
+
+/// As Draco does, which rounds towards zero.
+glm::ivec2 predicted(glm::i64vec3 sum) noexcept {
+  if (sumOf(sum) > kLargestSum) sum /= sumOf(sum) / kLargestSum;
+  glm::ivec3 p(kMiddle, 0, 0);
+  if (const int64_t length = sumOf(sum); length > 0) {
+    p.x = static_cast<int>(sum.x * kMiddle / length);
+    p.y = static_cast<int>(sum.y * kMiddle / length);
+    p.z = kMiddle - std::abs(p.x) - std::abs(p.y);
+    if (sum.z < 0) p.z = -p.z;
+  }
+  if (p.x >= 0) return {p.y + kMiddle, p.z + kMiddle};
+  return {p.y < 0 ? std::abs(p.z) : kEnd - std::abs(p.z), p.z < 0 ? std::abs(p.y) : kEnd - std::abs(p.y)};
+}
+
+int roundedToSteps(int off) noexcept {
+  return kCheapNormalSteps * static_cast<int>(std::lround(static_cast<double>(off) / kCheapNormalSteps));
 }
 
 }  // namespace
@@ -66,7 +94,7 @@ std::vector<std::byte> encodeOtherNormals(std::span<const uint16_t> surface,
 void giveNormals(Mesh& mesh, std::span<const std::byte> others) {
   const std::vector<uint16_t> surface = surfaceNormals(mesh);
   for (size_t v = 0; v < surface.size(); ++v) mesh.vertex_attributes[v].normal = surface[v];
-  draco_header::Cursor list(others);
+  draco_stream::Cursor list(others);
   uint64_t vertex = 0;
   while (!list.isAtEnd()) {
     const uint32_t gap_and_far = list.varint();
@@ -80,6 +108,15 @@ void giveNormals(Mesh& mesh, std::span<const std::byte> others) {
       refuse("a normal is off the octahedron");
     mesh.vertex_attributes[vertex++].normal = static_cast<uint16_t>(code.x | code.y << 8);
   }
+}
+
+uint16_t cheapNormal(uint16_t wanted, glm::i64vec3 sum) noexcept {
+  const glm::ivec2 code(wanted & 255, wanted >> 8), from = predicted(sum), off = code - from;
+  if (std::max(std::abs(off.x), std::abs(off.y)) > kFar) return wanted;
+  const glm::ivec2 cheap = from + glm::ivec2(roundedToSteps(off.x), roundedToSteps(off.y));
+  const bool is_at_edge = std::min(cheap.x, cheap.y) < 1 ||
+                          std::max(cheap.x, cheap.y) >= kEnd;  // where two codes are one direction
+  return is_at_edge ? wanted : static_cast<uint16_t>(cheap.x | cheap.y << 8);
 }
 
 }  // namespace lode

@@ -10,15 +10,15 @@
 #include <glm/glm.hpp>
 
 #include "common/codec/blob.h"
+#include "common/mesh.h"
 
-/// The textures of a model: how vertices' codes become texture coordinates, and for each image where the
-/// tiles of its levels are. One blob of the store; docs/store-format.md has its bytes. All functions are
-/// thread safe.
+/// The textures of a model: the mapping from codes of vertices to texture coordinates, and the tiles of each
+/// image. One blob of the store (docs/store-format.md). All functions are thread safe.
 namespace lode {
 
 constexpr uint32_t kTilePx = 512;       ///< longest edge of a tile's image, gutters included
-constexpr uint32_t kTileGutterPx = 2;   ///< texels of the neighbourhood on each side of a tile, for filtering
-constexpr uint32_t kTileInnerPx = 508;  ///< texels of the level that a tile is there for, at most, each way
+constexpr uint32_t kTileGutterPx = 2;   ///< texels of the neighbouring tiles on each side, for filtering
+constexpr uint32_t kTileInnerPx = 508;  ///< largest edge of a tile without gutters
 static_assert(kTileInnerPx + 2 * kTileGutterPx == kTilePx);
 
 constexpr uint32_t kMaxTextures = 4096;  ///< of one model
@@ -28,25 +28,23 @@ constexpr uint32_t kMaxTextureTiles = 1u << 20;      ///< of one model
 constexpr uint32_t kMaxTileBytes = 2u << 20;         ///< of one tile's file
 constexpr uint32_t kMaxTextureNameBytes = 1024;      ///< of one texture's name
 constexpr uint32_t kMaxTextureSetBytes = 32u << 20;  ///< of an encoded set
-constexpr uint32_t kEmptyTextureSetBytes = 25;       ///< of one without textures: coordinates alone
+constexpr uint32_t kEmptyTextureSetBytes = 25;       ///< of an encoded set without textures
 constexpr int32_t kMaxUvExponent = 40;               ///< of uv_scale_exponent, either sign
 
-/// One image as a chain of levels. Level 0 has the full size, level l max(1, ceil(size / 2^l)) texels each
-/// way, and the coarsest is the first that fits one tile; each covers the whole image. A tile holds up to
-/// kTileInnerPx texels of its level each way, fewer at the right and bottom end, and around them
-/// kTileGutterPx more on all sides, those of the level repeated beyond its rim.
+/// One image as a chain of levels. Level l has max(1, ceil(size / 2^l)) texels each way; the coarsest level is
+/// the first that fits one tile. A tile holds up to kTileInnerPx texels of its level each way, fewer at the
+/// right and bottom edges, and kTileGutterPx texels around them; beyond its edges the level repeats.
 struct Texture {
-  std::string name;            ///< as the input names it; printable UTF-8
-  uint32_t width = 0;          ///< 0, as the height: the image was missing, there are no tiles
+  std::string name;            ///< name in the input; printable UTF-8
+  uint32_t width = 0;          ///< width and height are 0 if the image was missing: no tiles
   uint32_t height = 0;         ///< texels of level 0
-  std::vector<BlobRef> tiles;  ///< coarsest level first, in a level by rows from the image's top
+  std::vector<BlobRef> tiles;  ///< coarsest level first; within a level row by row from the top
 
   bool operator==(const Texture&) const = default;
 };
 
-/// Texture coordinates are true = uv_origin + code * 2^(uv_scale_exponent - 16), with v = 0 at the image's
-/// bottom row's lower edge and v = 1 at the top; outside 0 ... 1 the image repeats. A vertex of material m
-/// wears textures[m].
+/// True texture coordinates are uv_origin + code * 2^(uv_scale_exponent - 16). v is 0 at the bottom edge of
+/// the image and 1 at the top; outside 0..1 the image repeats. A vertex of material m uses textures[m].
 struct TextureSet {
   glm::dvec2 uv_origin{0};
   int32_t uv_scale_exponent = 0;
@@ -55,31 +53,36 @@ struct TextureSet {
   bool operator==(const TextureSet&) const = default;
 };
 
-/// Number of levels; 0 without an image.
+/// Returns the number of levels; 0 without an image.
 uint32_t levelCount(const Texture& texture);
-/// Texels of a level, 0 the finest.
+/// Returns the size of a level in texels; level 0 is the finest.
 glm::uvec2 levelSize(const Texture& texture, uint32_t level);
 uint32_t tilesAcross(const Texture& texture, uint32_t level);
 uint32_t tilesDown(const Texture& texture, uint32_t level);
-/// Of all levels, from width and height alone.
+/// Returns the number of tiles of all levels, from width and height alone.
 uint64_t tileCount(const Texture& texture);
-/// Place in `tiles` of the tile in column x and row y (from the top) of a level.
+/// Returns the index in `tiles` of the tile in column x and row y (from the top) of a level.
 size_t tileIndex(const Texture& texture, uint32_t level, uint32_t x, uint32_t y);
-/// Texels of the level that the tile holds, without gutters.
+/// Returns the size of a tile in texels, without gutters.
 glm::uvec2 tileInnerSize(const Texture& texture, uint32_t level, uint32_t x, uint32_t y);
 
-/// Distance of neighbouring codes, in true texture coordinates.
+/// Returns the distance of neighbouring codes in true texture coordinates.
 double uvStep(const TextureSet& set);
 
-/// A tile is the bytes of an image file as they are.
+/// Returns the true texture coordinates of a vertex; v = 0 at the bottom of the image.
+inline glm::dvec2 trueTextureCoordinates(const TextureSet& set, const VertexAttributes& vertex) {
+  return set.uv_origin + glm::dvec2(vertex.texture) * uvStep(set);
+}
+
+/// Format of a tile, which is an unchanged image file.
 enum class TileKind : uint8_t { kJpeg, kWebp };
-/// By the first bytes; nothing else of the file is looked at.
+/// Determines the format by the first bytes of the file.
 std::optional<TileKind> tileKind(std::span<const std::byte> tile) noexcept;
 
-/// @throws Error kLimit or kFormat where decodeTextureSet() would refuse the result.
+/// @throws Error kLimit or kFormat if decodeTextureSet() would refuse the result.
 std::vector<std::byte> encodeTextureSet(const TextureSet& set);
 
-/// Validates everything that can be seen without the tiles. @throws Error kFormat or kLimit.
+/// Decodes a set and validates all but the tiles. @throws Error kFormat or kLimit.
 TextureSet decodeTextureSet(std::span<const std::byte> bytes);
 
 }  // namespace lode

@@ -8,7 +8,7 @@
 
 namespace lode {
 
-/// A picture in memory: texels by rows from the top, sRGB with straight alpha.
+/// An image in memory: rows from the top, sRGB with straight alpha.
 struct Image {
   glm::uvec2 size{0};
   std::vector<glm::u8vec4> texels;
@@ -17,11 +17,16 @@ struct Image {
   const glm::u8vec4& at(uint32_t x, uint32_t y) const { return texels[size_t{y} * size.x + x]; }
 };
 
-/// The next coarser level of a picture: of ceil(size / 2) texels each way, each the mean of what it covers,
-/// in linear light, colours weighted by their alpha. Thread safe.
+/// Returns the next coarser level of an image, ceil(size / 2) texels each way. A texel is the mean of the
+/// texels it covers in linear light, weighted by alpha. Thread safe.
 Image halved(const Image& image);
 
-/// A part of a picture that goes on beyond its rims by repetition. Thread safe.
+/// Returns a part of an image; beyond its edges the image repeats. Thread safe.
 Image cutOut(const Image& image, glm::ivec2 first, glm::uvec2 size);
+
+/// Returns the linear light, 0 to 1, of an sRGB byte (IEC 61966-2-1).
+double linearOf(uint8_t srgb) noexcept;
+/// Returns the nearest sRGB byte. @param linear  clamped to 0..1.
+uint8_t srgbOf(double linear) noexcept;
 
 }  // namespace lode

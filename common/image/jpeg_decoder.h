@@ -1,46 +1,61 @@
 #pragma once
 
+#include <csetjmp>
 #include <cstddef>
+#include <cstdio>
 #include <span>
 
 #include <glm/glm.hpp>
-
-#include "common/image/jpeg_errors.h"
+#include <jpeglib.h>
 
 namespace lode {
 
-/// Scans that a JPEG may have: each costs a pass over the whole picture, however short it is. Progressive
-/// files of the usual programs have about ten.
+/// Error handler of libjpeg. An error jumps to `jump`, which the user sets with setjmp() before each call;
+/// between the two no object with a destructor may be created. Serves one codec and outlives it.
+struct JpegErrors {
+  jpeg_error_mgr manager{};  // must be first: libjpeg gets a pointer to it
+  std::jmp_buf jump{};
+  bool refuse_warnings = false;
+  char message[JMSG_LENGTH_MAX]{};  ///< the error
+  char warning[JMSG_LENGTH_MAX]{};  ///< the first warning, or empty
+
+  /// @param warnings_too  treats warnings as errors: libjpeg fills missing parts of an image with grey.
+  /// @return the `err` of a codec; set it before the codec is created.
+  jpeg_error_mgr* install(bool warnings_too);
+};
+
+/// Limit for the scans of a JPEG: even a short scan costs a pass over the whole image. Common progressive
+/// files have about ten.
 constexpr int kMaxJpegScans = 64;
 
-/// A JPEG file from an untrusted source. It is read in two steps, so that its size can be judged in between:
-/// libjpeg takes memory in proportion to it. To be used by one thread at a time.
+/// Decodes a JPEG file from an untrusted source in two steps, header and texels, so that the caller can check
+/// the size in between: libjpeg allocates in proportion to it. Not thread safe.
 class JpegDecoder {
  public:
   /// @param file  outlives the decoder.
-  /// @param refuse_warnings  what libjpeg can mend is damage all the same.
+  /// @param refuse_warnings  refuses damage that libjpeg could repair.
   JpegDecoder(std::span<const std::byte> file, bool refuse_warnings);
   ~JpegDecoder() { jpeg_destroy_decompress(&info_); }
   JpegDecoder(const JpegDecoder&) = delete;
   JpegDecoder& operator=(const JpegDecoder&) = delete;
 
-  /// @return false if the file is damaged: failure() says how.
+  /// @return false if the file is damaged; failure() says how.
   bool readHeader();
-  /// Of a file whose header was read.
+  // After readHeader():
   glm::uvec2 size() const noexcept { return {info_.image_width, info_.image_height}; }
-  /// Of a file whose header was read: colours of four inks, of which readTexels() makes nothing.
+  /// Returns true for CMYK colours, which readTexels() does not convert.
   bool isCmyk() const noexcept {
     return info_.jpeg_color_space == JCS_CMYK || info_.jpeg_color_space == JCS_YCCK;
   }
-  /// Of a file whose header was read: whether readTexels() takes two bytes a texel and channel, for the
-  /// coefficients of the whole picture.
+  /// Returns true if readTexels() needs two more bytes per texel and channel, for the coefficients of the
+  /// whole image.
   bool hasSeveralScans() noexcept { return jpeg_has_multiple_scans(&info_) != FALSE; }
-  /// After readHeader(), once. @param texels  room for all of size(), by rows; alpha becomes 255.
-  /// @return false if the file is damaged: failure() says how.
+  /// Decodes the image; call once. @param texels  rows of size(); alpha becomes 255.
+  /// @return false if the file is damaged; failure() says how.
   bool readTexels(std::span<glm::u8vec4> texels);
 
   const char* failure() const noexcept { return errors_.message; }
-  /// The first warning; empty if there was none.
+  /// Returns the first warning, or an empty text.
   const char* warning() const noexcept { return errors_.warning; }
 
  private:

@@ -12,12 +12,12 @@
 #include <nlohmann/json.hpp>
 
 #include "common/codec/octahedral.h"
-#include "common/codec/texture_coordinates.h"
+#include "common/codec/texture_set.h"
 #include "common/error.h"
-#include "common/image/srgb.h"
+#include "common/image/image.h"
 #include "common/io/atomic_file.h"
 #include "common/io/little_endian_row.h"
-#include "common/io/material_groups.h"
+#include "common/io/mesh_materials.h"
 
 namespace lode {
 namespace {

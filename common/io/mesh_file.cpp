@@ -3,7 +3,6 @@
 #include <string>
 
 #include "common/error.h"
-#include "common/io/file_ending.h"
 #include "common/io/glb_writer.h"
 #include "common/io/obj_writer.h"
 #include "common/io/output_target.h"

@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "common/codec/octahedral.h"
-#include "common/codec/texture_coordinates.h"
+#include "common/codec/texture_set.h"
 #include "common/io/atomic_file.h"
-#include "common/io/material_groups.h"
+#include "common/io/mesh_materials.h"
 
 namespace lode {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "common/io/image_files.h"
+#include "common/io/mesh_materials.h"
 #include "common/lattice.h"
 #include "common/mesh.h"
 

@@ -1,5 +1,7 @@
 #include "common/io/output_target.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -76,6 +78,13 @@ void refuseFilesBesideStream(const std::filesystem::path& output) {
   if (is_device_of_a_file || findOutput(output).is_stream)
     throw Error(ErrorCode::kUsage,
                 output.string() + ": is a pipe or a device, beside which no images can be: name a file");
+}
+
+std::string fileEnding(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
 }
 
 }  // namespace lode

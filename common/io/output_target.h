@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <string>
 
 namespace lode {
 
@@ -15,6 +16,9 @@ struct OutputTarget {
 /// @throws Error kUsage for an empty name and for what is neither file, pipe nor character device, kIo for
 /// links that lead in circles.
 OutputTarget findOutput(const std::filesystem::path& asked);
+
+/// A file name's ending with its dot, in small letters: ".png" of "a.PNG"; empty where it has none.
+std::string fileEnding(const std::filesystem::path& path);
 
 /// Whether it is this process's standard output, whatever that is and by whatever name.
 bool isStandardOutput(const std::filesystem::path& output) noexcept;

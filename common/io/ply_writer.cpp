@@ -4,7 +4,7 @@
 #include <string>
 
 #include "common/codec/octahedral.h"
-#include "common/codec/texture_coordinates.h"
+#include "common/codec/texture_set.h"
 #include "common/io/atomic_file.h"
 #include "common/io/little_endian_row.h"
 

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "common/io/image_files.h"
+#include "common/io/mesh_materials.h"
 #include "common/mesh.h"
 #include "server/store/cut.h"
 #include "server/store/reader.h"

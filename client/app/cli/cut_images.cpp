@@ -8,7 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "client/app/cli/resident_image.h"
-#include "common/io/material_groups.h"
+#include "common/io/mesh_materials.h"
 #include "common/io/output_target.h"
 #include "common/mesh_images/image_names.h"
 #include "common/mesh_images/png_writer.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "client/core/lod/cut.h"
-#include "common/io/image_files.h"
+#include "common/io/mesh_materials.h"
 #include "common/mesh.h"
 
 namespace lode::app {

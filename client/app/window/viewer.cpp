@@ -8,7 +8,7 @@
 #include "client/app/cli/opened_target.h"
 #include "client/app/window/panel/notice.h"
 #include "common/error.h"
-#include "common/one_line.h"
+#include "common/printable.h"
 
 namespace lode::app {
 namespace {
@@ -142,7 +142,7 @@ bool Viewer::isWorthWaiting() const {
 void Viewer::fail(const Error& error) {
   if (!isInteractive() || error.code() == ErrorCode::kUsage) throw error;
   failed_ = error;
-  sayOnOneLine("lodestream", error.what());
+  printOnOneLine("lodestream", error.what());
   content_.waiting.clear();
   content_.help = false;
 }
@@ -164,7 +164,7 @@ void Viewer::openWhenReady() {
   content_.title = summary.name;
   content_.warning = warningOf(scene_.warnings());
   for (const std::string& model : scene_.missing())
-    sayOnOneLine("lodestream", options_.common.target + ": " + model);
+    printOnOneLine("lodestream", options_.common.target + ": " + model);
   window_.setTitle(summary.name + " - Lodestream");
 }
 

@@ -12,7 +12,7 @@
 #include "client/render/passes/light.h"
 #include "client/render/passes/mesh_shaders.h"
 #include "client/render/residency/gpu_vertex.h"
-#include "common/image/srgb.h"
+#include "common/image/image.h"
 
 namespace lode::render {
 namespace {

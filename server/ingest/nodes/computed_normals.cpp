@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "common/codec/cheap_normals.h"
 #include "common/codec/octahedral.h"
 #include "common/codec/surface_normals.h"
 #include "server/ingest/mesh/groups.h"

@@ -9,7 +9,7 @@
 #include <webp/encode.h>
 
 #include "common/error.h"
-#include "common/image/jpeg_errors.h"
+#include "common/image/jpeg_decoder.h"
 
 namespace lode::ingest {
 namespace {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "common/io/output_target.h"
 #include "tests/support/test_meshes.h"
 #include "tests/support/work_folder.h"
 
@@ -56,6 +57,10 @@ TEST(MeshFile, namesTheFolderThatIsMissing) {
     }
   }
 }
+
+TEST(FileEnding, isTheLastInSmallLetters) { EXPECT_EQ(fileEnding("/a.b/model.LODE.Png"), ".png"); }
+
+TEST(FileEnding, isEmptyOfANameWithoutOne) { EXPECT_EQ(fileEnding("/a.b/model"), ""); }
 
 }  // namespace
 }  // namespace lode

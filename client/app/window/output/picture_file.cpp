@@ -7,7 +7,6 @@
 
 #include "client/app/cli/target.h"
 #include "common/error.h"
-#include "common/io/file_ending.h"
 #include "common/io/output_target.h"
 #include "common/printable.h"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/image/srgb.h"
+#include "common/image/image.h"
 
 namespace lode::core {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/io/material_groups.h"
+#include "common/io/mesh_materials.h"
 
 #include <map>
 

@@ -7,24 +7,28 @@
 
 #include "common/error.h"
 
-namespace lode::draco_header {
+/// Settings and parsing that encoder and decoder of payloads share.
+namespace lode::draco_stream {
+
+constexpr int kNormalBits = 8;
+constexpr int kTextureBits = 16;
 
 [[noreturn]] inline void refuse(const std::string& why) {
   throw Error(ErrorCode::kFormat, "damaged payload: " + why + "; fetch it again or rebuild the store");
 }
 
-/// Reads the first bytes of a Draco stream, and what follows its end. All functions throw Error kFormat.
+/// Reads the head of a Draco stream, and the bytes that follow its end. All functions throw Error kFormat.
 /// Source: Draco's bitstream specification 2.2, sections 3 and 6.
 class Cursor {
  public:
   explicit Cursor(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
-  /// What every payload begins with; the kind of traversal, vertices and triangles follow.
+  /// Skips the bytes that every payload begins with. The kind of traversal, vertices and triangles follow.
   void skipStart() {
     constexpr uint8_t kStart[] = {'D',         'R', 'A', 'C', 'O', 2, 2, /*mesh*/ 1, /*edgebreaker*/ 1,
                                   /*flags*/ 0, 0};
     for (const uint8_t byte : kStart)
-      if (u8() != byte) refuse("it does not begin like a Draco 2.2 edgebreaker mesh");
+      if (u8() != byte) refuse("it does not begin as a Draco 2.2 edgebreaker mesh");
   }
   bool isAtEnd() const noexcept { return at_ == bytes_.size(); }
   uint8_t u8() {
@@ -46,4 +50,4 @@ class Cursor {
   size_t at_ = 0;
 };
 
-}  // namespace lode::draco_header
+}  // namespace lode::draco_stream
