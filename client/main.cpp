@@ -1,6 +1,11 @@
+#include <string>
+
+#include <CLI/CLI.hpp>
+
 #include "client/app/cli/common_options.h"
-#include "client/app/cli/program.h"
 #include "client/loadtest/loadtest_command.h"
+#include "common/command_line.h"
+#include "common/error.h"
 #include "common/io/interrupted.h"
 #ifdef LODE_GL
 #include "client/app/window/render_command.h"
@@ -11,7 +16,17 @@ namespace {
 
 using namespace lode::app;
 
+#ifndef LODE_GL
+/// Declares a command that this build does not have: it fails and says why.
+void declareMissing(CLI::App& program, const std::string& name, const std::string& why) {
+  CLI::App* command = program.add_subcommand(name, why);
+  command->allow_extras();
+  command->callback([name, why] { throw lode::Error(lode::ErrorCode::kUsage, name + ": " + why); });
+}
+#endif
+
 void declareCommands(CLI::App& program, int& exit_status) {
+  program.set_version_flag("--version", "lodestream " LODE_VERSION);
 #ifdef LODE_GL
   declareView(program, exit_status);
   declareRender(program, exit_status);
@@ -29,5 +44,7 @@ void declareCommands(CLI::App& program, int& exit_status) {
 
 int main(int argc, char** argv) {
   lode::endCleanlyWhenInterrupted();
-  return runProgram(argc, argv, declareCommands);
+  CLI::App program("Shows models while they stream from a Lodestream server.", "lodestream");
+  const auto declare = [&](int& exit_status) { declareCommands(program, exit_status); };
+  return lode::runCommandLine(program, argc, argv, declare, "give --memory-budget a smaller value");
 }

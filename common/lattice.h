@@ -12,8 +12,8 @@ namespace lode {
 constexpr int kLatticeBits = 21;                            ///< bits of a lattice coordinate
 constexpr uint32_t kMaxLattice = (1u << kLatticeBits) - 1;  ///< largest lattice coordinate
 
-/// A vertex position: three lattice coordinates in 63 bits, x lowest. It identifies a vertex: welding, joining
-/// of boundaries and the triangle soup compare it, and every payload decodes to it exactly.
+/// A vertex position: three lattice coordinates in 63 bits, x lowest. It identifies a vertex: welding,
+/// joining of boundaries and the triangle soup compare it, and every payload decodes to it exactly.
 struct PositionCode {
   uint64_t value = 0;
   friend constexpr auto operator<=>(PositionCode, PositionCode) = default;

@@ -53,7 +53,8 @@ struct Mesh {
   std::vector<PositionCode> positions;
   std::vector<VertexAttributes> vertex_attributes;  ///< one per vertex; empty if `attributes` is empty
   std::vector<glm::u32vec3> triangles;              ///< indices of vertices, counter-clockwise
-  /// Bounding box of each run of kClusterTriangles triangles; empty unless triangles are sorted into clusters.
+  /// Bounding box of each run of kClusterTriangles triangles; empty unless triangles are sorted into
+  /// clusters.
   std::vector<LatticeBox> cluster_boxes = {};
 
   bool operator==(const Mesh&) const = default;

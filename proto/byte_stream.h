@@ -14,30 +14,30 @@
 
 namespace lode::proto {
 
-/// A TCP connection, plain or under TLS. One coroutine may read while another writes, all on the socket's one
+/// A TCP connection, plain or with TLS. One coroutine may read while another writes, both on the socket's
 /// thread.
 class ByteStream {
  public:
   explicit ByteStream(asio::ip::tcp::socket socket);
-  /// Under TLS: a handshake comes before anything else.
+  /// With TLS: call a handshake function first.
   ByteStream(asio::ip::tcp::socket socket, std::shared_ptr<asio::ssl::context> tls);
 
-  /// The server's side of the TLS handshake; nothing on a plain stream.
-  /// @return false if the peer closed before it said anything.
-  /// @throws Error kNetwork: why it failed, in a few words of OpenSSL's or of the system's.
+  /// Performs the TLS handshake as a server. Does nothing on a plain stream.
+  /// @return false if the peer closed without sending anything.
+  /// @throws Error kNetwork with OpenSSL's or the system's reason.
   asio::awaitable<bool> acceptHandshake();
-  /// The client's side: the peer must prove to be this host. Nothing on a plain stream.
-  /// @param host  name or number. @throws Error kNetwork: why it does not.
+  /// Performs the TLS handshake as a client and verifies that the certificate is for `host`, a name or an
+  /// address. Does nothing on a plain stream. @throws Error kNetwork.
   asio::awaitable<void> connectHandshake(std::string host);
-  /// Whether the certificate was what a handshake of the client's side failed for.
+  /// Returns true if connectHandshake() failed because of the certificate.
   bool isPeerDoubted();
 
-  /// @param error  outlives the awaitable; asio::error::eof if the peer has closed its side, under TLS with a
-  /// goodbye or without one: frames tell their lengths, so that none is cut short unseen.
+  /// @param error  must outlive the awaitable; asio::error::eof if the peer closed its side, also without
+  /// TLS's close_notify: frames have lengths, so truncation is noticed.
   asio::awaitable<size_t> readSome(asio::mutable_buffer into, asio::error_code& error);
-  /// Writes all of it. Under TLS several parts are cheaper in one.
+  /// Writes all parts. With TLS one large part is cheaper than several.
   asio::awaitable<void> write(std::span<const asio::const_buffer> parts, asio::error_code& error);
-  /// Until the kernel's send buffer takes more.
+  /// Waits until the kernel's send buffer has room.
   asio::awaitable<void> waitWritable(asio::error_code& error);
 
   asio::any_io_executor executor() { return socket().get_executor(); }
@@ -45,7 +45,7 @@ class ByteStream {
   bool encrypted() const noexcept { return tls_.has_value(); }
 
   void shutdownSend() noexcept;
-  void close() noexcept;  ///< whatever is under way ends with an error
+  void close() noexcept;  ///< pending operations end with an error
 
  private:
   std::shared_ptr<asio::ssl::context> context_;

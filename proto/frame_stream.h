@@ -20,34 +20,33 @@ struct Frame {
   std::vector<std::byte> body;
 };
 
-/// Frames on a byte stream. One coroutine may read while another writes, all on the stream's one thread.
+/// Frames on a byte stream. One coroutine may read while another writes, both on the stream's thread.
 class FrameStream {
  public:
-  /// Asked before a frame's body takes this many bytes more; refuses by false.
+  /// Called before a body grows by this many bytes. Returns false to refuse them.
   using Room = std::function<bool(size_t more_bytes)>;
 
-  /// @param read_ahead_bytes  how much is read in one go; bodies longer than it are read straight into place.
+  /// @param read_ahead_bytes  size of the read buffer; longer bodies are read directly into the frame.
   explicit FrameStream(ByteStream stream, size_t read_ahead_bytes = 4096, Room room = {});
 
-  /// Reads one frame; `frame` is reused from call to call, so that its memory is. A body takes memory as its
-  /// bytes come, whatever its header announces.
-  /// @param max_body_bytes  bodies announced longer are refused before any memory is taken.
+  /// Reads one frame into `frame`, whose memory is reused. A body takes memory as its bytes arrive, not as
+  /// its header announces.
+  /// @param max_body_bytes  a longer body is refused before memory is allocated.
   /// @return false if the peer closed the connection between two frames.
-  /// @throws Error kLimit, kProtocol (a header that cannot be), kNetwork (gone in the middle of a frame,
-  /// reset).
+  /// @throws Error kLimit, kProtocol (invalid header), kNetwork (closed within a frame, or reset).
   asio::awaitable<bool> read(Frame& frame, uint32_t max_body_bytes = kMaxFrameBodyBytes);
 
-  /// Writes whole frames from several places in one call of the system, nothing copied: control frames from
-  /// one, a chunk's headers and bytes from another. Parts and bytes must stay until it is done.
+  /// Writes whole frames from several buffers in one system call without copying. Buffers must stay valid
+  /// until it returns.
   /// @throws Error kNetwork.
   asio::awaitable<void> write(std::span<const asio::const_buffer> parts);
 
-  /// Reads and drops until the peer closes or the stream is closed here: a connection closed with bytes
-  /// unread is reset, and the peer may lose what was sent last. Never throws.
+  /// Reads and drops bytes until either side closes: closing a connection with unread bytes resets it, and
+  /// the peer may lose the last frames. Never throws.
   asio::awaitable<void> discard();
 
   ByteStream& bytes() noexcept { return stream_; }
-  void close() noexcept { stream_.close(); }  ///< whatever is under way ends with Error kNetwork
+  void close() noexcept { stream_.close(); }  ///< pending operations throw Error kNetwork
 
  private:
   asio::awaitable<bool> fill(size_t needed);
@@ -56,7 +55,7 @@ class FrameStream {
   ByteStream stream_;
   Room room_;
   std::vector<std::byte> ahead_;
-  size_t begin_ = 0, end_ = 0;  ///< of what is in ahead_ and not yet given out
+  size_t begin_ = 0, end_ = 0;  ///< unread bytes of ahead_
 };
 
 }  // namespace lode::proto

@@ -141,7 +141,7 @@ void FullClient::look(core::TimePoint now) {
   if (path_.keys.empty()) {
     path_ = plan_.path_of(*model, seed_);
     round_begin_ = start_;
-    pause_s_ = somePause(plan_.think_s, random_);
+    pause_s_ = randomPause(plan_.think_s, random_);
   }
   engine_.setView(core::toView(camera(now), path_.fov_y_deg, plan_.size_px.x, plan_.size_px.y, *model),
                   plan_.pixels);
@@ -152,7 +152,7 @@ core::CameraKey FullClient::camera(core::TimePoint now) {
   const double from_s = path_.keys.front().t, path_s = path_.keys.back().t - from_s;
   while (path_s > 0 && now >= round_begin_ + ofSeconds(path_s + pause_s_)) {
     round_begin_ += ofSeconds(path_s + pause_s_);
-    pause_s_ = somePause(plan_.think_s, random_);
+    pause_s_ = randomPause(plan_.think_s, random_);
   }
   const double at_s = std::chrono::duration<double>(now - round_begin_).count();
   return core::cameraAt(path_, from_s + std::min(at_s, path_s));

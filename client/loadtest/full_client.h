@@ -9,22 +9,21 @@
 #include <asio/io_context.hpp>
 
 #include "client/core/engine.h"
-#include "client/loadtest/known_digests.h"
 #include "client/loadtest/load_client.h"
 #include "client/loadtest/load_counts.h"
-#include "client/loadtest/load_plan.h"
-#include "client/loadtest/request_clock.h"
+#include "client/loadtest/request_watch.h"
 #include "client/net/tcp_transport.h"
 #include "common/error.h"
 
 namespace lode::app {
 
-/// A client that does all that one with a window does but draw: it goes along a path of its own, refines,
-/// decodes, and comes again when its connection ends. Its camera waits for nothing.
+/// Simulates a viewer without drawing: it follows a camera path, refines, decodes and reconnects. Its camera
+/// never waits for data.
 class FullClient final : public LoadClient {
  public:
-  /// @param start  when it connects. @param seed  of its path and pauses. @param names  of the clients of its
-  ///               thread.
+  /// @param start  time to connect. @param seed  of its path and pauses. @param names  shared by the clients
+  /// of
+  ///               a thread.
   FullClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, uint64_t seed,
              KnownDigests& names, LoadCounts& counts);
 
@@ -33,7 +32,7 @@ class FullClient final : public LoadClient {
   void finish(core::TimePoint now) override;
 
  private:
-  using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;  // by core::SessionRole
+  using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;  // indexed by core::SessionRole
 
   core::EngineOptions engineOptions(uint64_t seed);
   bool noteBlob(const BlobRef& blob, std::span<const std::byte> bytes);
@@ -58,20 +57,21 @@ class FullClient final : public LoadClient {
   LoadCounts& counts_;
   const core::TimePoint start_;
   core::TimePoint due_;
-  core::TimePoint noted_until_;  ///< what was seen is in the counts
+  core::TimePoint noted_until_;  ///< time up to which counts_ is complete
   uint64_t frames_ = 0;
   std::mt19937_64 random_;
-  std::array<RequestClock, 2> clocks_;  ///< by core::SessionRole
-  RequestClock::Requests lost_;         ///< with connections that broke off, and not made again since
+  std::array<RequestClock, 2> clocks_;  ///< indexed by core::SessionRole
+  RequestClock::Requests lost_;         ///< requests of broken connections that were not repeated yet
   core::Engine engine_;
   core::CameraPath path_;        ///< no keys until the model is known
-  core::TimePoint round_begin_;  ///< of the path
-  double pause_s_ = 0;           ///< at this round's end
-  uint64_t received_bytes_ = 0;  ///< that the counts knows of
-  std::string turned_away_;      ///< why, the last time
+  core::TimePoint round_begin_;  ///< start of the current round of the path
+  double pause_s_ = 0;           ///< pause at the end of this round
+  uint64_t received_bytes_ = 0;  ///< bytes already in counts_
+  std::string turned_away_;      ///< last reason
   bool started_ = false, image_seen_ = false, converged_ = false, gone_ = false;
   Transports transports_;
-  std::vector<std::unique_ptr<net::TcpTransport>> ended_;  ///< gone at the next step: not in their own calls
+  std::vector<std::unique_ptr<net::TcpTransport>>
+      ended_;  ///< destroyed at the next step, not in their own callbacks
 };
 
 }  // namespace lode::app

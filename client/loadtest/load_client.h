@@ -1,30 +1,80 @@
 #pragma once
 
+#include <chrono>
+#include <cmath>
+#include <cstdint>
 #include <exception>
+#include <functional>
+#include <map>
+#include <random>
+#include <span>
 #include <string>
+
+#include <glm/glm.hpp>
 
 #include "client/core/view/time_point.h"
 #include "client/loadtest/load_counts.h"
+#include "client/loadtest/request_trace.h"
+#include "client/net/address.h"
+#include "client/stream/streamer.h"
+#include "common/codec/blob.h"
 #include "common/error.h"
 
 namespace lode::app {
 
+/// Converts seconds to a duration of the clock.
+inline core::TimePoint::duration ofSeconds(double count) {
+  return std::chrono::duration_cast<core::TimePoint::duration>(std::chrono::duration<double>(count));
+}
+
+/// Settings of the clients of one model in a load test.
+struct LoadPlan {
+  stream::ServedModel model;
+  stream::StreamOptions options;
+  net::Route route;    ///< route to the model's server
+  RequestTrace trace;  ///< for trace clients
+  /// Returns the path of a full client by its seed.
+  std::function<core::CameraPath(const ModelSummary&, uint64_t seed)> path_of;
+  glm::uvec2 size_px{1280, 720};
+  float pixels = 1;
+  double fps = 10;
+  double think_s = 0;  ///< mean pause at the end of each round
+  bool decode = true;
+  core::TimePoint end{};
+};
+
+/// Returns a random pause with exponential distribution.
+inline double randomPause(double mean_s, std::mt19937_64& random) {
+  return -mean_s * std::log1p(-static_cast<double>(random() >> 11) * 0x1p-53);
+}
+
+/// Checks digests of blobs that arrive repeatedly: computes SHA-256 for the first copy of each, and compares
+/// later copies with its xxh3 checksum, which is faster. Not thread safe.
+class KnownDigests {
+ public:
+  bool matchesDigest(const BlobRef& blob, std::span<const std::byte> bytes);
+
+ private:
+  std::map<Digest, uint64_t> checksums_;  ///< xxh3 of bytes whose digest was verified
+};
+
 constexpr auto kNever = core::TimePoint::max();
 
-/// One client of a load test. Lives on the thread that runs its context.
+/// A client of a load test. Runs on the thread of its io_context.
 class LoadClient {
  public:
   virtual ~LoadClient() = default;
 
-  /// When step() has something to do next; kNever once it has ended.
+  /// Returns the time of the next step(); kNever after the client has ended.
   virtual core::TimePoint due() const noexcept = 0;
-  /// Connects, also anew, requests what is due, keeps the connection alive.
+  /// Connects or reconnects, sends due requests, keeps the connection alive.
   virtual void step(core::TimePoint now) = 0;
-  /// What is not there yet counts as late as it is.
+  /// Ends the client. Open requests count with their latency so far.
   virtual void finish(core::TimePoint now) = 0;
 };
 
-/// What goes wrong with one client is counted and ends it; the others go on. @return false: it ends.
+/// Runs an action of a client. Counts an exception as an error that ends the client.
+/// @return false if the client ends.
 template <typename Action>
 bool survives(LoadCounts& counts, const Action& action) {
   try {
@@ -39,8 +89,8 @@ bool survives(LoadCounts& counts, const Action& action) {
   return false;
 }
 
-/// A client that a server has turned away until the test's end is an error.
-/// @param why  the last time; empty if none has.
+/// Counts an error for a client that the server turned away until the end of the test.
+/// @param why  last reason; empty if the client was not turned away.
 inline void noteNeverLetIn(LoadCounts& counts, const std::string& why) {
   if (!why.empty()) counts.noteError(ErrorCode::kNetwork, "never let in: " + why);
 }

@@ -10,22 +10,24 @@
 
 namespace lode::app {
 
-/// What the clients of one thread have seen.
+/// Counters of the clients of one thread.
 struct LoadCounts {
-  /// By class, from a request's intended time to its last byte; of a full client from when it was sent.
+  /// By request class, until the last byte: from the intended time (trace clients) or from sending (full
+  /// ones).
   std::array<LatencyHistogram, 3> latency;
   LatencyHistogram first_image;  ///< from a client's intended start to the root's coarsest LOD
-  LatencyHistogram converged;    ///< of full clients: until the first picture that needs nothing more
-  double looked_s = 0;           ///< of full clients
-  double far_off_s = 0;          ///< in which their pictures were off by more than twice the threshold
+  LatencyHistogram converged;    ///< full clients: time until the first converged picture
+  double looked_s = 0;           ///< full clients: time with a picture
+  double far_off_s = 0;          ///< time in which the error exceeded twice the threshold
   uint64_t started = 0;          ///< clients
   uint64_t blobs = 0, bytes = 0, unanswered = 0;
-  uint64_t moved = 0;  ///< clients that a server told to go away, and who went on with another connection
-  uint64_t turned_away = 0;  ///< times that a server let a client not in, full or going away; it came again
-  uint64_t lost = 0;  ///< connections that broke, or that could not be made anew; each is an error, too
-  uint64_t failed_requests = 0;  ///< refused, or open when a connection broke; those were requested again
-  uint64_t gave_up = 0;          ///< clients that an error has ended
-  /// That ended a client or a connection, or came in the place of a blob.
+  uint64_t moved = 0;        ///< clients that changed the connection after GoAway
+  uint64_t turned_away = 0;  ///< refused connections: the server was full or stopping; the client retried
+  uint64_t lost = 0;         ///< broken or failed connections; each is also an error
+  uint64_t failed_requests =
+      0;                 ///< refused requests, and open ones of broken connections, which were repeated
+  uint64_t gave_up = 0;  ///< clients that ended with an error
+  /// Errors that ended a client or a connection, or replaced a blob.
   std::map<ErrorCode, uint64_t> errors;
   std::string first_error;
 

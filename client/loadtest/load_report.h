@@ -5,23 +5,23 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/loadtest/load_client.h"
 #include "client/loadtest/load_counts.h"
-#include "client/loadtest/load_plan.h"
 #include "client/loadtest/load_test.h"
 
 namespace lode::app {
 
-/// docs/json.md tells what the keys mean.
+/// Returns the result for --json; docs/json.md describes the keys.
 nlohmann::ordered_json toJson(const LoadOptions& options, std::span<const LoadPlan> plans,
                               const LoadResult& result, double cpu_seconds);
 
-/// The result in one line.
+/// Describes the result in one line.
 std::string describe(const LoadOptions& options, const LoadResult& result);
 
-/// A line a second on stderr, for who watches.
+/// Prints the progress on stderr, one line per second.
 class LiveLine {
  public:
-  /// @param now  what all have seen so far: the line tells what came since the last one.
+  /// Prints the difference between `now` and the last line. @param now  counters of all clients.
   void print(double seconds, const LoadCounts& now);
 
  private:

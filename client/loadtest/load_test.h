@@ -4,32 +4,32 @@
 #include <functional>
 #include <span>
 
+#include "client/loadtest/load_client.h"
 #include "client/loadtest/load_counts.h"
-#include "client/loadtest/load_plan.h"
 
 namespace lode::app {
 
 struct LoadOptions {
   uint32_t clients = 1;
-  unsigned threads = 1;  ///< that step them
+  unsigned threads = 1;  ///< threads that step the clients
   double seconds = 10;
-  double ramp_s = 2.5;  ///< in which they start, one after the other
-  bool full = false;    ///< they refine and decode; else they replay the plans' traces
-  /// Called once a second on the caller's thread with what all have seen so far; may be empty.
+  double ramp_s = 2.5;  ///< clients start one after the other during this time
+  bool full = false;    ///< full clients instead of trace clients
+  /// Receives the counters of all clients once a second on the caller's thread; may be empty.
   std::function<void(double seconds, const LoadCounts&)> progress;
-  /// Asked several times a second by every thread: the test ends early once it says so; may be empty.
+  /// Called by every thread several times a second; returning true ends the test. May be empty.
   std::function<bool()> is_stopped;
 };
 
 struct LoadResult {
   LoadCounts counts;
-  double seconds = 0;  ///< that it took
+  double seconds = 0;  ///< duration of the test
   bool interrupted = false;
 };
 
-/// Lets clients load servers for a time, on a few threads. They take the plans by turns, and each begins at
-/// another place of its trace or goes along a path of its own.
-/// @param plans  at least one; but for their end. @throws Error kUsage if the system does not allow so many
+/// Runs a load test. Clients take the plans in turn; each starts at its own position of the trace or follows
+/// its own path.
+/// @param plans  at least one; sets their `end`. @throws Error kUsage if the system does not allow that many
 /// connections.
 LoadResult runLoadTest(std::span<LoadPlan> plans, const LoadOptions& options);
 

@@ -1,5 +1,9 @@
 #include "client/loadtest/loadtest_command.h"
 
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstddef>
 #include <cstdio>
 #include <functional>
 #include <map>
@@ -18,11 +22,9 @@
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/made_path.h"
 #include "client/app/cli/opened_target.h"
-#include "client/loadtest/interruption.h"
 #include "client/loadtest/load_report.h"
 #include "client/loadtest/load_test.h"
 #include "client/loadtest/request_trace.h"
-#include "client/loadtest/request_trace_file.h"
 #include "common/command_line.h"
 #include "common/error.h"
 
@@ -54,6 +56,40 @@ double cpuSeconds() {
   };
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
+
+constexpr std::array kSignals{SIGINT, SIGTERM};
+std::atomic<int> signal_that_came{0};
+static_assert(std::atomic<int>::is_always_lock_free);
+
+/// While it lives, the first SIGINT or SIGTERM does not end the process, but is told, so that work can end
+/// with what it has; the second ends it as ever. One at a time.
+class Interruption {
+ public:
+  Interruption();
+  ~Interruption();
+  Interruption(const Interruption&) = delete;
+  Interruption& operator=(const Interruption&) = delete;
+
+  /// The signal that has come; 0: none. Any thread may ask.
+  static int signal() noexcept;
+
+ private:
+  std::array<struct sigaction, 2> before_{};
+};
+
+Interruption::Interruption() {
+  signal_that_came = 0;
+  struct sigaction action {};
+  action.sa_handler = [](int number) { signal_that_came = number; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
+  for (size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &before_[i]);
+}
+
+Interruption::~Interruption() {
+  for (size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
+}
+
+int Interruption::signal() noexcept { return signal_that_came; }
 
 /// The targets, open as long as this, and what their clients are told.
 class PlannedLoad {

@@ -15,14 +15,13 @@
 #include <sys/resource.h>
 
 #include "client/app/cli/made_path.h"
-#include "client/app/cli/not_converged.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/stream_report.h"
 #include "client/app/cli/target.h"
 #include "client/core/lod/cut.h"
 #include "client/loadtest/latency_histogram.h"
+#include "client/loadtest/loadtest_command.h"
 #include "client/loadtest/request_trace.h"
-#include "client/loadtest/request_trace_file.h"
 #include "common/command_line.h"
 
 namespace lode::app {

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -13,34 +15,55 @@
 #include "client/core/view/camera_path.h"
 #include "client/stream/streamer.h"
 #include "common/codec/blob.h"
+#include "common/io/atomic_file.h"
 
 namespace lode::app {
 
-/// A request, at the time at which a client makes it whose link takes no time.
+/// A request with the time at which a client on an infinitely fast link would send it.
 struct TracedRequest {
-  double t_s = 0;  ///< from the path's beginning
+  double t_s = 0;  ///< from the start of the path
   core::Request request;
-  std::optional<core::DecodeJob> decode;  ///< without bytes: how to decode the blob; none of pages
+  std::optional<core::DecodeJob> decode;  ///< how to decode the blob, without its bytes; none for pages
 };
 
-/// What a camera path requests, in the order of time: recorded once, replayed by any number of clients.
+/// The requests of a camera path in order of time: recorded once, replayed by any number of clients.
 struct RequestTrace {
-  Digest build_id;  ///< of the model: in another build of it blobs have other numbers
+  Digest build_id;  ///< build of the model: another build has other numbers of blobs
   double duration_s = 0;
   std::vector<TracedRequest> requests;
-  std::string gap;  ///< why it has no request a part that cannot be had; empty: it has all
+  std::string gap;  ///< why the server could not deliver a part; empty if the trace is complete
 };
 
-/// The path that a client goes along, once it knows the model.
+/// Returns the camera path of a client for a model.
 using PathOf = std::function<core::CameraPath(const ModelSummary&)>;
 
-/// @param source  names the trace. @throws Error kInput if it is not of this build of the model.
+/// @param source  name of the trace for the message. @throws Error kInput if the trace is of another build.
 void checkBuild(const RequestTrace& trace, const Digest& build_id, const std::string& source);
 
-/// Goes along a path in steps of a tenth of a second, waiting at each until nothing more is to come.
+/// Records a trace: follows a path in steps of a tenth of a second and waits at each until the cut has
+/// settled.
 /// @throws Error kNetwork and so on as a Session does, kTimeout.
 RequestTrace recordTrace(const stream::ServedModel& model, const stream::StreamOptions& options,
                          const PathOf& path_of, glm::uvec2 size_px, float pixels,
                          std::chrono::milliseconds timeout);
+
+constexpr uint64_t kMaxTraceFileBytes = 256ull << 20;
+constexpr size_t kMaxTracedRequests = 1'000'000;
+
+constexpr uint32_t kTraceVersion = 2;  ///< of the format; version 1 had neither a version nor a build_id
+
+/// Formats a trace as JSON: {"version": 2, "build_id": "<32 hexadecimal digits>", "duration_s": 20, "step":
+/// 0.001, "requests": [{"t": 0, "blob": 7, "bytes": 900, "name":
+/// "<32 hexadecimal digits>", "class": 0, "px": 8.5, "mesh": {"triangles": 90, "vertices": 60, "attributes":
+/// 1, "box": [0, 0, 0, 9, 9, 9]} or "tile": {"size": [512, 512], "tail": 0} or neither for pages}]}.
+std::string toJson(const RequestTrace& trace);
+
+/// @param source  names the text in errors. @throws Error kInput or kLimit that names the request and the
+/// remedy.
+RequestTrace parseRequestTrace(std::string_view json, std::string_view source);
+
+/// Writes the file and commits it. @throws Error kIo.
+void writeRequestTrace(AtomicFile file, const RequestTrace& trace);
+RequestTrace readRequestTrace(const std::filesystem::path& file);
 
 }  // namespace lode::app

@@ -55,7 +55,8 @@ core::TimePoint TraceClient::nextIntended() const noexcept {
 
 void TraceClient::goOn() {
   ++replayed_;
-  if ((first_ + replayed_) % plan_.trace.requests.size() == 0) paused_s_ += somePause(plan_.think_s, random_);
+  if ((first_ + replayed_) % plan_.trace.requests.size() == 0)
+    paused_s_ += randomPause(plan_.think_s, random_);
 }
 
 template <typename Action>

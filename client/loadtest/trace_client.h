@@ -9,21 +9,19 @@
 #include <asio/io_context.hpp>
 
 #include "client/core/session/connection.h"
-#include "client/loadtest/known_digests.h"
 #include "client/loadtest/load_client.h"
 #include "client/loadtest/load_counts.h"
-#include "client/loadtest/load_plan.h"
 #include "client/net/tcp_transport.h"
 
 namespace lode::app {
 
-/// Replays a trace over and over from a place of its own in it, each request at its intended time whether or
-/// not those before are there. What is late counts from that time. When its connection ends it comes again,
-/// as any client does, and requests again what it has not got.
+/// Replays a trace repeatedly from its own position, each request at its intended time even if earlier ones
+/// are open. Latency counts from the intended time. It reconnects when its connection ends and repeats its
+/// open requests.
 class TraceClient final : public LoadClient {
  public:
-  /// @param start    when it connects. @param phase_s  where in the trace it begins.
-  /// @param names    of the clients of its thread.
+  /// @param start    time to connect. @param phase_s  position in the trace to start from.
+  /// @param names    shared by the clients of a thread.
   TraceClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, double phase_s,
               KnownDigests& names, LoadCounts& counts);
 
@@ -35,7 +33,7 @@ class TraceClient final : public LoadClient {
   struct Pending {
     core::Request request;
     core::TimePoint intended;
-    size_t traced = 0;  ///< its place in the trace
+    size_t traced = 0;  ///< index in the trace
   };
 
   using Transport = std::unique_ptr<net::TcpTransport>;
@@ -64,18 +62,18 @@ class TraceClient final : public LoadClient {
   KnownDigests& names_;
   LoadCounts& counts_;
   const core::TimePoint start_;
-  size_t first_;           ///< place in the trace at which it begins
-  uint64_t replayed_ = 0;  ///< requests that were due so far
-  double paused_s_ = 0;    ///< between the rounds so far
+  size_t first_;           ///< index of the first request in the trace
+  uint64_t replayed_ = 0;  ///< number of requests due so far
+  double paused_s_ = 0;    ///< sum of the pauses so far
   std::mt19937_64 random_;
   core::TimePoint due_;
   core::Connection connection_;
-  std::map<uint32_t, Pending> pending_;  ///< by blob number
+  std::map<uint32_t, Pending> pending_;  ///< due requests without a blob, by blob number
   bool started_ = false, was_let_in_ = false, image_seen_ = false, gone_ = false;
-  std::string turned_away_;  ///< why, the last time, until it is let in
-  uint32_t first_lod_ = 0;   ///< number of the blob that makes the first image
+  std::string turned_away_;  ///< last reason until the client is let in
+  uint32_t first_lod_ = 0;   ///< blob of the root's coarsest LOD
   Transport newest_, leaving_;
-  Transport ended_;  ///< gone at the next step: not in its own call
+  Transport ended_;  ///< destroyed at the next step, not in its own callback
 };
 
 }  // namespace lode::app

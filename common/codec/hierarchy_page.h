@@ -29,7 +29,7 @@ struct Lod {
 
 struct Node {
   NodeKey key;
-  LatticeBox box;  ///< tight box of all LODs and the children's boxes; empty without triangles
+  LatticeBox box;          ///< tight box of all LODs and the children's boxes; empty without triangles
   uint8_t child_mask = 0;  ///< bit o: child(o) exists; 0 for a leaf
   std::vector<Lod> lods;   ///< at least one; errors never decrease from finer to coarser
   /// Number of far LODs at the end of `lods`: coarser than sourceLod(), for nodes that a view does not see.

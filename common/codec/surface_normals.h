@@ -19,9 +19,9 @@ uint16_t normalOf(glm::i64vec3 sum) noexcept;
 /// @pre at most kMaxLodTriangles triangles, or sums overflow.
 std::vector<uint16_t> surfaceNormals(const Mesh& mesh);
 
-/// Encodes the normals that differ from surfaceNormals() of the decoded mesh, as payloads without normals list
-/// them (docs/store-format.md). They belong to vertices at boundaries of nodes, whose other triangles are in
-/// other nodes.
+/// Encodes the normals that differ from surfaceNormals() of the decoded mesh, as payloads without normals
+/// list them (docs/store-format.md). They belong to vertices at boundaries of nodes, whose other triangles
+/// are in other nodes.
 /// @param surface, wanted  codes, one per vertex.
 std::vector<std::byte> encodeOtherNormals(std::span<const uint16_t> surface,
                                           std::span<const uint16_t> wanted);

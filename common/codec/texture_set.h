@@ -31,9 +31,9 @@ constexpr uint32_t kMaxTextureSetBytes = 32u << 20;  ///< of an encoded set
 constexpr uint32_t kEmptyTextureSetBytes = 25;       ///< of an encoded set without textures
 constexpr int32_t kMaxUvExponent = 40;               ///< of uv_scale_exponent, either sign
 
-/// One image as a chain of levels. Level l has max(1, ceil(size / 2^l)) texels each way; the coarsest level is
-/// the first that fits one tile. A tile holds up to kTileInnerPx texels of its level each way, fewer at the
-/// right and bottom edges, and kTileGutterPx texels around them; beyond its edges the level repeats.
+/// One image as a chain of levels. Level l has max(1, ceil(size / 2^l)) texels each way; the coarsest level
+/// is the first that fits one tile. A tile holds up to kTileInnerPx texels of its level each way, fewer at
+/// the right and bottom edges, and kTileGutterPx texels around them; beyond its edges the level repeats.
 struct Texture {
   std::string name;            ///< name in the input; printable UTF-8
   uint32_t width = 0;          ///< width and height are 0 if the image was missing: no tiles

@@ -10,14 +10,14 @@
 
 namespace lode {
 
-/// A file that appears under its name only when commit() has synced and renamed it; destroyed before, it
-/// leaves nothing behind. Links are followed: what they lead to is replaced. A pipe or a character device is
-/// written straight. Nothing is left of it either if a signal ends the process. Writes are buffered. Not
-/// thread safe. All functions throw Error kIo naming the file and, for a full disk, saying so.
+/// Writes a file under a temporary name; commit() syncs and renames it. Without commit() the destructor, or a
+/// signal that ends the process, removes it. Replaces the target of symbolic links. Writes to a pipe or a
+/// character device directly. Buffers writes. Not thread safe. All functions throw Error kIo with the file's
+/// name.
 class AtomicFile {
  public:
-  /// @param temporary  where it is written, on the file system of `path`, over what may be there; by default
-  /// a new name beside it. What is given stays when a signal ends the process, for its owner.
+  /// @param temporary  temporary file, on the file system of `path`; overwritten if it exists, and not
+  /// removed by a signal. By default a new name beside `path`.
   /// @throws also as findOutput().
   explicit AtomicFile(std::filesystem::path path, std::filesystem::path temporary = {});
   ~AtomicFile();
@@ -26,15 +26,15 @@ class AtomicFile {
 
   void write(std::span<const std::byte> bytes);
   void writeAt(uint64_t offset,
-               std::span<const std::byte> bytes);  ///< over what was written already; not in a pipe
+               std::span<const std::byte> bytes);  ///< overwrites bytes already written; not for a pipe
   uint64_t size() const noexcept;
   void commit();
 
  private:
   void flush();
-  std::filesystem::path path_;       ///< as it was asked for
-  std::filesystem::path target_;     ///< that is replaced; empty if it is written straight
-  std::filesystem::path temporary_;  ///< empty if there is none, or none any more
+  std::filesystem::path path_;       ///< as the caller named it
+  std::filesystem::path target_;     ///< file to replace; empty for a pipe or device
+  std::filesystem::path temporary_;  ///< empty for a pipe or device, and after commit()
   Unfinished unfinished_;
   int file_ = -1;
   uint64_t size_ = 0;

@@ -8,12 +8,12 @@
 
 namespace lode {
 
-/// From now on SIGINT, SIGTERM and SIGHUP end the process with a line on stderr, after what is unfinished was
-/// removed: but for those that are ignored, or that somebody else handles, then or later.
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP: they remove every Unfinished, print a line on stderr and
+/// end the process. Signals that are ignored or already have a handler keep their disposition.
 void endCleanlyWhenInterrupted() noexcept;
 
-/// While it lives, this thread is not interrupted: in a program of one thread, what it makes meanwhile is
-/// told of before. Where another thread takes the signal, Unfinished removes what comes too late.
+/// Blocks these signals in the calling thread during its lifetime, so that a file and its Unfinished are
+/// created together. If another thread takes the signal, the constructor of Unfinished removes the file.
 class Uninterrupted {
  public:
   Uninterrupted() noexcept;
@@ -25,22 +25,22 @@ class Uninterrupted {
   sigset_t before_{};
 };
 
-/// A file or a folder that is not finished yet: if a signal ends the process while this lives, it is removed,
-/// a folder with all that is in it. Calls endCleanlyWhenInterrupted(). Thread safe.
-/// To be made under the same Uninterrupted as what it names, or before that is there.
+/// Marks a file or a folder as unfinished: if a signal ends the process during its lifetime, the file or the
+/// whole folder is removed. Calls endCleanlyWhenInterrupted(). Thread safe.
+/// Create it before the file, or under the same Uninterrupted.
 class Unfinished {
  public:
-  Unfinished() = default;  ///< nothing
+  Unfinished() = default;  ///< marks nothing
   explicit Unfinished(const std::filesystem::path& path);
   ~Unfinished() { finish(); }
   Unfinished(Unfinished&& other) noexcept;
   Unfinished& operator=(Unfinished&& other) noexcept;
 
-  /// It stays from now on.
+  /// Keeps the file from now on.
   void finish() noexcept;
 
  private:
-  std::unique_ptr<const std::string> path_;  ///< where it is, which the slot points to
+  std::unique_ptr<const std::string> path_;  ///< the slot points to this string
   std::atomic<const char*>* slot_ = nullptr;
 };
 

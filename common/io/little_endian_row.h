@@ -9,7 +9,7 @@
 
 namespace lode {
 
-/// Numbers of a record of a binary file, little-endian whatever the machine; at most 64 bytes.
+/// Builds a record of a binary file, little-endian on every machine, at most 64 bytes.
 class LittleEndianRow {
  public:
   template <typename T>

@@ -10,14 +10,14 @@
 
 namespace lode {
 
-/// Puts the parts of a cut together into one mesh: vertices equal in position and attributes become one.
-/// Vertices and triangles come in the order of the parts. Not thread safe.
+/// Joins meshes into one: merges vertices of equal position and attributes. Vertices and triangles keep the
+/// order of the parts. Not thread safe.
 class MeshJoiner {
  public:
-  /// @param triangles  to make room for.
+  /// @param triangles  expected number of triangles, to reserve memory.
   MeshJoiner(AttributeSet attributes, uint64_t triangles);
 
-  /// @throws Error kLimit if the whole has more vertices than an index can name.
+  /// @throws Error kLimit if the joined mesh exceeds 2^32 vertices.
   void add(const Mesh& part);
   Mesh finish() { return std::move(whole_); }
 
@@ -33,7 +33,7 @@ class MeshJoiner {
 
   Mesh whole_;
   std::unordered_map<Wedge, uint32_t, WedgeHash> numbers_;
-  std::vector<uint32_t> renumbered_;  ///< of the part that is added
+  std::vector<uint32_t> renumbered_;  ///< new index of each vertex of the current part
 };
 
 }  // namespace lode

@@ -10,25 +10,25 @@
 
 namespace lode {
 
-/// Triangles of a mesh that wear one material, in the mesh's order.
+/// Triangles of a mesh with one material, in the mesh's order.
 struct MaterialGroup {
   uint16_t material = 0;
   std::vector<uint32_t> triangles;
 };
 
-/// All triangles by material, least material first; one group of material 0 where the mesh names none.
+/// Groups triangles by material, in ascending order; a mesh without materials is one group of material 0.
 std::vector<MaterialGroup> groupByMaterial(const Mesh& mesh);
 
-/// The name of the image that a material wears on a mesh; empty if there is none.
+/// Returns the name of a material's image, or an empty string if it has none.
 std::string imageOf(const Mesh& mesh, const TextureSet& textures, uint16_t material);
 
-/// The textures of a mesh that is written, with the names of the image files beside it.
+/// Textures of a mesh to be written, with the names of its image files.
 struct ImageFiles {
-  TextureSet set;               ///< a texture without a file keeps its own name
-  std::vector<bool> has_alpha;  ///< of a texture's image; those beyond the end have none
+  TextureSet set;               ///< names of image files; a texture without a file keeps its name
+  std::vector<bool> has_alpha;  ///< by texture; false beyond the end
 };
 
-/// Whether the image of a material has alpha.
+/// Returns true if the image of a material has alpha.
 inline bool cutsOut(const ImageFiles& images, size_t material) {
   return material < images.has_alpha.size() && images.has_alpha[material];
 }

@@ -8,9 +8,9 @@
 
 namespace lode {
 
-/// Writes a mesh as Wavefront OBJ in true coordinates. Colours follow the coordinates of a vertex, 0 to 1
-/// each, as most programs read them; alpha is left out. Where a material wears an image, STEM.mtl beside it
-/// says which, and that one with alpha cuts out. @throws Error kIo. @see writeMesh().
+/// Writes a mesh as Wavefront OBJ in true coordinates. Colours, 0 to 1 each, follow the coordinates of a
+/// vertex, as most programs read them; alpha is omitted. STEM.mtl beside the file names the images of
+/// materials and the alpha maps. @throws Error kIo. @see writeMesh().
 void writeObj(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
               const ImageFiles& images = {});
 

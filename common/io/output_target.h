@@ -6,28 +6,28 @@
 
 namespace lode {
 
-/// What a file is written to that was asked for by a name.
+/// Resolved output of a command.
 struct OutputTarget {
-  std::filesystem::path path;  ///< behind the links that the name leads through; there may be nothing yet
-  bool is_stream = false;      ///< a pipe or a character device: written straight, never replaced
+  std::filesystem::path path;  ///< target of symbolic links; need not exist
+  bool is_stream = false;      ///< a pipe or a character device, written directly and never replaced
 };
 
-/// Follows a name's links to what is to be written.
-/// @throws Error kUsage for an empty name and for what is neither file, pipe nor character device, kIo for
-/// links that lead in circles.
+/// Follows symbolic links to the file to write.
+/// @throws Error kUsage for an empty name and for anything but a file, a pipe or a character device; kIo for
+/// a loop of links.
 OutputTarget findOutput(const std::filesystem::path& asked);
 
-/// A file name's ending with its dot, in small letters: ".png" of "a.PNG"; empty where it has none.
+/// Returns the extension in lower case with its dot: ".png" for "a.PNG"; empty without one.
 std::string fileEnding(const std::filesystem::path& path);
 
-/// Whether it is this process's standard output, whatever that is and by whatever name.
+/// Returns true if a path is this process's standard output, under any name.
 bool isStandardOutput(const std::filesystem::path& output) noexcept;
 
-/// Where to say what was written: stdout, or stderr if the output is stdout itself. To be asked before it is
-/// written. @throws Error kUsage in that case if it is to be said as JSON, which is for stdout.
+/// Returns the stream for a command's report: stdout, or stderr if the output is stdout. Call it before
+/// writing. @throws Error kUsage if the output is stdout and the report is JSON.
 std::FILE* reportStream(const std::filesystem::path& output, bool as_json);
 
-/// @throws Error kUsage if files can be written beside no such output: a pipe or a device.
+/// @throws Error kUsage if the output is a pipe or a device: image files need a folder beside it.
 void refuseFilesBesideStream(const std::filesystem::path& output);
 
 }  // namespace lode

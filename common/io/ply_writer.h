@@ -8,10 +8,9 @@
 
 namespace lode {
 
-/// Writes a mesh as binary little-endian PLY in true coordinates (double where the lattice needs it, else
-/// float), with its attributes, to a temporary file that is renamed at the end.
-/// @param textures  what the mesh's texture coordinates mean, and the names of the image files, one comment
-///                  TextureFile each.
+/// Writes a mesh as binary little-endian PLY in true coordinates (double if the lattice needs it, else
+/// float), with its attributes, as an AtomicFile.
+/// @param textures  texture coordinates and names of image files; each is a comment TextureFile.
 /// @throws Error kIo. @see writeMesh().
 void writePly(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
               const TextureSet& textures = {});

@@ -6,8 +6,8 @@
 
 namespace lode {
 
-/// Names for the image files beside a mesh's file: STEM_NAME.png, where STEM is that file's and NAME the
-/// texture's without folders and ending. No two are the same.
+/// Unique names for the image files beside a mesh file: STEM_NAME.png, with the stem of the mesh file and the
+/// texture's name without folders and extension.
 class ImageNames {
  public:
   explicit ImageNames(const std::filesystem::path& mesh) : stem_(mesh.stem().string()) {}

@@ -19,7 +19,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "client/app/cli/cache_folder.h"
 #include "client/app/cli/child_process.h"
 #include "client/app/cli/store_cache.h"
 #include "common/codec/blob.h"

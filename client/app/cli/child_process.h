@@ -9,16 +9,15 @@
 
 namespace lode::app {
 
-/// How a program is started as a child.
+/// Setup of a child process.
 struct ChildSetup {
-  std::string input;       ///< what it reads from stdin, a file in memory that it may open anew
-  int inherited = -1;      ///< a descriptor that stays open in it as long as it lives
-  bool heeds_keys = true;  ///< a terminal's Ctrl-C and Ctrl-Z are for it too
+  std::string input;       ///< contents of its stdin, an in-memory file that it may reopen
+  int inherited = -1;      ///< a descriptor that the child inherits
+  bool heeds_keys = true;  ///< gets a terminal's Ctrl-C and Ctrl-Z
 };
 
-/// A program started as a child. The kernel ends it when the thread that started it ends; the destructor ends
-/// it, first gently. It reads a text that is given to it, or nothing; its stdout can be read; its stderr is
-/// kept for messages, or goes to ours. Move only.
+/// A child process. The destructor ends it, first with SIGTERM; the kernel kills it when the thread that
+/// started it ends. Its stdout is readable line by line; its stderr is kept or passed on. Move only.
 class ChildProcess {
  public:
   enum class Messages { kKeep, kPassOn };
@@ -30,31 +29,31 @@ class ChildProcess {
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
 
-  /// One line of its stdout, without the end of the line; empty if it ended or the time is over first.
-  /// @throws Error kLimit if it is longer than kMaxLineBytes.
+  /// Returns the next line of its stdout without the newline, or an empty string at its end or after the
+  /// timeout. @throws Error kLimit if the line exceeds kMaxLineBytes.
   std::string readLine(std::chrono::milliseconds timeout);
-  /// Waits until it ends; what it writes to its stdout from now on fails.
-  /// @return its exit status; 128 + the signal that killed it.
+  /// Closes its stdout and waits until it ends.
+  /// @return its exit status, or 128 + the signal that killed it.
   int wait();
-  /// Asks it to end; any thread may, while wait() was not called.
+  /// Sends SIGTERM. Any thread may call it before wait().
   void terminate() const noexcept;
-  /// The last line of the messages kept so far, of at most kMaxMessageBytes.
+  /// Returns the last line of its kept stderr, at most kMaxMessageBytes.
   std::string lastMessage() const;
 
  private:
   pid_t process_ = -1;
   int output_ = -1;    // read end of its stdout
-  std::string read_;   // of its stdout, after the last line
-  int messages_ = -1;  // its stderr: a file in memory
+  std::string read_;   // bytes of its stdout after the last line
+  int messages_ = -1;  // its stderr, an in-memory file
 };
 
 constexpr size_t kMaxMessageBytes = 4096;
-constexpr size_t kMaxLineBytes = size_t{64} << 20;  // a build names its images and may warn of each
+constexpr size_t kMaxLineBytes = size_t{64} << 20;  // a build may warn about each of its images
 
-/// What a lodestreamd that has failed said last; `otherwise` if it said nothing.
+/// Returns the last message of a failed lodestreamd, or `otherwise` if it has none.
 std::string saidBy(const ChildProcess& server, const std::string& otherwise);
 
-/// The lodestreamd beside this program. @throws Error kIo if there is none.
+/// Returns the path of the lodestreamd beside this program. @throws Error kIo if it is missing.
 std::filesystem::path siblingServer();
 
 }  // namespace lode::app

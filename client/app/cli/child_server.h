@@ -14,14 +14,13 @@
 
 namespace lode::app {
 
-/// The sibling lodestreamd as a child process that serves one store on a port of loopback; it ends with this
-/// object, and with the thread that made it however that ends. A terminal's
-/// Ctrl-C is not for it, so that it serves on while the client comes to its end. It knows one token, made for
-/// it: other users of the machine can reach its port.
+/// A lodestreamd child process that serves one store on a loopback port. It ends with this object and with
+/// the thread that created it. It ignores a terminal's Ctrl-C, so that it serves until the client has ended.
+/// It requires a random token, because other users of the machine can reach its port.
 class ChildServer {
  public:
-  /// Starts it and waits until it is ready. @throws Error kIo naming what failed and what the child said, or
-  /// when it is stopped.
+  /// Starts the server and waits until it is ready. @throws Error kIo with the child's message, or if `stop`
+  /// is requested.
   explicit ChildServer(const std::filesystem::path& store, const std::stop_token& stop = {});
 
   const stream::ServedModel& served() const noexcept { return served_; }
@@ -33,27 +32,28 @@ class ChildServer {
   stream::ServedModel served_;
 };
 
-/// A target that can be connected to: starts a child server where the target is a file, after building a PLY
-/// where that was not done before.
+/// A target that a client can connect to.
 struct ResolvedTarget {
   stream::ServedModel served;
-  stream::StreamOptions options;           ///< with the token of the child, if there is one
-  std::unique_ptr<ChildServer> child;      ///< keep it as long as the connection
-  std::filesystem::path file;              ///< as the user named it; empty: on a server
-  FileLock in_use;                         ///< of a store in the cache
-  std::vector<std::string> warnings = {};  ///< of its build
+  stream::StreamOptions options;           ///< with the child server's token, if any
+  std::unique_ptr<ChildServer> child;      ///< serves a local file; must outlive the connection
+  std::filesystem::path file;              ///< as the user named it; empty for a model on a server
+  FileLock in_use;                         ///< keeps a store in the cache from removal
+  std::vector<std::string> warnings = {};  ///< warnings of its build
 };
 
+/// Resolves a target: builds the store of a PLY file if necessary, and starts a child server for a local
+/// file.
 /// @param options   for the connection.
-/// @param announce  progress of a build goes to stderr if that is a terminal.
-/// @param stop      ends a child under way, which then counts as failed.
-/// @param watch     told of the progress of a build, which then does not go to stderr.
+/// @param announce  prints progress of a build on stderr if that is a terminal.
+/// @param stop      aborts a build or the start of the server: throws Error.
+/// @param watch     receives the progress of a build instead of stderr.
 /// @throws Error.
 ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options, bool announce,
                              std::stop_token stop = {}, const BuildWatch& watch = {});
 
-/// Waits until the model of a target is open. @throws Error as stream::Streamer::waitForModel, naming the
-/// target's file.
+/// Waits until the model of a target is open. @throws Error as stream::Streamer::waitForModel, with the name
+/// of the target's file.
 ModelSummary openModel(stream::Streamer& streamer, const ResolvedTarget& target,
                        std::chrono::milliseconds timeout, std::stop_token stop = {});
 

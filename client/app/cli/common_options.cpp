@@ -10,7 +10,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "client/app/cli/cache_folder.h"
+#include "client/app/cli/store_cache.h"
 #include "client/core/view/camera_path.h"
 #include "common/byte_size.h"
 #include "common/command_line.h"

@@ -10,9 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/app/cli/common_options.h"
-#include "client/app/cli/cut_images.h"
-#include "client/app/cli/cut_mesh.h"
-#include "client/app/cli/not_converged.h"
+#include "client/app/cli/cut_export.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/stream_report.h"
 #include "common/error.h"

@@ -6,17 +6,16 @@
 
 namespace lode::app {
 
-/// Camera paths for who has recorded none.
+/// Camera paths that need no recording.
 enum class MadePath : uint8_t {
-  kOrbit,  ///< 20 s once around the model, half as far away in the end
-  kFly,    ///< 20 s from one side of the model's box through it to the other, looking ahead
-  kWalk,   ///< 60 s from place to place around the model, near and far, looking at one point of it after
-           ///< another
+  kOrbit,  ///< 20 s: one turn around the model while the distance halves
+  kFly,    ///< 20 s: through the model's box from one side to the other, looking ahead
+  kWalk,   ///< 60 s: between positions around the model, near and far, looking at changing points
 };
 
-/// @param seed  of the places that a path goes by; of the direction in which an orbit begins, 0: where the
-/// framing
-///              camera is.
+/// Returns a camera path around a model.
+/// @param seed  chooses the positions of a path and the start of an orbit; an orbit of seed 0 starts at the
+///              framing camera.
 core::CameraPath makePath(MadePath kind, const ModelSummary& model, uint64_t seed);
 
 }  // namespace lode::app

@@ -1,10 +1,50 @@
 #include "client/app/cli/opened_target.h"
 
-#include "client/app/cli/first_camera.h"
+#include <algorithm>
+#include <limits>
+
 #include "client/app/cli/target.h"
 #include "client/core/view/framing.h"
+#include "common/error.h"
 
 namespace lode::app {
+
+core::Framing wantedFraming(const CommonOptions& options) {
+  core::Framing framing;
+  const PictureSize size = options.size();
+  framing.aspect = static_cast<double>(size.width_px) / size.height_px;
+  if (options.up_text.empty()) return framing;
+  framing.up = core::parseAxis(options.up_text);
+  if (!framing.up)
+    throw Error(ErrorCode::kUsage,
+                "'" + options.up_text + "' is not an axis; write --up y or z, or x, -x, -y, -z");
+  return framing;
+}
+
+core::Framing framingOf(const Scene& scene, const CommonOptions& options) {
+  if (scene.is_single_model) return wantedFraming(options);
+  if (!options.up_text.empty())
+    throw Error(ErrorCode::kUsage, options.target + ": a scene says itself which way is up: leave out --up");
+  core::Framing framing = wantedFraming(options);
+  framing.up = scene.up;
+  return framing;
+}
+
+core::Framing frameCoarsely(core::Framing framing, stream::Streamer& streamer, const ModelSummary& model,
+                            std::chrono::milliseconds timeout, const std::stop_token& stop) {
+  constexpr std::chrono::milliseconds kLook{50};  // between looks at who stops it
+  const core::CameraPath path = core::framingCamera(model, framing);
+  const core::View view = core::toView(path.keys.front(), path.fov_y_deg, 1, 1, model);
+  streamer.setView(view, std::numeric_limits<float>::max());
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  stream::StreamStatus status;
+  while (!status.cut && !status.ended && !status.exhausted && !status.settled && !stop.stop_requested() &&
+         std::chrono::steady_clock::now() < deadline)
+    status = streamer.waitForCut(std::min(kLook, timeout));
+  if (status.cut && status.cut->parts.size() == 1) framing.coarse = status.cut->parts.front().mesh;
+  return framing;
+}
+
 std::optional<core::CameraPath> wantedPath(const CommonOptions& options) {
   if (options.camera_file.empty()) return std::nullopt;
   return core::readCameraPath(options.camera_file);

@@ -21,22 +21,22 @@ constexpr size_t kMaxSceneInstances = 10'000;
 constexpr double kMaxSceneCoordinate = 1e12;
 constexpr double kMinSceneScale = 1e-6, kMaxSceneScale = 1e6;
 
-/// Where a model stands in a scene: a point p of the model, in true coordinates, is at
+/// Placement of a model in a scene: maps a point p of the model, in true coordinates, to
 /// position + rotation * (scale * p).
 struct Placement {
   glm::dvec3 position{0};
   glm::dquat rotation{1, 0, 0, 0};  ///< unit length
-  double scale = 1;                 ///< the same along all axes, > 0
+  double scale = 1;                 ///< uniform, > 0
 };
 
 struct SceneInstance {
-  uint32_t model = 0;  ///< a number in Scene::models
+  uint32_t model = 0;  ///< index in Scene::models
   Placement placement;
 };
 
-/// A level plane that models stand on.
+/// A horizontal ground plane.
 struct SceneGround {
-  double height = 0;  ///< along the scene's up
+  double height = 0;  ///< along Scene::up
   glm::u8vec3 colour_srgb{96, 100, 88};
 };
 
@@ -44,10 +44,10 @@ struct SceneSky {
   glm::u8vec3 top_srgb{77, 87, 99}, bottom_srgb{26, 28, 33};
 };
 
-/// What instances show.
+/// A model that instances refer to.
 struct SceneModel {
-  std::string name;    ///< that instances give
-  std::string target;  ///< as commands take it; a path is relative to the scene's folder
+  std::string name;    ///< name that instances refer to
+  std::string target;  ///< TARGET as of commands; a path is relative to the scene's folder
 };
 
 struct Scene {
@@ -59,16 +59,16 @@ struct Scene {
   bool is_single_model = false;  ///< made by sceneOf() for one model, not read from a file
 };
 
-/// A name as a scene's file has it, in quotes, in one line of ASCII; of a long one how it begins.
+/// Quotes a name of a scene's file for a message: one line of ASCII, long names shortened.
 std::string quoted(const std::string& name);
 
-/// A scene: {"up": "z", "models": {"rock": "rock.lode"}, "instances": [{"model": "rock", "position": [0,0,0],
-/// "axis": [0,0,1], "degrees": 30, "scale": 2}], "ground": {"height": 0, "colour": "#606458"},
+/// Parses a scene: {"up": "z", "models": {"rock": "rock.lode"}, "instances": [{"model": "rock", "position":
+/// [0,0,0], "axis": [0,0,1], "degrees": 30, "scale": 2}], "ground": {"height": 0, "colour": "#606458"},
 /// "sky": {"top": "#4d5763", "bottom": "#1a1c21"}}.
 /// @param source  names the text in errors.
-/// @throws Error kInput or kLimit, naming the member and the remedy.
+/// @throws Error kInput or kLimit that names the member and the remedy.
 Scene parseScene(std::string_view json, std::string_view source);
-/// @throws Error kIo too.
+/// Reads and parses a scene file. @throws Error as parseScene(), or kIo.
 Scene readScene(const std::filesystem::path& file);
 /// Reads the scene that a target names. Any other target becomes a scene of one model at its own coordinates,
 /// which does not say which way is up. @throws Error as readScene().
@@ -78,8 +78,8 @@ Scene sceneOf(const std::string& target);
 Error ofSceneModel(const Error& error, std::string_view source, const Scene& scene, size_t model);
 
 /// Transforms a camera of the scene into the frame of a model's instance. Exact for a single model.
-/// @param view    in the scene: eye and near distance in its units.
-/// @param origin  of the model's lattice, in true coordinates.
+/// @param view    view of the scene: eye and near distance in the scene's units.
+/// @param origin  origin of the model's lattice, in true coordinates.
 core::View viewFrom(const core::View& view, const Placement& placement, const glm::dvec3& origin) noexcept;
 
 }  // namespace lode::app

@@ -2,31 +2,53 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string_view>
-
-#include "client/app/cli/file_lock.h"
 
 namespace lode::app {
 
-/// In the folder of a source: whoever builds there holds it.
+/// An advisory file lock (flock). The destructor releases it; after the end of the process it lasts until
+/// children that inherited the descriptor end. Move only.
+class FileLock {
+ public:
+  enum class Kind : uint8_t { kShared, kExclusive };
+
+  FileLock() = default;  ///< locks nothing
+  ~FileLock();
+  FileLock(FileLock&& other) noexcept;
+  FileLock& operator=(FileLock&& other) noexcept;
+
+  /// Tries to lock a file without waiting.
+  /// @param make  creates the file if it is missing.
+  /// @return nothing with errno 0 if another process holds the lock or the file was replaced meanwhile;
+  /// nothing with another errno if the file cannot be opened or locked.
+  static std::optional<FileLock> tryTake(const std::filesystem::path& path, Kind kind, bool make);
+
+  int descriptor() const noexcept { return file_; }
+
+ private:
+  int file_ = -1;
+};
+
+/// Returns the folder of the user's caches: in XDG_CACHE_HOME, ~/.cache, or the folder of temporary files.
+std::filesystem::path cacheFolder();
+
+/// Lock file in the folder of a source. The program that builds holds it.
 constexpr std::string_view kStoreBuildLock = "lock";
-/// Beside a store, in the folder of its version: what the build said. Its time is that of the store's last
-/// use.
+/// Record of the build beside a store. Its modification time is the store's last use.
 constexpr std::string_view kBuildRecord = "built.json";
 
-/// How much all stores that are built of PLY files may take together: a tenth of the disk that they lie on,
-/// at least 20 GB, but not more than half of it.
-/// @param disk_bytes  its size.
+/// Returns the limit for all cached stores together: a tenth of their disk, at least 20 GB, at most half of
+/// the disk.
 uint64_t storeCacheBytes(uint64_t disk_bytes) noexcept;
-/// The same. @param stores  the folder with one for each source.
+/// The same for the disk of the folder `stores`, which has a subfolder per source.
 uint64_t storeCacheBytes(const std::filesystem::path& stores);
 
-/// Counts as a use of the store now, and keeps other programs from removing it as long as what is returned
-/// lives. Call it with the lock of the source.
+/// Marks a store as used now, and locks it against removal. Call it while holding the lock of the source.
 FileLock useStore(const std::filesystem::path& store);
 
-/// Removes what was built of the sources whose stores were not used for the longest time until all take at
-/// most so many bytes; nothing that is in use or being built.
+/// Removes the least recently used stores until all take at most max_bytes. Keeps stores that are in use or
+/// being built.
 void trimStores(const std::filesystem::path& stores, uint64_t max_bytes);
 
 }  // namespace lode::app

@@ -1,6 +1,9 @@
 #include "client/app/cli/stream_report.h"
 
 #include <array>
+#include <cstdio>
+
+#include "common/error.h"
 
 namespace lode::app {
 namespace {
@@ -49,6 +52,44 @@ Json prefetchReport(const core::PrefetchCounts& counts) {
       {"used", counts.used},
       {"hit_rate", ended == 0 ? Json() : Json(static_cast<double>(counts.used) / static_cast<double>(ended))},
       {"wasted_bytes", counts.unused_bytes}};
+}
+
+bool hasConverged(const stream::StreamStatus& status, float pixels) {
+  const core::Cut* const cut = status.cut.get();
+  return cut != nullptr && cut->converged && cut->max_error_px <= pixels && cut->lost_tiles == 0;
+}
+
+void refuseUnconverged(const std::string& where, const stream::StreamStatus& status,
+                       const CommonOptions& options) {
+  const std::string what = options.target + " did not converge at " + where;
+  if (status.cut && status.cut->lost_tiles > 0 && !status.failure.empty())
+    throw Error(ErrorCode::kNetwork, what + ": " + status.failure);
+  if (status.limited)
+    throw Error(ErrorCode::kLimit,
+                what + ": the memory budget does not hold it; allow more with --memory-budget, or a larger " +
+                    "error with --pixels");
+  if (status.cut && status.cut->converged && status.cut->max_error_px > options.pixels)
+    throw Error(ErrorCode::kInput,
+                what + ": even the original triangles are off by " +
+                    std::to_string(status.cut->max_error_px) +
+                    " pixels so near, that is the lattice's step: the cut holds them all; allow a larger " +
+                    "error with --pixels");
+  if (!status.failure.empty()) throw Error(ErrorCode::kNetwork, what + ": " + status.failure);
+  const std::string remedy = "; allow more with --timeout, or a larger error with --pixels";
+  throw Error(ErrorCode::kTimeout, what + " within " + std::to_string(options.timeout().count()) + " ms" +
+                                       (status.trouble.empty() ? remedy : ": " + status.trouble));
+}
+
+void warnOfGaps(const stream::StreamStatus& status, const CommonOptions& options) {
+  if (!status.failure.empty() && !status.exhausted)
+    std::fprintf(stderr, "lodestream: %s: shown without a part that cannot be had: %s\n",
+                 options.target.c_str(), status.failure.c_str());
+  if (status.counts.tiles_left_out > 0)
+    std::fprintf(
+        stderr,
+        "lodestream: %s: textures are coarse or missing, as the memory budget had no room for %llu of "
+        "their tiles; allow more with --memory-budget\n",
+        options.target.c_str(), static_cast<unsigned long long>(status.counts.tiles_left_out));
 }
 
 }  // namespace lode::app

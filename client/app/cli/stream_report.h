@@ -1,20 +1,34 @@
 #pragma once
 
+#include <string>
+
 #include <nlohmann/json.hpp>
 
+#include "client/app/cli/common_options.h"
 #include "client/core/engine.h"
 #include "client/stream/streamer.h"
 
 namespace lode::app {
 
-/// What limited a run, for --json: how long it was waited for what, what the most, and what is known of the
-/// link.
+/// Adds the limits of a run to --json: waiting times by cause, the main cause, and properties of the link.
 void reportLimits(nlohmann::ordered_json& json, const core::EngineCounts& counts);
 
-/// What cannot be had of a view, and why.
+/// Adds lost tiles and the reason of a failure to --json.
 void reportGaps(nlohmann::ordered_json& json, const stream::StreamStatus& status);
 
-/// What was asked for ahead of the camera, and what came of it.
+/// Returns the statistics of prefetching for --json.
 nlohmann::ordered_json prefetchReport(const core::PrefetchCounts& counts);
+
+/// Returns true if the cut has converged within the requested error and no visible tile of a texture is lost.
+bool hasConverged(const stream::StreamStatus& status, float pixels);
+
+/// Throws an Error that says why a view did not converge and what to do.
+/// @param where  for the message: "key 2".
+[[noreturn]] void refuseUnconverged(const std::string& where, const stream::StreamStatus& status,
+                                    const CommonOptions& options);
+
+/// Warns on stderr if a converged view lacks parts that the server cannot deliver, or tiles of textures
+/// beyond the memory budget.
+void warnOfGaps(const stream::StreamStatus& status, const CommonOptions& options);
 
 }  // namespace lode::app

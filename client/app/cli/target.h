@@ -8,7 +8,7 @@
 
 namespace lode::app {
 
-/// What a command works on: a model on a server, or a local file that a child server will serve.
+// A command works on a model on a server, or on a local file that a child server serves.
 struct StoreFile {
   std::filesystem::path path;
 };
@@ -17,16 +17,15 @@ struct PlyFile {
 };
 using Target = std::variant<stream::ServedModel, StoreFile, PlyFile>;
 
-/// A scene's file: see scene_file.h.
+/// Returns true if a target is a scene file (scene_file.h).
 bool namesScene(std::string_view text);
 
-/// @throws Error kUsage for what cannot be a target, kIo for a file that is not there.
+/// Parses a TARGET. @throws Error kUsage for an invalid target, kIo for a missing file.
 Target parseTarget(std::string_view text);
-/// lode://host[:port] or lodes://host[:port] without a model, whose name stays empty. @throws Error kUsage.
+/// Parses lode://host[:port] or lodes://host[:port]; the model's name stays empty. @throws Error kUsage.
 stream::ServedModel parseServerUrl(std::string_view text);
 
-/// @param input  a target or another file that is read.
-/// @throws Error kUsage if the output is that file, which it would replace.
+/// @throws Error kUsage if the output file is the input file, which it would replace.
 void refuseToReplace(std::string_view input, const std::filesystem::path& output);
 
 }  // namespace lode::app

@@ -15,7 +15,6 @@
 #include <nlohmann/json.hpp>
 
 #include "client/app/cli/common_options.h"
-#include "client/app/cli/not_converged.h"
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/stream_report.h"
 #include "client/app/cli/target.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "client/app/cli/cache_folder.h"
 #include "client/app/cli/opened_target.h"
+#include "client/app/cli/store_cache.h"
 #include "client/app/window/panel/notice.h"
 #include "common/error.h"
 #include "common/printable.h"

@@ -1,6 +1,6 @@
 #include <exception>
 
-#include "client/app/cli/not_converged.h"
+#include "client/app/cli/stream_report.h"
 #include "client/app/window/output/picture_file.h"
 #include "client/app/window/viewer.h"
 #include "client/render/gl/image.h"

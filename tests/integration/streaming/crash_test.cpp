@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "client/app/cli/cut_mesh.h"
+#include "client/app/cli/cut_export.h"
 #include "client/core/view/camera_path.h"
 #include "client/core/view/framing.h"
 #include "client/stream/streamer.h"

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "client/app/cli/child_server.h"
-#include "client/app/cli/cut_mesh.h"
+#include "client/app/cli/cut_export.h"
 #include "common/error.h"
 #include "tests/integration/streaming/streaming_fixture.h"
 #include "tests/support/own_entries.h"

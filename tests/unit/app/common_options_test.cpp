@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "client/app/cli/first_camera.h"
+#include "client/app/cli/opened_target.h"
 #include "client/core/view/camera_path.h"
 #include "common/error.h"
 #include "proto/limits.h"

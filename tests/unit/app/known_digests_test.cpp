@@ -1,8 +1,8 @@
-#include "client/loadtest/known_digests.h"
-
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "client/loadtest/load_client.h"
 
 namespace lode::app {
 namespace {

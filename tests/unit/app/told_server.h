@@ -12,7 +12,7 @@
 #include <asio/ip/tcp.hpp>
 #include <asio/write.hpp>
 
-#include "client/loadtest/whole_frames.h"
+#include "client/loadtest/request_watch.h"
 #include "proto/limits.h"
 #include "server/store/reader.h"
 

@@ -4,7 +4,7 @@
 #include <variant>
 
 #include "client/app/cli/child_server.h"
-#include "client/app/cli/first_camera.h"
+#include "client/app/cli/opened_target.h"
 #include "client/app/window/panel/notice.h"
 #include "common/start_thread.h"
 

@@ -3,9 +3,8 @@
 #include <algorithm>
 
 #include "client/app/cli/child_server.h"
-#include "client/app/cli/first_camera.h"
-#include "client/app/cli/not_converged.h"
 #include "client/app/cli/opened_target.h"
+#include "client/app/cli/stream_report.h"
 #include "client/app/cli/target.h"
 #include "client/app/window/memory_shares.h"
 #include "client/core/view/view.h"

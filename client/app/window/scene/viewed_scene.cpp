@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "client/app/cli/first_camera.h"
+#include "client/app/cli/opened_target.h"
 #include "client/app/window/camera/walk_camera.h"
 #include "client/app/window/memory_shares.h"
 #include "client/app/window/scene/scene_status.h"

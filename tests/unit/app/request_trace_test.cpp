@@ -1,4 +1,4 @@
-#include "client/loadtest/request_trace_file.h"
+#include "client/loadtest/request_trace.h"
 
 #include <string>
 

@@ -1,4 +1,4 @@
-#include "client/loadtest/known_digests.h"
+#include "client/loadtest/load_client.h"
 
 namespace lode::app {
 

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "client/core/session/session.h"
+#include "client/core/view/time_point.h"
+#include "proto/frame.h"
+#include "proto/messages.h"
+
+namespace lode::app {
+
+/// Calls take(type, body) for each complete frame. @return the bytes of these frames. @throws Error as
+/// proto::decodeFrameHeader().
+template <typename Take>
+size_t forEachFrame(std::span<const std::byte> bytes, const Take& take) {
+  size_t at = 0;
+  while (bytes.size() - at >= proto::kFrameHeaderBytes) {
+    const auto header = proto::decodeFrameHeader(bytes.subspan(at).first<proto::kFrameHeaderBytes>());
+    const size_t whole = proto::kFrameHeaderBytes + header.body_bytes;
+    if (bytes.size() - at < whole) break;
+    take(static_cast<proto::FrameType>(header.type),
+         bytes.subspan(at + proto::kFrameHeaderBytes, header.body_bytes));
+    at += whole;
+  }
+  return at;
+}
+
+/// Measures the requests of one connection from the frames that its client sends. Not thread safe.
+class RequestClock {
+ public:
+  struct Request {
+    uint32_t number;
+    proto::RequestClass request_class;
+    core::TimePoint sent;
+  };
+
+  /// Requests by blob number.
+  using Requests = std::map<uint32_t, Request>;
+
+  /// Notes the requests in complete frames. @param lost  requests of broken connections: a repeated one is
+  /// removed and keeps the time at which it was first sent.
+  void sent(std::span<const std::byte> frames, core::TimePoint now, Requests& lost);
+  /// Ends and returns the request of an arrived blob; nothing for an unrequested one.
+  std::optional<Request> arrived(uint32_t blob);
+  /// Ends the request of a refused blob.
+  void refused(uint32_t blob) { arrived(blob); }
+  /// Returns the open requests.
+  const Requests& open() const noexcept { return open_; }
+
+ private:
+  Requests open_;
+  std::map<uint32_t, uint32_t> blob_of_;  ///< blob number by request number
+};
+
+/// Observes both directions of a client's connection and reports each request when its blob is complete.
+/// Throws on protocol errors. Not thread safe.
+class OverheardRequests {
+ public:
+  /// @param asked_at  `now` of sent() for the request.
+  using Tell = std::function<void(const core::Request& request, double asked_at)>;
+  explicit OverheardRequests(Tell tell) : tell_(std::move(tell)) {}
+
+  /// Notes the requests in complete frames of the client. @param now  any clock.
+  void sent(std::span<const std::byte> frames, double now);
+  /// Notes bytes that the client received, split anywhere.
+  void received(std::span<const std::byte> bytes);
+
+ private:
+  struct Request {
+    proto::RequestChange asked;
+    double asked_at = 0;
+    std::vector<std::byte> bytes;
+  };
+  void takeChunk(const proto::BlobChunk& chunk);
+
+  Tell tell_;
+  std::map<uint32_t, Request> requests_;
+  std::vector<std::byte> input_;
+};
+
+}  // namespace lode::app
