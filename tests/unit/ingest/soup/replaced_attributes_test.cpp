@@ -46,7 +46,7 @@ TEST(ReplacedAttributes, areCountedBesideWhatIsLeftOut) {
   source.elements[1].rows[3] = {{0, 1, 9}};
   const std::vector<std::string> warnings = warningsOf(source, PlyEncoding::kLittleEndian);
   ASSERT_EQ(warnings.size(), 2u);
-  expectMentions(warnings[0], {"1 bad ", "left out"});
+  expectMentions(warnings[0], {"1 bad ", "skipped"});
   expectMentions(warnings[1], {"2 vertices", "set to 0"});
 }
 
