@@ -27,7 +27,7 @@ constexpr std::pair<uint64_t, int> depthLast(NodeKey node) noexcept {
 NodeKey nodeOf(const CutPart& part) { return part.node; }
 NodeKey nodeOf(const LeftOut& left_out) { return left_out.node; }
 
-/// What covers a node: a part, or nothing yet (LeftOut) if the mesh is null.
+/// A part that covers a node, or a left-out node if the mesh is null.
 struct Covering {
   NodeKey node;
   const Mesh* mesh = nullptr;

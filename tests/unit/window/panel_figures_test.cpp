@@ -28,7 +28,7 @@ TEST(PanelFigures, leaveOutWhatHasNotBeenMeasured) {
   EXPECT_EQ(valueOf(content, "network"), "1.0 KB") << "0.0 ms would be said";
   content.link_bytes_per_s = 2000;
   content.round_trip_ms = 12;
-  EXPECT_EQ(valueOf(content, "network"), "1.0 KB, 2.0 KB/s, 12.0 ms there and back");
+  EXPECT_EQ(valueOf(content, "network"), "1.0 KB, 2.0 KB/s, 12.0 ms round trip");
 }
 
 TEST(PanelFigures, sayOfARateThatIsAimedAtWhetherItIsReached) {
@@ -38,9 +38,9 @@ TEST(PanelFigures, sayOfARateThatIsAimedAtWhetherItIsReached) {
   EXPECT_EQ(valueOf(content, "threshold"), "2.00 px") << "at rest no rate is aimed at";
   content.target_ms = 1000.0 / 30;
   EXPECT_EQ(valueOf(content, "threshold"),
-            "2.00 px while it moves, for at least 30 frames a second, which it does not reach");
+            "2.00 px while moving, for at least 30 frames per second, not reached");
   content.frame_ms = 35;
-  EXPECT_EQ(valueOf(content, "threshold"), "2.00 px while it moves, for at least 30 frames a second");
+  EXPECT_EQ(valueOf(content, "threshold"), "2.00 px while moving, for at least 30 frames per second");
 }
 
 TEST(PanelFigures, haveARankEachOfItsOwn) {
