@@ -44,7 +44,7 @@ void Engine::handleAll(SessionRole role) {
   while (connection_.session(role)) {
     std::optional<SessionEvent> event = connection_.session(role)->nextEvent();
     if (!event) return;
-    // The active connection gets the same notices, so ignore them on the draining one.
+    // The active connection receives the same notices, so ignore the draining connection's.
     const bool is_heard = role == SessionRole::kActive || !(std::holds_alternative<ServerLeaving>(*event) ||
                                                             std::holds_alternative<ModelChanged>(*event));
     if (is_heard) std::visit([this](auto taken) { handle(std::move(taken)); }, std::move(*event));
@@ -89,7 +89,7 @@ void Engine::handle(BlobArrived event) {
 
 void Engine::deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
   prefetcher_.arrived(blob, use);
-  // LODs that share a payload fetch it once.
+  // Several LODs can share a payload, which is requested only once.
   for (const Request& request : group_.requests())
     if (request.blob == blob && request.use != use) model_->take(request.blob, request.use, bytes);
   model_->take(blob, use, std::move(bytes));

@@ -31,18 +31,20 @@ constexpr uint64_t kDefaultMemoryBudgetBytes = 1ull << 30;
 struct EngineOptions {
   SessionOptions session;
   RefineOptions refine;
-  uint64_t memory_budget_bytes = kDefaultMemoryBudgetBytes;  ///< hierarchy, transit, meshes, textures
-  uint32_t jitter_seed = 0;                                  ///< for the times between connection attempts
-  bool has_cache = false;  ///< the caller answers takeCacheQueries(); only misses go to the server
-  /// The model in the cache, kept by an earlier run.
+  /// Memory for the hierarchy, blobs in transit, meshes and textures.
+  uint64_t memory_budget_bytes = kDefaultMemoryBudgetBytes;
+  uint32_t jitter_seed = 0;  ///< seed of the random waits between connection attempts
+  /// The caller answers takeCacheQueries(); the server gets requests only for cache misses.
+  bool has_cache = false;
+  /// Summary of the model that an earlier run stored in the cache, if any.
   std::optional<ModelSummary> cached_model = std::nullopt;
-  bool offline = false;   ///< shows cached_model from the cache and never connects
-  bool prefetch = false;  ///< requests ahead of a moving camera
-  /// False: gives all requests one class and priority, so that they are served in the order of sending. For
-  /// comparison.
+  bool offline = false;   ///< the engine shows cached_model from the cache and never connects
+  bool prefetch = false;  ///< the engine requests blobs ahead of a moving camera
+  /// False: all requests have the same class and priority, so that the server answers them in the order sent.
+  /// Benchmarks compare best-first order with it.
   bool best_first = true;
-  /// Called when a connection breaks, while its requests are still open; may be empty.
-  /// @param is_last  the engine does not reconnect and throws `why` next.
+  /// Called when a connection breaks, before the session's open requests are dropped; may be empty.
+  /// @param is_last  true if the engine does not reconnect and throws `why` next.
   std::function<void(SessionRole role, const Error& why, bool is_last)> on_broken = nullptr;
   /// Called when a server rejects the connection because it is full or shuts down; may be empty.
   std::function<void(const std::string& why)> on_turned_away = nullptr;
@@ -52,9 +54,9 @@ struct EngineOptions {
 
 /// Reason why the cut of a view has not converged.
 enum class Waiting : size_t {
-  kNot,     ///< it has converged, or no view is set
-  kLink,    ///< waits for a connection or for bytes from the server or the cache
-  kDecode,  ///< waits for received blobs to be decoded
+  kNot,     ///< the cut has converged, or no view is set
+  kLink,    ///< the cut waits for a connection or for bytes from the server or the cache
+  kDecode,  ///< the cut waits until received blobs are decoded
   kBudget,  ///< a budget is exhausted
 };
 constexpr size_t kWaitings = 4;
@@ -64,7 +66,7 @@ class WaitTimes {
  public:
   using Duration = std::chrono::nanoseconds;
 
-  /// Counts the time until the next call under `waiting`.
+  /// Adds the time between this call and the next to the total of `waiting`.
   void begin(Waiting waiting, TimePoint now) noexcept {
     if (begun_) times_[static_cast<size_t>(waiting_)] += now - since_;
     begun_ = true;
@@ -81,31 +83,32 @@ class WaitTimes {
 };
 
 struct EngineCounts {
-  uint64_t received_bytes = 0;  ///< all bytes from the server
-  uint64_t cache_bytes = 0;     ///< blobs from the cache
+  uint64_t received_bytes = 0;  ///< all bytes received from the server
+  uint64_t cache_bytes = 0;     ///< size of the blobs read from the cache
   uint64_t open_requests = 0;
-  RequestCounts requests;       ///< the open requests by class
+  RequestCounts requests;       ///< number of open requests by class
   uint64_t decoding = 0;        ///< blobs waiting to be decoded or being decoded
-  uint64_t transit_bytes = 0;   ///< requested, received or being decoded, with the decoders' memory
-  uint64_t resident_bytes = 0;  ///< decoded meshes
+  uint64_t transit_bytes = 0;   ///< size of requested and undecoded blobs, plus the decoders' memory
+  uint64_t resident_bytes = 0;  ///< memory of the decoded meshes
   uint64_t wanted_bytes = 0;    ///< ViewGroup::wantedBytes()
   uint64_t known_nodes = 0;
   uint64_t hierarchy_bytes = 0;     ///< memory of the known nodes
-  uint64_t texture_blob_bytes = 0;  ///< received texture set and tiles
-  uint64_t texture_bytes = 0;       ///< decoded tiles
-  uint64_t tiles = 0;               ///< resident tiles
-  uint64_t tiles_left_out = 0;      ///< needed by the view, but above the texture budget
+  uint64_t texture_blob_bytes = 0;  ///< size of the received texture set and tiles
+  uint64_t texture_bytes = 0;       ///< memory of the decoded tiles
+  uint64_t tiles = 0;               ///< number of resident tiles
+  uint64_t tiles_left_out = 0;      ///< number of tiles that the view needs and the texture budget excludes
   PrefetchCounts prefetch;
-  WaitTimes waited;             ///< time to convergence by reason
+  WaitTimes waited;             ///< waiting time before convergence, by reason
   double link_bytes_per_s = 0;  ///< measured throughput; 0: unknown
-  double round_trip_ms = 0;     ///< smallest measured; 0: unknown
+  double round_trip_ms = 0;     ///< smallest measured round trip; 0: unknown
   uint64_t window_bytes = 0;    ///< unacknowledged bytes that the server may send
 };
 
-/// The client's state machine: a connection, a model and its views. Takes received bytes, cached blobs,
-/// decode results and cameras; produces bytes to send, cache queries, decode jobs and cuts. Queries the cache
-/// before the server. The model and the last cut outlive the connection. Uses no thread, clock or socket of
-/// its own. Not thread safe; the published cuts are.
+/// The client's state machine: a connection, a model and its views. The caller passes in received bytes,
+/// cached blobs, decode results and cameras, and gets bytes to send, cache queries, decode jobs and cuts. The
+/// engine queries the cache before the server. The model and the last cut outlive the connection. The engine
+/// uses no thread, clock or socket of its own. It is not thread safe, but any thread may read the published
+/// cuts.
 class Engine {
  public:
   explicit Engine(EngineOptions options);
@@ -118,7 +121,7 @@ class Engine {
   bool connected(SessionRole role = SessionRole::kActive) const noexcept {
     return connection_.session(role) != nullptr;
   }
-  /// Returns true if the active connection accepts requests: its server is not shutting down.
+  /// Returns true if the active connection accepts requests, because its server is not shutting down.
   bool staysConnected() const noexcept { return connection_.takesRequests(); }
   /// Number of open requests of a connection, including cancelled ones that are not acknowledged yet.
   uint64_t openRequests(SessionRole role) const noexcept {
@@ -130,49 +133,49 @@ class Engine {
   /// Reason for the missing connection while the engine reconnects; empty otherwise.
   const std::string& trouble() const noexcept { return connection_.trouble(); }
 
-  /// Takes received bytes. @throws Error as Session does; do not use the engine afterwards. The last cut
+  /// Takes received bytes. @throws Error as Session does. Do not use the engine after an error; the last cut
   /// stays valid.
   void receive(std::span<const std::byte> bytes, TimePoint now, SessionRole role = SessionRole::kActive);
   void finishDecode(DecodeResult result);
-  /// @param view  in the model frame: toView() in camera_path.h converts from true coordinates.
+  /// @param view  camera in the model frame; toView() in camera_path.h converts true coordinates.
   void setView(const View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
-  /// Sets one view per instance of the model. @param views  all pictures have one size.
+  /// Sets one view per instance of the model. All views must have the same picture size.
   void setViews(std::span<const View> views, float threshold_px) { group_.setViews(views, threshold_px); }
 
   /// Replaces memory_budget_bytes and refine.drawn_budget_bytes of the options.
   void setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes);
 
   /// Refines if anything has changed, renews the requests and keeps the connections alive. @throws Error as
-  /// disconnect().
+  /// disconnect() does.
   void step(TimePoint now);
 
   proto::Bytes takeOutgoing(SessionRole role = SessionRole::kActive);
   std::vector<DecodeJob> takeDecodeJobs();
 
-  /// Blobs to look up in the cache. Answer each with finishCacheQuery().
+  /// Returns the blobs to look up in the cache. The caller answers each with finishCacheQuery().
   std::vector<BlobRef> takeCacheQueries() { return queries_.take(); }
-  /// @param bytes  nothing if the cache does not have the blob. They must match its digest.
+  /// @param bytes  bytes that match the blob's digest; nothing if the cache does not contain the blob.
   void finishCacheQuery(const BlobRef& blob, std::optional<std::vector<std::byte>> bytes);
   struct Arrival {
     BlobRef blob;
     std::vector<std::byte> bytes;
   };
-  /// Blobs received from the server, to be cached; none if has_cache is false.
+  /// Returns blobs received from the server, for the caller to cache; none if has_cache is false.
   std::vector<Arrival> takeArrivals() { return std::exchange(arrivals_, {}); }
-  /// Returns true if the engine is offline and the cache has answered everything.
+  /// Returns true if the engine is offline and the cache has answered all queries.
   bool exhausted() const noexcept;
 
   /// Null until the model is open.
   const ModelSummary* summary() const noexcept { return model_ ? &model_->summary() : nullptr; }
   /// The last published cut; null until the root's coarsest LOD is resident and a view is set.
   const std::shared_ptr<const Cut>& cut() const noexcept { return group_.cut(); }
-  /// The last cuts by view: see ViewGroup.
+  /// The last cuts, indexed by view: see ViewGroup.
   const std::shared_ptr<const ViewCuts>& viewCuts() const noexcept { return group_.viewCuts(); }
   uint64_t cutBuild() const noexcept { return group_.cutBuild(); }
   bool limited() const noexcept { return group_.limited(); }
-  /// Returns true if the cuts are final: they are complete, or the missing blobs cannot be loaded.
+  /// Returns true if the cuts are final, because they are complete or their missing blobs cannot be loaded.
   bool settled() const noexcept;
-  /// Why some part of the model cannot be loaded; empty if none failed.
+  /// Reason why a part of the model cannot be loaded; empty if no part has failed.
   const std::string& failure() const noexcept;
   EngineCounts counts() const noexcept;
 
@@ -199,7 +202,7 @@ class Engine {
   Prefetcher prefetcher_;
   WaitTimes waited_;
   TimePoint now_{};
-  bool requests_waiting_ = false;  // some requests may be sendable now
+  bool requests_waiting_ = false;  // renewRequests() may be able to send more requests
   bool held_back_ = false;         // requests wait until received blobs are decoded
 };
 

@@ -20,18 +20,20 @@
 
 namespace lode::core {
 
-constexpr uint64_t kHierarchyBudgetShare = 8;  ///< the hierarchy gets 1/8 of the memory budget
-/// Blobs that are requested or wait to be decoded get 1/16 of the memory budget, and decoders as much again.
-/// A single blob may exceed its share.
+constexpr uint64_t kHierarchyBudgetShare = 8;  ///< the hierarchy may use 1/8 of the memory budget
+/// Blobs that are requested or not decoded yet may use 1/16 of the memory budget, and the decoders another
+/// 1/16. A single blob may exceed this share.
 constexpr uint64_t kTransitBudgetShare = 16;
-constexpr uint64_t kMaxTransitBytes = 64ull << 20;  ///< upper limit of either share
+/// Upper limit of the share of blobs, and of the decoders' share.
+constexpr uint64_t kMaxTransitBytes = 64ull << 20;
 
-/// The resident data of one build of a model: hierarchy, meshes and textures. Takes blobs from any source,
-/// returns decode jobs and takes their results. All views share it; it depends on no view and no connection.
-/// Not thread safe.
+/// The resident data of one build of a model: hierarchy, meshes and textures. The caller passes in blobs from
+/// any source, runs the decode jobs and returns their results. All views share one Model, which depends on no
+/// view and no connection. Not thread safe.
 class Model {
  public:
-  /// @param memory_budget_bytes  for hierarchy, blobs in transit, decoding, meshes and textures.
+  /// @param memory_budget_bytes  limit for the hierarchy, blobs in transit, decoding, meshes and textures
+  ///                             together.
   Model(ModelSummary summary, uint64_t memory_budget_bytes);
 
   /// Changes the budget and the version, so that views refine again.
@@ -40,7 +42,7 @@ class Model {
   const ModelSummary& summary() const noexcept { return summary_; }
   const Hierarchy& hierarchy() const noexcept { return hierarchy_; }
   Hierarchy& hierarchy() noexcept { return hierarchy_; }
-  /// Budget of the hierarchy: pages in use, then recently used pages.
+  /// Memory budget of the hierarchy's pages, those in use and those used recently.
   uint64_t hierarchyBudgetBytes() const noexcept { return hierarchy_budget_bytes_; }
   MeshCache& meshes() noexcept { return meshes_; }
   const MeshCache& meshes() const noexcept { return meshes_; }
@@ -48,31 +50,33 @@ class Model {
   TextureStream* textures() noexcept { return textures_ ? &*textures_ : nullptr; }
   const TextureStream* textures() const noexcept { return textures_ ? &*textures_ : nullptr; }
 
-  /// The request that precedes any view: the root page, then the root's coarsest LOD; nothing once both are
-  /// resident or being decoded.
+  /// Returns the request to send before any view is set: first for the root page, then for the root's
+  /// coarsest LOD; nothing once both are resident, or if the blob is being decoded or was refused.
   std::optional<Request> firstRequest() const;
-  /// Returns true if a request makes sense: the blob is not being decoded and was not refused.
+  /// Returns true if the blob should be requested: it is neither being decoded nor refused.
   bool wants(const Request& request) const;
 
-  /// Takes the bytes of a blob. @param bytes  must match the digest.
+  /// Takes the bytes of a blob. @param bytes  must match the blob's digest.
   /// @throws Error kFormat or kLimit for an invalid page or texture set.
   void take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
-  /// Notes that a blob cannot be loaded. @param is_lost  permanently, so that refinement works around it.
+  /// Notes that a blob cannot be loaded. @param is_lost  true if the blob is lost for good; refinement then
+  /// uses other LODs or nodes instead.
   void refuse(const BlobRef& blob, const std::string& why, bool is_lost = true);
 
-  /// Returns the waiting jobs that fit the decoding budget; the rest follow after finishDecode().
+  /// Returns the waiting jobs that fit the decoding budget. Call again after finishDecode() for the rest.
   std::vector<DecodeJob> takeDecodeJobs();
-  /// Takes a job's result; ignores results of another build.
+  /// Stores the result of a decode job; ignores results of another build.
   void finishDecode(DecodeResult result);
 
   /// Identifies the build: the first 8 bytes of its build id.
   uint64_t build() const noexcept;
   /// Increases with every change that may change a cut.
   uint64_t version() const noexcept { return version_; }
-  /// Why some part of the model cannot be loaded; empty if none failed.
+  /// Reason why a part of the model cannot be loaded; empty if no part has failed.
   const std::string& failure() const noexcept { return failure_; }
-  /// Encoded size of received blobs that are not decoded yet, and memory of the running decoders.
+  /// Encoded size of the received blobs that are not decoded yet.
   uint64_t undecodedBytes() const noexcept { return undecoded_bytes_; }
+  /// Memory of the running decode jobs.
   uint64_t decodingBytes() const noexcept { return decoding_bytes_; }
   /// Budget for requested and undecoded blobs.
   uint64_t transitBudgetBytes() const noexcept { return transit_budget_bytes_; }
@@ -91,7 +95,7 @@ class Model {
 
   struct Work {
     BlobRef blob;
-    uint64_t bytes = 0;  // memory for decoding; 0 until the job is handed out
+    uint64_t bytes = 0;  // memory that decoding takes; 0 until takeDecodeJobs() returns the job
   };
 
   void addPage(const BlobUse& use, std::span<const std::byte> bytes);
@@ -107,10 +111,10 @@ class Model {
   uint64_t hierarchy_budget_bytes_ = 0;
   MeshCache meshes_;
   std::optional<TextureStream> textures_;
-  std::map<Decoding, Work> decoding_;  // jobs handed out or waiting
+  std::map<Decoding, Work> decoding_;  // jobs that wait, and jobs that takeDecodeJobs() has returned
   uint64_t transit_budget_bytes_ = 0;
   uint64_t undecoded_bytes_ = 0, decoding_bytes_ = 0;
-  std::deque<DecodeJob> jobs_;  // waiting to be handed out
+  std::deque<DecodeJob> jobs_;  // jobs that wait for takeDecodeJobs()
   std::set<uint32_t> refused_;  // blob numbers
   uint64_t texture_blob_bytes_ = 0;
   uint64_t version_ = 0;

@@ -10,21 +10,22 @@
 
 namespace lode::core {
 
-constexpr size_t kMaxCacheQueries = 256;        ///< unanswered at one time
-constexpr size_t kMaxRememberedMisses = 65536;  ///< beyond it all are forgotten and queried again
+constexpr size_t kMaxCacheQueries = 256;  ///< largest number of unanswered queries
+/// Above this number, all misses are forgotten and queried again.
+constexpr size_t kMaxRememberedMisses = 65536;
 
-/// Queries to the blob cache that precede requests to the server: each blob once, until it is answered. Not
-/// thread safe.
+/// Queries the blob cache before the server. Sends no second query for a blob while the first is unanswered.
+/// Not thread safe.
 class CacheQueries {
  public:
-  /// Returns true if the cache does not have the blob. Otherwise queries the cache, now or on a later call if
-  /// too many queries are open, and returns false.
+  /// Returns true if the cache is known not to contain the blob. Otherwise returns false and queries the
+  /// cache, or waits for a later call if too many queries are unanswered.
   bool isMissing(const Request& request);
-  /// Blobs to look up in the cache. Answer each with finish().
+  /// Returns the blobs to look up in the cache. The caller answers each with finish().
   std::vector<BlobRef> take() { return std::exchange(new_, {}); }
-  /// @return the use of the blob; nothing if it was not queried.
+  /// Records the cache's answer. @return the use of the blob; nothing if the blob was not queried.
   std::optional<BlobUse> finish(const BlobRef& blob, bool found);
-  /// The server has sent the blob: the cache will have it.
+  /// Notes that the server has sent the blob, which the caller then adds to the cache.
   void arrived(const BlobRef& blob) { misses_.erase(blob.digest); }
   /// Returns true if some blob was missing in the cache and has not arrived since.
   bool hasMisses() const noexcept { return !misses_.empty(); }

@@ -12,8 +12,9 @@
 
 namespace lode::core {
 
-/// A blob to decode outside the core, on any thread. A payload: decodePayload(), clusterTriangles(), and the
-/// footprint if the texture set is known. A tile: decodeTile() and its tail.
+/// A blob to decode outside the core, on any thread. For a payload, the job calls decodePayload() and
+/// clusterTriangles(), and computes the texture footprint if the texture set is known. For a tile, it calls
+/// decodeTile() and computes the tail.
 struct DecodeJob {
   BlobRef blob;
   BlobUse use;
@@ -21,20 +22,20 @@ struct DecodeJob {
   double step = 1;
   PayloadExpectation expected;
   std::shared_ptr<const TextureSet> textures = nullptr;
-  glm::uvec2 image_size{0};  ///< tiles only
-  bool with_tail = false;    ///< for tiles of a coarsest level: see makeTail()
+  glm::uvec2 image_size{0};  ///< size of a tile's image; unused for payloads
+  bool with_tail = false;    ///< true for tiles of a coarsest level: see makeTail()
 };
 
 struct DecodeResult {
   BlobRef blob;
   BlobUse use;
-  std::shared_ptr<const Mesh> decoded;     ///< payloads only; null on failure
-  std::shared_ptr<const TileImage> image;  ///< tiles only; null on failure
+  std::shared_ptr<const Mesh> decoded;     ///< mesh of a payload; null for tiles and on failure
+  std::shared_ptr<const TileImage> image;  ///< image of a tile; null for payloads and on failure
   std::shared_ptr<const TextureFootprint> footprint;
-  std::string failure;  ///< reason, on failure
+  std::string failure;  ///< reason why decoding failed; empty on success
 };
 
-/// Runs a job. Never throws: errors are in DecodeResult::failure.
+/// Runs a job. Never throws; reports errors in DecodeResult::failure.
 DecodeResult runDecodeJob(const DecodeJob& job);
 
 }  // namespace lode::core

@@ -16,17 +16,18 @@ namespace lode::core {
 
 /// Memory of a decoded mesh.
 uint64_t meshBytes(const Mesh& mesh) noexcept;
-/// The same before decoding, including the cluster boxes of clusterTriangles().
+/// Memory of a mesh that is not decoded yet, including the cluster boxes of clusterTriangles().
 uint64_t meshBytes(uint64_t vertices, uint64_t triangles, AttributeSet attributes) noexcept;
 
 // GPU memory of a mesh.
 constexpr uint64_t kDrawnVertexBytes = 16;
-constexpr uint64_t kDrawnTexturedVertexBytes = 24;  ///< with texture coordinates
+constexpr uint64_t kDrawnTexturedVertexBytes = 24;  ///< size of a vertex with texture coordinates
 constexpr uint64_t kDrawnTriangleBytes = 12;
-constexpr uint64_t kDrawnClusterBytes = 24;  ///< the box of kClusterTriangles triangles
+/// Size of the bounding box of a cluster of kClusterTriangles triangles.
+constexpr uint64_t kDrawnClusterBytes = 24;
 
-/// GPU memory of a mesh. Refinement counts it too, since meshes without attributes take more memory on the
-/// GPU than decoded.
+/// GPU memory of a mesh. Refinement limits GPU memory separately, because a mesh without attributes takes
+/// more memory on the GPU than in main memory.
 constexpr uint64_t drawnBytes(uint64_t vertices, uint64_t triangles, AttributeSet attributes) noexcept {
   const bool is_textured = attributes.has(AttributeSet::kTexture);
   return vertices * (is_textured ? kDrawnTexturedVertexBytes : kDrawnVertexBytes) +
@@ -37,9 +38,9 @@ inline uint64_t drawnBytes(const Mesh& mesh) noexcept {
   return drawnBytes(mesh.positions.size(), mesh.triangles.size(), mesh.attributes);
 }
 
-/// The resident decoded meshes and their texture footprints, within a budget. Keeps pinned meshes and meshes
-/// in use (those of the cut and those that wait for siblings). Evicts the rest least recently used first,
-/// deeper nodes before their ancestors. Not thread safe.
+/// Caches decoded meshes and their texture footprints, within a memory budget. Keeps pinned meshes and meshes
+/// in use (meshes of the cut, and meshes that wait for siblings). Evicts other meshes, least recently used
+/// first and deeper nodes before their ancestors. Not thread safe.
 class MeshCache {
   struct Entry {
     uint32_t lod = 0;
@@ -71,13 +72,14 @@ class MeshCache {
 
   explicit MeshCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// Adds a mesh; keeps the old one if it is resident already.
-  /// @param footprint  of a textured mesh; setFootprint() can add it later.
+  /// Adds a mesh. Keeps the resident mesh if the key already has one.
+  /// @param footprint  footprint of a textured mesh; setFootprint() can add the footprint later.
   void insert(MeshKey key, std::shared_ptr<const Mesh> mesh,
               std::shared_ptr<const TextureFootprint> footprint = nullptr);
   void setFootprint(MeshKey key, std::shared_ptr<const TextureFootprint> footprint);
   void pin(MeshKey key);
-  /// Valid until the cache changes. Saves lookups when several LODs of one node are queried.
+  /// Returns the resident LODs of a node, to save lookups if the caller tests several of them. The reference
+  /// is valid until the cache changes.
   const Lods& lodsOf(NodeKey node) const noexcept;
   /// @return null if it is not resident.
   std::shared_ptr<const Mesh> find(MeshKey key) const noexcept { return lodsOf(key.node).mesh(key.lod); }
@@ -87,15 +89,15 @@ class MeshCache {
 
   /// Starts a new round of use.
   /// @param in_use    meshes that must stay until the next call.
-  /// @param recently  recently used meshes: evicted after all older ones.
-  /// @return bytes of the resident meshes in use, each counted once.
+  /// @param recently  meshes that count as used now; trim() evicts them after all older meshes.
+  /// @return memory of the resident meshes in use, each mesh counted once.
   uint64_t use(std::span<const MeshKey> in_use, std::span<const MeshKey> recently);
-  /// Evicts meshes until the rest fits the budget, but none in use or pinned.
+  /// Evicts meshes until the rest fits the budget. Never evicts meshes that are in use or pinned.
   void trim();
   /// Takes effect at the next trim().
   void setBudget(uint64_t bytes) noexcept { budget_bytes_ = bytes; }
 
-  /// Memory of meshes and footprints.
+  /// Memory of all resident meshes and footprints.
   uint64_t bytes() const noexcept { return bytes_; }
   uint64_t budgetBytes() const noexcept { return budget_bytes_; }
   size_t size() const noexcept { return size_; }
@@ -114,7 +116,7 @@ class MeshCache {
   uint64_t bytes_ = 0;
   uint64_t round_ = 1;
   size_t size_ = 0;
-  std::unordered_map<uint64_t, Lods, KeyHash> nodes_;  // by key value
+  std::unordered_map<uint64_t, Lods, KeyHash> nodes_;  // by NodeKey value
 };
 
 }  // namespace lode::core

@@ -11,11 +11,11 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-constexpr Seconds kWindow{0.25};       // length of the recorded history
+constexpr Seconds kWindow{0.25};       // duration of the recorded history
 constexpr Seconds kShortest{0.03};     // shorter histories give no reliable velocity
-constexpr double kLargestTurnRad = 1;  // within the history; more is a jump
+constexpr double kLargestTurnRad = 1;  // a larger rotation within the history is a jump
 
-/// Rotation from the camera's axes (right, up, back) to the model's.
+/// Returns the rotation from the camera's axes (right, up, back) to the model's axes.
 glm::dquat axesOf(const View& view) {
   return glm::quat_cast(glm::dmat3(glm::cross(view.forward, view.up), view.up, -view.forward));
 }
@@ -58,7 +58,7 @@ std::optional<View> CameraMotion::predict(TimePoint now, Seconds ahead) const {
   if (glm::angle(turn) > kLargestTurnRad) return std::nullopt;
   const double factor = (ahead + (now - last.at)) / passed;
   const glm::dvec3 path_model = last.view.eye_model - first.view.eye_model;
-  // The chord of the next arc is the last chord, rotated by half of both arcs' angles.
+  // The next chord is the last chord rotated by the mean of the angles of both arcs.
   const double angle = glm::angle(turn);
   const double stretch =
       angle < 1e-6 ? factor : std::sin(std::min(angle * factor, 3.0) / 2) / std::sin(angle / 2);

@@ -14,7 +14,7 @@ class CameraMotion {
  public:
   void record(const View& view, TimePoint now);
   /// Extrapolates along a helix, with constant velocity and rotation in the camera's frame.
-  /// @return nothing while the camera stands still or after it has jumped.
+  /// @return nothing if the camera does not move, or if the camera has jumped.
   std::optional<View> predict(TimePoint now, std::chrono::duration<double> ahead) const;
 
  private:

@@ -8,13 +8,14 @@
 
 namespace lode::core {
 
-/// Walks from the last part to the first, so that a fallback comes before the fallbacks below it.
+/// Iterates from the last part to the first, so that each fallback is tested before the fallbacks below it.
 std::vector<uint32_t> shownParts(const Cut& cut, const View& view) {
   const ViewFrustum frustum(view, 1);
   const auto isSeen = [&](const LeftOut& place) { return frustum.test(place.box) != Visibility::kOutside; };
   std::vector<uint32_t> shown;
   shown.reserve(partCount(cut));
-  auto begin = static_cast<uint32_t>(cut.parts.size());  // parts from here on are decided
+  // The parts from this index to the end are already selected or replaced.
+  auto begin = static_cast<uint32_t>(cut.parts.size());
   const auto showDownTo = [&](uint32_t part) {
     while (begin > part) shown.push_back(--begin);
   };

@@ -15,22 +15,23 @@
 
 namespace lode::core {
 
-/// One mesh to draw. The cache shares the mesh, which never changes.
+/// One mesh to draw. The mesh is shared with the cache and never changes.
 struct CutPart {
   NodeKey node;
   uint32_t lod = 0;
-  bool visible = true;  ///< false: outside the view; kept for completeness or as a fallback
-  float error_px = 0;   ///< off_model projected into the view of the refinement
+  /// False: the part lies outside the view, and completes the cut or serves as a fallback.
+  bool visible = true;
+  float error_px = 0;  ///< off_model projected into the view of the refinement
   std::shared_ptr<const Mesh> mesh;
-  float error_model = 0;  ///< distance of the surface from the original
+  float error_model = 0;  ///< distance between this surface and the original surface
   float off_model = 0;    ///< the larger of error_model and the appearance error
-  /// Threshold at which this part would be selected: the cut's for exact parts, lower for finer stand-ins,
-  /// max(threshold, error_px) otherwise.
+  /// Threshold at which this part would be selected. Exact parts have the cut's threshold, finer stand-ins a
+  /// lower one, and coarser stand-ins max(threshold, error_px).
   float threshold_px = 0;
-  ModelBox box = {};  ///< the node's
+  ModelBox box = {};  ///< bounding box of the node
 };
 
-/// A texture tile to draw. The cache shares the image, which never changes; equal tiles share one image.
+/// A texture tile to draw. The image is shared with the cache and never changes. Equal tiles share one image.
 struct ResidentTile {
   TileKey key;
   std::shared_ptr<const TileImage> image;
@@ -42,47 +43,49 @@ struct LeftOut {
   ModelBox box;
 };
 
-/// A coarser part that replaces the cut's parts below its node as soon as a camera sees one of the nodes left
-/// out there: see shownParts(). Ranges index the vectors of the cut and exclude their end.
+/// A coarser part that replaces all parts of the cut below its node as soon as a camera sees a left-out node
+/// below it: see shownParts(). The index ranges refer to the vectors of the cut; a range excludes its end.
 struct Fallback {
   CutPart part;
   uint32_t first_part = 0, end_part = 0;          ///< parts below the node
-  uint32_t first_left_out = 0, end_left_out = 0;  ///< left-out nodes that have no nearer fallback
-  uint32_t first_nested = 0;                      ///< fallbacks below the node: from here up to this one
+  uint32_t first_left_out = 0, end_left_out = 0;  ///< left-out nodes for which this fallback is the nearest
+  /// Index of the first fallback below the node; the last one precedes this fallback.
+  uint32_t first_nested = 0;
 };
 
-/// Parts that cover the model exactly once, depth first, by octant. The refiner publishes cuts; they are
-/// immutable, and the renderer reads them on another thread. Parts without triangles are omitted. Until the
-/// cut has settled, parts outside the view and its margin may be missing too: call shownParts() to draw the
-/// cut for a camera that has moved.
+/// Parts that cover the model exactly once, depth first, by octant. The refiner publishes immutable cuts, and
+/// the renderer reads them on another thread. A cut omits parts without triangles. Until the cut has settled,
+/// parts outside the view and its margin may also be missing; call shownParts() to draw the cut for a camera
+/// that has moved.
 struct Cut {
   View view;               ///< view of the refinement
-  float threshold_px = 1;  ///< largest error that the refinement allowed
+  float threshold_px = 1;  ///< largest projected error that the refinement allowed
   uint64_t build = 0;      ///< Model::build()
   std::vector<CutPart> parts;
-  std::vector<LeftOut> left_out;    ///< missing parts, all outside the view; each has a fallback
+  std::vector<LeftOut> left_out;    ///< nodes of missing parts, all outside the view; each has a fallback
   std::vector<Fallback> fallbacks;  ///< depth first, children before parents
   uint64_t triangles = 0;
   uint64_t blob_bytes = 0;   ///< encoded size of the meshes and tiles in use
   uint64_t drawn_bytes = 0;  ///< GPU memory of the parts and fallbacks: see drawnBytes()
-  float max_error_px = 0;    ///< largest error of the visible parts
-  float refinable_px = 0;    ///< largest error among visible parts that have a finer version
-  /// No visible part exceeds the threshold, except leaves at their original triangles, and every tile that
-  /// fits the texture budget is resident or lost.
+  float max_error_px = 0;    ///< largest projected error of the visible parts
+  float refinable_px = 0;    ///< largest projected error of visible parts that can be refined
+  /// True if no visible part exceeds the threshold, except leaves at their original triangles, and every tile
+  /// that fits the texture budget is resident or lost.
   bool converged = false;
   uint64_t lost_tiles = 0;  ///< visible tiles that cannot be loaded; a lost texture set counts as one
-  std::shared_ptr<const TextureSet> textures;  ///< null: no textures, or not loaded yet
-  std::vector<ResidentTile> tiles;             ///< by key, coarse levels first
+  /// Null if the model has no textures or the set is not loaded yet.
+  std::shared_ptr<const TextureSet> textures;
+  std::vector<ResidentTile> tiles;  ///< sorted by key, coarse levels first
 };
 
-/// The threshold as an angle, independent of the picture size. Multiply by focalPx() of another view to get
-/// pixels there.
+/// Returns the threshold as an angle, which does not depend on the picture size. Multiply the angle by
+/// focalPx() of another view to get that view's threshold in pixels.
 inline double thresholdRad(const Cut& cut) noexcept { return cut.threshold_px / focalPx(cut.view); }
 
 constexpr float kFarOffFactor = 2;
 
 /// Returns true if a visible part that can be refined has more than twice the requested error.
-/// @param cut  null: nothing is resident yet, which returns true.
+/// @param cut  null if nothing is resident yet; the function then returns true.
 inline bool isFarOff(const Cut* cut, float threshold_px) noexcept {
   return cut == nullptr || cut->refinable_px > kFarOffFactor * threshold_px;
 }
@@ -94,8 +97,8 @@ inline const CutPart& partOf(const Cut& cut, size_t number) noexcept {
   return number < cut.parts.size() ? cut.parts[number] : cut.fallbacks[number - cut.parts.size()].part;
 }
 
-/// Selects the parts to draw for any camera: the cut's parts, but a fallback for its whole region where the
-/// camera sees a node that is left out. The result covers every visible place exactly once.
+/// Selects the parts to draw for any camera. If the camera sees a left-out node, its fallback replaces all
+/// parts below the fallback's node. The selected parts cover the visible surface exactly once.
 /// @return numbers for partOf(), depth first.
 std::vector<uint32_t> shownParts(const Cut& cut, const View& view);
 
@@ -109,9 +112,10 @@ size_t countHoles(const Cut& cut, std::span<const uint32_t> shown, const View& v
 
 /// The cuts of one model for all of its views, which share meshes. Immutable.
 struct ViewCuts {
-  std::vector<std::shared_ptr<const Cut>> cuts;  ///< by view
-  /// Union of the cuts: with one view its cut; with several, all parts and fallbacks as parts, each mesh
-  /// once, with the textures, the sum of triangles and the largest error.
+  std::vector<std::shared_ptr<const Cut>> cuts;  ///< indexed by view
+  /// Union of the cuts. For one view, the union is the view's cut. For several views, its parts are all parts
+  /// and fallbacks of the cuts, each mesh once; it has the textures, the sum of the triangles and the largest
+  /// error.
   std::shared_ptr<const Cut> all;
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 struct TriangleHit {
   double distance;
-  glm::dvec3 weights;  ///< barycentric, by corner
+  glm::dvec3 weights;  ///< barycentric weight of each corner
 };
 
 /// Source: Moeller & Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997.

@@ -18,10 +18,11 @@ struct Ray {
   glm::dvec3 origin_model{0}, direction{0, 0, -1};  ///< direction has unit length
 };
 
-/// Returns the ray from the eye through a pixel position. @param place_px  from the top left corner, y down.
+/// Returns the ray from the eye through a pixel position. @param place_px  distance from the top left corner,
+/// y down.
 Ray rayThrough(const View& view, const glm::dvec2& place_px) noexcept;
 
-/// Returns the distance along the ray at which it enters a box, 0 if it starts inside; nothing if it misses.
+/// Returns the distance along a ray from its origin to a box; 0 if the origin is inside, nothing on a miss.
 std::optional<double> distanceAlong(const Ray& ray, const ModelBox& box) noexcept;
 
 /// The nearest intersection of a ray with a cut.
@@ -30,25 +31,27 @@ struct Hit {
   double distance_model = 0;
   glm::dvec3 position_model{0};
   uint32_t triangle = 0;  ///< index in the part's mesh
-  glm::dvec3 weights{0};  ///< barycentric weights of its corners
+  glm::dvec3 weights{0};  ///< barycentric weights of the triangle's corners
 };
 
 /// Intersects rays with the drawn triangles of a cut, for example to pick a point. Immutable.
 class CutProbe {
  public:
-  /// Computes the bounding box of every part, from its cluster boxes if it has any, else from its vertices.
+  /// Computes the bounding box of every part from its mesh's cluster boxes, or from the vertices if the mesh
+  /// has no cluster boxes.
   /// @param step  lattice step of the model.
   CutProbe(std::shared_ptr<const Cut> cut, double step);
 
   const std::shared_ptr<const Cut>& cut() const noexcept { return cut_; }
   double step() const noexcept { return step_; }
-  /// Returns the nearest hit on the front or back of a triangle. @param shown  drawn parts: see shownParts().
+  /// Returns the nearest hit on the front or back of a triangle. @param shown  numbers of the drawn parts:
+  /// see shownParts().
   std::optional<Hit> cast(const Ray& ray, std::span<const uint32_t> shown) const;
 
  private:
   std::shared_ptr<const Cut> cut_;
   double step_;
-  std::vector<LatticeBox> boxes_;  ///< by number of partOf()
+  std::vector<LatticeBox> boxes_;  ///< indexed by the number for partOf()
 };
 
 }  // namespace lode::core

@@ -10,8 +10,8 @@ namespace lode::core {
 namespace {
 
 constexpr uint64_t kAllocationBytes = 16;  // allocator overhead of a node's LODs
-constexpr uint64_t kPageBytes = 128;       // a page without its nodes, with its entry in the table
-constexpr uint64_t kLeastNodeBytes = 20, kLeastLodBytes = 9;  // encoded size: docs/store-format.md
+constexpr uint64_t kPageBytes = 128;       // memory of a page and its table entry, without nodes
+constexpr uint64_t kLeastNodeBytes = 20, kLeastLodBytes = 9;  // smallest encoded sizes: docs/store-format.md
 static_assert(sizeof(KnownNode) + kAllocationBytes + kPageBytes <= pageBytesAtMost(kLeastNodeBytes));
 static_assert(sizeof(Lod) + kPageBytes <= pageBytesAtMost(kLeastLodBytes));
 
@@ -122,7 +122,7 @@ void Hierarchy::use(std::span<const NodeKey> owners, uint64_t budget_bytes) {
   std::vector<Spare> spare;
   for (const auto& [owner, page] : pages_)
     if (page->used_round != round_) spare.push_back({page->used_round, owner});
-  // Deeper pages first within a round, so that an unused branch is evicted at once.
+  // Pages of the same round: evict deeper pages first, so that one call can evict a whole branch.
   std::sort(spare.begin(), spare.end(), [](const Spare& a, const Spare& b) {
     return a.used_round != b.used_round ? a.used_round < b.used_round : a.owner > b.owner;
   });

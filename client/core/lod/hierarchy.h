@@ -19,10 +19,11 @@ namespace lode::core {
 
 /// A node of the octree with links to its loaded children.
 struct KnownNode : Node {
-  const KnownNode* children = nullptr;  ///< one per bit of child_mask, by octant; null: none or not loaded
-  uint32_t page_below_bytes = 0;        ///< memory of the child page; 0: none, or not loaded
-  bool is_page_lost = false;            ///< the child page: see Hierarchy::lose()
-  uint64_t lost_lods = 0;               ///< bit i: LOD i is lost
+  /// One node per bit of child_mask, by octant; null if there are no children or they are not loaded.
+  const KnownNode* children = nullptr;
+  uint32_t page_below_bytes = 0;  ///< memory of the child page; 0 if there is none or it is not loaded
+  bool is_page_lost = false;      ///< true if the child page is lost: see Hierarchy::lose()
+  uint64_t lost_lods = 0;         ///< bit i: LOD i is lost
 
   bool childrenKnown() const noexcept { return isLeaf() || children != nullptr; }
   std::span<const KnownNode> knownChildren() const noexcept {
@@ -40,8 +41,8 @@ struct KnownNode : Node {
     return std::nullopt;
   }
   bool isLost(uint32_t lod) const noexcept { return (lost_lods >> lod & 1) != 0; }
-  /// Returns true if, according to the loaded pages, the nodes below can replace this one: no lost blob
-  /// leaves a hole.
+  /// Returns true if the loaded pages show no lost blob that would leave a hole when nodes below replace this
+  /// node.
   bool isReplaceable() const noexcept {
     return !isLeaf() && !is_page_lost && std::ranges::all_of(knownChildren(), [](const KnownNode& child) {
       return child.coarsestLod() || child.isReplaceable();
@@ -50,24 +51,25 @@ struct KnownNode : Node {
 };
 static_assert(kMaxLods <= 64);
 
-/// Upper bound on the memory of a page, given the size of its blob. hierarchy.cpp checks it against the
-/// smallest encoded node and LOD.
+/// Returns an upper bound of a page's memory, given the size of its blob. hierarchy.cpp checks the bound for
+/// the smallest encoded node and LOD.
 constexpr uint64_t pageBytesAtMost(uint64_t blob_bytes) noexcept { return 128 + 8 * blob_bytes; }
 
-/// The known part of a model's octree, merged from the pages of an untrusted server. use() evicts pages that
-/// no view uses when memory is short; they may be loaded again. Pointers to nodes stay valid until their page
-/// is evicted. Not thread safe.
+/// The known part of a model's octree, merged from the pages of an untrusted server. If memory is short,
+/// use() evicts pages that no view uses; evicted pages may be loaded again. Pointers to nodes stay valid
+/// until their page is evicted. Not thread safe.
 class Hierarchy {
  public:
-  /// @param max_nodes  number of nodes in the model's summary; more are an error.
+  /// @param max_nodes  number of nodes according to the model's summary; more nodes are an error.
   explicit Hierarchy(uint64_t max_nodes) : max_nodes_(max_nodes) {}
 
-  /// Adds the page that holds the root; it is never evicted.
-  /// @throws Error kFormat if there is a root already or the page has none; the hierarchy is unchanged.
+  /// Adds the page that contains the root. This page is never evicted.
+  /// @throws Error kFormat if there is already a root or the page contains no root; the hierarchy is
+  /// unchanged.
   void addRootPage(HierarchyPage page);
 
-  /// Adds the page with the children of `owner`. The children must match the owner's child mask, lie inside
-  /// its box and have no larger errors.
+  /// Adds the page that contains the children of `owner`. The children must match the owner's child mask, lie
+  /// inside its box and have no larger errors than the owner.
   /// @throws Error kFormat or kLimit; the hierarchy is unchanged.
   void addPage(NodeKey owner, HierarchyPage page);
 
@@ -76,7 +78,8 @@ class Hierarchy {
   /// @param owners  owners of the pages in use.
   void use(std::span<const NodeKey> owners, uint64_t budget_bytes);
 
-  /// Marks a blob that cannot be loaded. Its LODs and pages count as lost, in pages added later too.
+  /// Marks a blob that cannot be loaded. LODs and pages stored in this blob count as lost, also in pages that
+  /// are added later.
   void lose(uint32_t blob_number);
 
   /// @return null if the node is not loaded.
@@ -89,8 +92,8 @@ class Hierarchy {
 
  private:
   struct Page {
-    std::vector<KnownNode> nodes;  // by key, so siblings are consecutive; never moved
-    KnownNode* owner = nullptr;    // parent of its first level, in the page above
+    std::vector<KnownNode> nodes;  // sorted by key, so siblings are consecutive; never reallocated
+    KnownNode* owner = nullptr;    // parent of the page's topmost nodes; lies in the page above
     uint32_t bytes = 0;
     uint64_t used_round = 0;
     Page* above = nullptr;
@@ -107,7 +110,8 @@ class Hierarchy {
   uint64_t round_ = 1;
   std::set<uint32_t> lost_;  // blob numbers
   std::unique_ptr<Page> root_;
-  std::unordered_map<uint64_t, std::unique_ptr<Page>> pages_;  // by the owner's key, without the root page
+  // All pages except the root page, by the owner's key.
+  std::unordered_map<uint64_t, std::unique_ptr<Page>> pages_;
 };
 
 }  // namespace lode::core
