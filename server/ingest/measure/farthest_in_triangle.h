@@ -20,27 +20,28 @@ namespace lode::ingest {
 /// A point with its distance from a nearby triangle of a surface.
 struct MeasuredPoint {
   glm::vec3 at;
-  float distance;     ///< from the triangle, so an upper bound of the distance from the surface
-  uint32_t triangle;  ///< number in the surface
+  float distance;     ///< distance from the triangle; never less than the distance from the surface
+  uint32_t triangle;  ///< number of the triangle in the surface
 };
 
 /// Measures the largest distance of a triangle's points from a surface, to 2 %. Divides the triangle until
-/// for each part one triangle of the surface is close to all corners (the distance from a triangle is
-/// convex), or the part's size bounds the distance, or kMostCuts is reached. Cuts lie where the nearest
-/// triangles of the surface change.
-/// Source: Tang, Lee & Kim, Interactive Hausdorff Distance Computation for General Polygonal Models, 2009,
-/// for these bounds.
+/// each part meets one of three conditions: one triangle of the surface is close to all corners of the part
+/// (then it is close to the whole part, because the distance from a triangle is convex), the part is so small
+/// that its size bounds the distance, or the part results from kMostCuts cuts. Cuts lie where the nearest
+/// triangle of the surface changes. Source: Tang, Lee & Kim, Interactive Hausdorff Distance Computation for
+/// General Polygonal Models, 2009, for the bounds of a part.
 /// @tparam Surface  has `PackedTriangle triangle(uint32_t)` and `MeasuredPoint measure(glm::vec3, uint32_t
 /// hint, float tolerance)`, whose distance is exact unless it is at most `tolerance`.
 template <typename Surface>
 class FarthestInTriangle {
  public:
-  /// @param tolerance  smaller distances need not be exact. @param lower_bound  initial value of largest().
+  /// @param tolerance distances up to this value need not be exact. @param lower_bound initial value of
+  /// largest().
   FarthestInTriangle(const Surface& surface, float tolerance, float lower_bound)
       : surface_(surface), tolerance_(tolerance), largest_(lower_bound) {}
 
-  /// Processes one triangle. @param corners  with distances that are exact unless they are at most
-  /// precision().
+  /// Processes one triangle. @param corners the corners, each with its distance from the surface; distances
+  /// up to precision() need not be exact.
   void process(const std::array<MeasuredPoint, 3>& corners) {
     for (const MeasuredPoint& corner : corners) note(corner);
     Part whole{corners, {}, 0};
@@ -62,9 +63,9 @@ class FarthestInTriangle {
     }
   }
 
-  /// The larger of lower_bound and the largest distance found.
+  /// Returns the largest distance found, at least lower_bound.
   float largest() const noexcept { return largest_; }
-  /// Point at that distance; nothing if no distance exceeded lower_bound.
+  /// Returns the point at the largest distance; nothing if no distance exceeded lower_bound.
   std::optional<glm::vec3> at() const noexcept { return at_; }
   /// Distances up to this value need not be exact.
   float precision() const noexcept { return std::max(tolerance_, largest_); }
@@ -81,14 +82,15 @@ class FarthestInTriangle {
     int cuts;
   };
 
-  /// A new point, its distances from the triangles at the corners, and the corners' distances from its
-  /// triangle.
+  /// A new point, with its distances from the triangles at a part's corners, and the distances of these
+  /// corners from the new point's triangle.
   struct Meeting {
     MeasuredPoint point;
     std::array<float, 3> of_point, of_corners;
   };
 
-  /// Returns whether all corners are close to one corner's triangle. Computes distances until one is.
+  /// Returns whether all corners are close to one corner's triangle. Computes the distances from one corner's
+  /// triangle after another, until one is close enough.
   bool isBoundedByOneTriangle(Part& part) const {
     const auto& [a, b, c] = part.corners;
     if (a.triangle == b.triangle && b.triangle == c.triangle) {
@@ -121,7 +123,7 @@ class FarthestInTriangle {
                                     surface_.triangle(c.triangle), of_point)
                           .squaredDistances({point.at, point.at, point.at, a.at});
     Meeting meeting{point, {}, {}};
-    size_t same = 3;  // corner with the same triangle as the point
+    size_t same = 3;  // number of the corner that has the same triangle as the point; 3: none
     for (size_t by = 0; by < 3; ++by) {
       if (part.corners[by].triangle == point.triangle) same = by;
       meeting.of_point[by] = same == by ? point.distance : std::sqrt(some[by]);
@@ -181,10 +183,10 @@ class FarthestInTriangle {
   }
 
   /// Returns whether a chain of the surface's triangles is close to the whole part. The chain leads from one
-  /// corner's triangle to another's, past the third corner, and each of its edges is close to the two sides
-  /// of the part that it crosses. Distance from a triangle is convex, so the points between two neighbouring
-  /// edges are close too. No single chain covers a part above a vertex of the surface; there, chains along
-  /// all three sides divide the part at one point.
+  /// corner's triangle to another's, past the third corner, and each edge of the chain is close to the two
+  /// sides of the part that the edge crosses. Distance from a triangle is convex, so the points between two
+  /// neighbouring edges are close too. No single chain covers a part that lies above a vertex of the surface.
+  /// Then the function uses three chains, one along each side, which divide the part at one point.
   bool isBoundedByChains(const Corners& corners) const {
     const size_t first = firstSide(corners);
     std::array<TriangleChain, 3> along;
@@ -208,7 +210,7 @@ class FarthestInTriangle {
     return true;
   }
 
-  /// Point of a part that is nearest to the vertex that the chains go around.
+  /// Returns the point of a part that is nearest to the vertex that the chains surround.
   static glm::vec3 pointNearVertex(const Corners& corners, const std::array<TriangleChain, 3>& along) {
     const TriangleChain& longest = *std::max_element(
         along.begin(), along.end(),
@@ -231,7 +233,7 @@ class FarthestInTriangle {
   }
 
   /// Chooses the side whose chain most likely covers the part: a side that starts or ends at the third
-  /// corner's triangle, else the first.
+  /// corner's triangle; without such a side, the first side.
   static size_t firstSide(const Corners& corners) {
     for (size_t k = 0; k < 3; ++k) {
       const auto& [from, to, third] = cornersFrom(corners, k);
@@ -240,8 +242,8 @@ class FarthestInTriangle {
     return 0;
   }
 
-  /// Number of edges in a chain before the point's triangle or one close to the point; more than edge_count
-  /// if there is none.
+  /// Returns the number of edges in a chain before the point's triangle, or before a triangle close to the
+  /// point; more than edge_count if the chain has no such triangle.
   size_t edgesBefore(const TriangleChain& chain, const MeasuredPoint& point, float limit_squared) const {
     for (size_t i = 0; i <= chain.edge_count; ++i)
       if (chain.triangles[i] == point.triangle) return i;

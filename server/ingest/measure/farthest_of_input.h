@@ -13,15 +13,16 @@ namespace lode::ingest {
 struct FarthestOfInput {
   float steps = 0;
   std::optional<SurfaceSample>
-      inside;  ///< the farthest point if it is inside a triangle; near one of its corners
+      inside;  ///< the farthest point, if it lies inside a triangle; its `near` is a corner of that triangle
 };
 
-/// Largest distance of a mesh from an LOD made of it, in lattice steps, to 2 %. Measures only triangles that
-/// may contain it, judging by their corners and the LOD's planes there. (LodCheck measures all triangles;
-/// boundaryGap() covers points that are far along a boundary.)
-/// @param surface  of the LOD.
-/// @param places  of the input's positions on the LOD; see placesOn().
-/// @param lower_bound  smaller distances do not matter. @return at least lower_bound.
+/// Returns the largest distance of an input mesh from an LOD made of it, in lattice steps, to 2 %. Measures
+/// only triangles that may contain the farthest point, according to the distances of their corners and the
+/// planes of the LOD near the corners. (LodCheck measures all triangles; boundaryGap() covers points that are
+/// far along a boundary.)
+/// @param surface the LOD's surface.
+/// @param places for each position of the input, its place on the LOD; see placesOn().
+/// @param lower_bound the function ignores smaller distances. @return at least lower_bound.
 FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input, const LodSurface& surface,
                                 std::span<const SurfaceWalk::Place> places, float lower_bound);
 

@@ -8,17 +8,17 @@
 
 namespace lode::ingest {
 
-/// Largest distance of an LOD from the mesh that it was made of, in lattice steps: measured at its vertices,
-/// at a few points of each triangle, and at many points of the triangles near the maximum.
+/// Returns the largest distance of an LOD from its input, in lattice steps. Measures at the LOD's vertices,
+/// at a few points of each triangle, and at many points of triangles whose distance is near the maximum.
 /// @param places  of the input's positions on the LOD; see placesOn(). @param sources  see sourcesOf().
 /// @param lower_bound  smaller distances do not matter. @return at least lower_bound.
 float farthestOfLod(const SimplifiedMesh& lod, const LodInput& input,
                     std::span<const SurfaceWalk::Place> places, std::span<const uint32_t> sources,
                     float lower_bound);
 
-/// Largest distance of an LOD's edges from the mesh that it was made of, in lattice steps, to 2 %, over all
-/// their points. (Clustering may make edges across a notch of the boundary or between sheets, which are close
-/// to the mesh at every point that farthestOfLod() samples.)
+/// Returns the largest distance of any point of an LOD's edges from the LOD's input, in lattice steps, to 2
+/// %. (Clustering may create edges across a notch of the boundary or between sheets. At every point that
+/// farthestOfLod() samples, such an edge may be close to the input.)
 /// @param sources  see sourcesOf(). @param lower_bound  smaller distances do not matter. @return at least
 /// lower_bound.
 float farthestAlongEdges(const SimplifiedMesh& lod, const LodInput& input, std::span<const uint32_t> sources,

@@ -18,14 +18,14 @@ namespace lode::ingest {
 /// A boundary edge of the original, kept as a reference for the boundaries of coarser meshes.
 struct ReferenceBoundary {
   PositionCode from, to;
-  glm::u32vec2 near;  ///< positions of the current mesh that its ends map to, or kVanished
+  glm::u32vec2 near;  ///< positions of the current mesh that the edge's ends map to, or kVanished
 };
 
 /// References of a mesh's boundary edges. A boundary edge that no reference maps to is its own reference.
 struct ReferenceBoundaries {
   std::vector<ReferenceBoundary> boundaries;
   float gap_steps =
-      0;  ///< upper bound on the distance from all these to the original boundary, in lattice steps
+      0;  ///< upper bound on the distance from these boundaries to the original boundary, in lattice steps
 };
 
 constexpr int kMostSearchesOfInput = 32;  ///< exhaustive searches before building a tree pays
@@ -33,9 +33,9 @@ constexpr int kMostSearchesOfInput = 32;  ///< exhaustive searches before buildi
 /// Input that a node's LODs are made of and measured against. Const functions are thread safe.
 class LodInput {
  public:
-  /// @param depth  of the node: positions that are locked there lie on its borders.
+  /// @param depth depth of the node; positions that are locked at this depth lie on the node's borders.
   /// @param off_steps  deviation of the mesh from the original; empty if it is the original.
-  /// @param references  near positions of the mesh.
+  /// @param references references whose `near` are positions of the mesh.
   LodInput(NodeMesh mesh, int depth, std::optional<float> off_steps = {},
            ReferenceBoundaries references = {});
 
@@ -43,15 +43,15 @@ class LodInput {
   const SurfaceWalk& walk() const noexcept { return walk_; }
   bool isOriginal() const noexcept { return !off_steps_; }
   float offSteps() const noexcept { return off_steps_.value_or(0); }
-  /// Open edges by position, without the node's borders.
+  /// Open edges, except those on the node's borders; each is a pair of positions.
   const std::vector<glm::u32vec2>& boundaries() const noexcept { return boundaries_; }
-  /// References: first the given ones, then boundary edges that are their own reference.
+  /// Number of references: first the given references, then the boundary edges that are their own reference.
   uint32_t referenceCount() const noexcept {
     return static_cast<uint32_t>(references_.boundaries.size()) + own_;
   }
   ReferenceBoundary reference(uint32_t number) const noexcept;
   float referenceGapSteps() const noexcept { return references_.gap_steps; }
-  /// Built on the first call; few nodes need it.
+  /// Returns a search tree of the mesh. The first call builds the tree, because few nodes need one.
   const TriangleTree& tree() const;
 
  private:
@@ -59,8 +59,8 @@ class LodInput {
   SurfaceWalk walk_;
   std::optional<float> off_steps_;
   ReferenceBoundaries references_;
-  std::vector<glm::u32vec2> boundaries_;  ///< first those that are their own reference
-  uint32_t own_ = 0;                      ///< number of these
+  std::vector<glm::u32vec2> boundaries_;  ///< open edges; the first own_ of them are their own reference
+  uint32_t own_ = 0;                      ///< number of boundary edges that are their own reference
   mutable std::once_flag tree_made_;
   mutable std::optional<TriangleTree> tree_;
 };
@@ -68,9 +68,9 @@ class LodInput {
 /// Maps both ends of a boundary edge.
 glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> remap) noexcept;
 
-/// References of an LOD that replaces its input: the input's without those that vanished, or the LOD's own
-/// boundary edges if that would be more than `most`.
-/// @param boundary_gap_steps  of the LOD, see boundaryGap()
+/// Returns the references of an LOD that replaces its input. These are the input's references, without
+/// vanished ones; if that would be more than `most`, the LOD's own boundary edges replace them.
+/// @param boundary_gap_steps gap of the LOD's boundaries; see boundaryGap()
 ReferenceBoundaries referencesIn(const LodInput& input, std::span<const uint32_t> remap,
                                  float boundary_gap_steps, size_t most);
 

@@ -8,12 +8,12 @@
 
 namespace lode::ingest {
 
-/// Distances from an LOD's surface: by walking if a nearby triangle is bound, else exactly by searching all
-/// triangles or, after some searches, by a tree (building it costs about as much as fifty searches). Not
-/// thread safe.
+/// Distances from an LOD's surface: by walking if a nearby triangle is known. Otherwise the distance is
+/// exact: the first searches test all triangles, later searches use a tree (building a tree costs about as
+/// much as fifty searches). Not thread safe.
 class LodSurface {
  public:
-  /// @param lod  has triangles; must outlive this.
+  /// @param lod a mesh with triangles; must outlive this object.
   explicit LodSurface(const NodeMesh& lod) : lod_(lod), walk_(lod) {}
 
   const SurfaceWalk& walk() const noexcept { return walk_; }
@@ -32,7 +32,7 @@ class LodSurface {
     return walk_.chainAlong(segment, first, last, near_squared, chain);
   }
   MeasuredPoint measure(glm::vec3 at, uint32_t hint, float tolerance) const;
-  /// Walks from the hint without an exact search, so the distance is an upper bound.
+  /// Walks from the hint without an exact search, so the returned distance may be larger than the true one.
   MeasuredPoint walkFrom(glm::vec3 at, uint32_t hint, float tolerance) const noexcept;
 
  private:

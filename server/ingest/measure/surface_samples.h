@@ -15,19 +15,19 @@ namespace lode::ingest {
 /// lattice steps.
 struct SurfaceSample {
   PositionCode position;
-  float deviation = 0;        ///< overestimated by at most a quarter of the mesh's largest
+  float deviation = 0;  ///< distance; too large by at most a quarter of the largest deviation of the mesh
   uint32_t near = kVanished;  ///< position of the current mesh that the point maps to; if its triangles have
                               ///< vanished, a nearby position
 };
 
-/// Thins out samples, keeping their order: keeps the one with the largest deviation near each position, so
-/// that every piece of the mesh has one, and of the others those with the largest deviations, `capacity` in
-/// all.
-/// @param positions  number of positions of the mesh that samples are near to.
+/// Thins out samples to `capacity`, without changing their order. For each position keeps the sample with the
+/// largest deviation among those near it, so that every piece of the mesh has a sample; then keeps the
+/// samples with the largest deviations among the rest.
+/// @param positions number of positions in the mesh.
 void selectSamples(std::vector<SurfaceSample>& samples, size_t positions, size_t capacity);
 
-/// Adds the positions that are locked in a node's coarsest mesh: they have never moved, so they are points of
-/// the original, however far samples were thinned out. @param depth  of the node.
+/// Adds the positions that are locked in a node's coarsest mesh: these have never moved, so they are points
+/// of the original, even if all samples near them were dropped. @param depth depth of the node.
 void addLockedPositions(std::vector<SurfaceSample>& samples, const NodeMesh& mesh, int depth);
 
 /// Removes duplicates: of samples with equal position and `near`, keeps the one with the largest deviation.
@@ -35,25 +35,25 @@ void addLockedPositions(std::vector<SurfaceSample>& samples, const NodeMesh& mes
 void dropDuplicates(std::vector<SurfaceSample>& samples);
 
 /// Maps each position of an LOD's input to its place on the LOD; undefined for vanished positions.
-/// @param walk  over the LOD's mesh.
+/// @param walk a walk over the LOD's mesh.
 std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& lod, const NodeMesh& input,
                                          const SurfaceWalk& walk);
 
 /// Distance of a sample from an LOD, in lattice steps.
 struct Deviation {
   float steps;
-  uint32_t near;  ///< as SurfaceSample::near, in the LOD
+  uint32_t near;  ///< position of the LOD; see SurfaceSample::near
 };
 
-/// Distances of samples from an LOD. The largest is exact; the others are upper bounds.
-/// @param surface  of the LOD. @param places  of the input's positions. @param samples  near the input's
-/// positions.
+/// Measures the distances of samples from an LOD. The largest distance is exact; the others are upper bounds.
+/// @param surface the LOD's surface. @param places see placesOn(). @param samples samples whose `near` are
+/// positions of the input.
 std::vector<Deviation> deviationsFrom(const SimplifiedMesh& lod, const NodeMesh& input,
                                       const LodSurface& surface, std::span<const SurfaceWalk::Place> places,
                                       std::span<const SurfaceSample> samples);
 
-/// Points inside a mesh's large triangles, where its positions would miss deviations: one for every two mean
-/// triangle areas, in a small mesh for every half.
+/// Returns points inside a mesh's large triangles, because vertices alone would miss deviations there: one
+/// point per two mean triangle areas, in a small mesh one per half of the mean area.
 std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh);
 
 }  // namespace lode::ingest

@@ -30,46 +30,49 @@ struct TriangleChain {
   size_t edge_count = 0;
 };
 
-/// Distance from points to a mesh, in lattice steps, by walking from the triangles around a position to those
-/// around the next while the distance falls. Never below the true distance. Larger than it if every path to
-/// the nearest triangle first leads away, or if that triangle is on another piece. Much faster than
-/// TriangleTree if a position near the point is bound. Const functions are thread safe.
+/// Distance from points to a mesh, in lattice steps, by walking from the triangles around a position to the
+/// triangles around the next, as long as the distance falls. The result is never smaller than the true
+/// distance. It is larger if every path to the nearest triangle first leads away from the point, or if the
+/// nearest triangle is on another piece of the mesh. Much faster than TriangleTree if a position near the
+/// point is known. Const functions are thread safe.
 class SurfaceWalk {
  public:
-  /// @param mesh  walks start at its positions.
+  /// @param mesh the mesh to walk on.
   explicit SurfaceWalk(const NodeMesh& mesh);
 
-  /// @param point  lattice steps, as everywhere here
-  /// @param start  a position of the mesh; the result is infinite if no triangle has it.
+  /// @param point in lattice steps, like all points in this class.
+  /// @param start  a position of the mesh; the result is infinite if no triangle has this position.
   /// @param tolerance  the walk ends within this distance.
   float distance(glm::vec3 point, uint32_t start, float tolerance) const noexcept;
-  /// Like distance(), but moves `start` to the walk's end, a better start for points nearby.
+  /// Like distance(), but sets `start` to the position at which the walk ends, a better start for points
+  /// nearby.
   float distanceAndAdvance(glm::vec3 point, uint32_t& start, float tolerance) const noexcept;
   /// Squared distance from one triangle.
   float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept {
     return triangles_[triangle].squaredDistance(point);
   }
   const PackedTriangle& triangle(uint32_t number) const noexcept { return triangles_[number]; }
-  /// Like distance(), but starts at `triangle` and moves it to the walk's end.
+  /// Like distance(), but starts at `triangle` and sets it to the triangle at which the walk ends.
   float distanceFrom(glm::vec3 point, uint32_t& triangle, float tolerance) const noexcept;
   /// A point on the mesh.
   struct Place {
-    uint32_t triangle = 0;  ///< number in the mesh
-    glm::vec3 shares{0};    ///< barycentric weights of its corners
+    uint32_t triangle = 0;  ///< number of the triangle in the mesh
+    glm::vec3 shares{0};    ///< barycentric weights of the triangle's corners
     float distance = 0;     ///< distance from the measured point; see distance()
   };
-  /// Returns the end of a walk from `start`, or if `point` projects into a triangle at `start`, that
-  /// projection.
-  /// @param start  a position that a triangle has.
+  /// Returns the projection of `point` into a triangle around `start`; if there is no such triangle, the
+  /// place at which a walk from `start` ends.
+  /// @param start a position that is a corner of some triangle.
   Place placeOf(glm::vec3 point, uint32_t start) const noexcept;
-  /// The place of a position that a triangle has.
+  /// Returns the place of a position that is a corner of some triangle.
   Place placeAt(uint32_t position) const noexcept;
-  /// Finds the triangles below a segment, from the triangle below its first end to the one below its last
-  /// end, or to another one that the last end projects into and is close to.
-  /// @return false if there is no such chain, or it is not found at once.
+  /// Finds the triangles below a segment, from the triangle below the segment's first end to the triangle
+  /// below its last end, or to another triangle that is close to the last end and that the last end projects
+  /// into.
+  /// @return false if no such chain exists, or if the direct way does not find one.
   bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
                   TriangleChain& chain) const noexcept;
-  /// Exact search over all triangles. @param bound  returned if no triangle is nearer.
+  /// Exact search over all triangles. @param bound the result if no triangle is nearer.
   TriangleTree::Nearest nearestOfAll(glm::vec3 point, TriangleTree::Nearest bound) const noexcept;
 
  private:
@@ -80,14 +83,14 @@ class SurfaceWalk {
   Nearest walk(glm::vec3 point, uint32_t start, float tolerance_squared) const noexcept;
   std::optional<Place> placeAround(glm::vec3 point, uint32_t position) const noexcept;
   void visit(glm::vec3 point, uint32_t triangle, Nearest& best) const noexcept;
-  /// Four triangles around a position, padded with the last one.
+  /// Returns the next four triangles around a position; repeats the last triangle if fewer remain.
   FourTriangles trianglesFrom(uint32_t begin, uint32_t end) const noexcept {
     const auto at = [&](uint32_t i) -> const PackedTriangle& {
       return triangles_[around_[std::min(begin + i, end - 1)]];
     };
     return {at(0), at(1), at(2), at(3)};
   }
-  /// The other triangle with this edge, or the given one if there is none.
+  /// Returns the other triangle with this edge, or the given triangle if no other has the edge.
   uint32_t acrossEdge(uint32_t triangle, uint32_t from, uint32_t to) const noexcept;
   bool isAbove(glm::vec3 point, uint32_t triangle) const noexcept;
   void visitAbove(glm::vec3 point, uint32_t position, float tolerance_squared, Nearest& best) const noexcept;
@@ -95,7 +98,7 @@ class SurfaceWalk {
 
   float longest_edge_ = 0;
   std::vector<PackedTriangle> triangles_;
-  std::vector<glm::u32vec3> corners_;     ///< positions, by triangle
+  std::vector<glm::u32vec3> corners_;     ///< positions of each triangle's corners
   std::vector<uint32_t> begin_, around_;  ///< triangles around each position
 };
 

@@ -13,10 +13,11 @@
 
 namespace lode::ingest {
 
-/// Distance from points to a mesh, in lattice steps, by a bounding volume tree of its triangles, halved at
-/// the median along the longest side of their centroids' box. Tests four boxes or four triangles at once.
-/// Unlike a grid, costs nothing for empty space around a point. Const functions are thread safe.
-/// Source: Wald, Benthin & Boulos, Getting Rid of Packets, 2008, for trees of four.
+/// Distance from points to a mesh, in lattice steps, found with a bounding volume tree of the mesh's
+/// triangles. Each step of the construction halves a set of triangles at the median along the longest side of
+/// the box around their centroids. A search tests four boxes or four triangles at once. Unlike a grid, the
+/// tree costs nothing for empty space around a point. Const functions are thread safe. Source: Wald, Benthin
+/// & Boulos, Getting Rid of Packets, 2008, for trees of four.
 class TriangleTree {
  public:
   explicit TriangleTree(const NodeMesh& mesh);
@@ -30,7 +31,7 @@ class TriangleTree {
   static constexpr Nearest kNothing{kInfinity, kInfinity, 0};
 
   /// @param tolerance  the search ends at any triangle within this distance.
-  /// @param bound      returned if no triangle is nearer; a smaller bound makes the search shorter.
+  /// @param bound      the result if no triangle is nearer; a smaller bound makes the search shorter.
   Nearest nearest(glm::vec3 point, float tolerance = 0, Nearest bound = kNothing) const noexcept;
   float distance(glm::vec3 point) const noexcept { return nearest(point).distance; }
   /// Squared distance from one triangle.
@@ -43,8 +44,8 @@ class TriangleTree {
   /// Boxes of up to four forks or leaves; unused ones are infinitely far.
   struct Fork {
     FourVectors min, max;
-    std::array<uint32_t, 4>
-        inside{};  ///< index into forks_; or with kIsLeaf, index of a leaf's first entry in triangles_
+    std::array<uint32_t, 4> inside{};  ///< index in forks_ of the fork inside each box; with the bit kIsLeaf,
+                                       ///< index in triangles_ of the leaf's first triangle
 
     Four squaredDistances(const FourVectors& points) const noexcept;
   };
@@ -68,8 +69,8 @@ class TriangleTree {
 
   std::vector<Fork> forks_;
   std::vector<PackedTriangle> triangles_;  ///< four per leaf, padded with empty ones
-  std::vector<uint32_t> number_;           ///< number in the mesh, by index in triangles_
-  std::vector<uint32_t> place_;            ///< index in triangles_, by number in the mesh
+  std::vector<uint32_t> number_;  ///< for each entry of triangles_, the triangle's number in the mesh
+  std::vector<uint32_t> place_;   ///< for each triangle of the mesh, its index in triangles_
   uint32_t top_ = 0;
 };
 

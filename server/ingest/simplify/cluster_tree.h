@@ -9,17 +9,17 @@
 
 namespace lode::ingest {
 
-/// Octree over a mesh's unlocked positions, without trivial cells: every cell holds two positions or more,
-/// and at least two of its children hold some.
+/// Octree over a mesh's unlocked positions, without trivial cells: every cell contains at least two
+/// positions, which lie in at least two of its octants.
 class ClusterTree {
  public:
   static constexpr uint32_t kNone = ~0u;
 
   struct Cell {
     uint32_t parent = kNone;
-    uint32_t level = 0;       ///< the side is 2^level lattice steps
+    uint32_t level = 0;       ///< the cell's side is 2^level lattice steps long
     glm::dvec3 corner{0};     ///< lowest corner, relative to the mesh's origin
-    uint32_t a_position = 0;  ///< some position inside
+    uint32_t a_position = 0;  ///< any position inside the cell
   };
 
   explicit ClusterTree(const CollapseMesh& mesh);
@@ -27,11 +27,12 @@ class ClusterTree {
   const std::vector<Cell>& cells() const noexcept { return cells_; }
   /// All cells, inner cells first.
   const std::vector<uint32_t>& order() const noexcept { return order_; }
-  /// Smallest cell that holds a position; kNone for locked positions and in an empty tree.
+  /// Returns the smallest cell that contains a position; kNone if the position is locked or the tree is
+  /// empty.
   uint32_t cellOf(uint32_t position) const noexcept { return cell_of_[position]; }
-  /// Smallest cell that holds both positions; kNone if one of them is in no cell.
+  /// Returns the smallest cell that contains both positions; kNone if one of them is in no cell.
   uint32_t common(uint32_t a, uint32_t b) const noexcept;
-  /// Smallest cell that holds two of the three positions; kNone if there is none.
+  /// Returns the smallest cell that contains two of the three positions; kNone if no cell does.
   uint32_t commonOfTwo(uint32_t a, uint32_t b, uint32_t c) const noexcept;
 
  private:
@@ -43,12 +44,12 @@ class ClusterTree {
 
   std::vector<Cell> cells_;
   std::vector<uint32_t> order_;
-  std::vector<uint32_t> cell_of_;  ///< by position
-  std::vector<uint64_t> codes_;    ///< Morton code, by position
+  std::vector<uint32_t> cell_of_;  ///< for each position, the smallest cell that contains it
+  std::vector<uint64_t> codes_;    ///< Morton code of each position
 };
 
-/// Wedges that merge when a cell merges: those connected by a triangle edge within the cell. The two sides of
-/// a seam stay separate.
+/// Finds the wedges that merge when a cell merges: wedges that triangle edges inside the cell connect. The
+/// two sides of a seam stay separate.
 class ClusterWedges {
  public:
   struct Link {
@@ -57,12 +58,12 @@ class ClusterWedges {
 
   ClusterWedges(const CollapseMesh& mesh, const ClusterTree& tree);
 
-  /// Links within a cell but in none of its inner cells.
+  /// Returns the links inside a cell, except links inside a smaller cell.
   std::span<const Link> linksOf(uint32_t cell) const noexcept {
     return {links_.data() + first_[cell], first_[cell + 1] - first_[cell]};
   }
   uint32_t find(uint32_t wedge) noexcept;
-  /// Merges the wedges of a cell's links. Calls joined(keep, gone) for each merge.
+  /// Merges the wedges of a cell's links. Calls joined(keep, gone) once per merge.
   template <typename Joined>
   void joinCell(uint32_t cell, Joined&& joined) {
     for (const Link& link : linksOf(cell)) {
@@ -77,8 +78,9 @@ class ClusterWedges {
 
  private:
   std::vector<Link> links_;      ///< sorted by cell
-  std::vector<uint32_t> first_;  ///< index of each cell's first link, and the end
-  std::vector<uint32_t> root_;   ///< union-find parent of each wedge; never a higher number
+  std::vector<uint32_t> first_;  ///< index of each cell's first link, then the number of links
+  std::vector<uint32_t>
+      root_;  ///< union-find parent of each wedge; a parent's number is never higher than the wedge's
 };
 
 }  // namespace lode::ingest

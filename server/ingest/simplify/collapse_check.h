@@ -13,17 +13,17 @@ namespace lode::ingest {
 /// Limits on the damage of a collapse to the surrounding mesh. A watertight mesh stays watertight at every
 /// level.
 struct CollapseLimits {
-  double least_cosine = 0;        ///< cosine between old and new normal of a triangle
-  double least_shape = 0;         ///< height over longest side, for triangles that become thinner
-  bool link_condition = true;     ///< keep a manifold surface manifold
-  uint32_t most_triangles = ~0u;  ///< around both ends
+  double least_cosine = 0;     ///< least cosine between the old and the new normal of a triangle
+  double least_shape = 0;      ///< least ratio of height to longest side, for triangles that become thinner
+  bool link_condition = true;  ///< reject collapses that make a manifold surface non-manifold
+  uint32_t most_triangles = ~0u;  ///< largest number of triangles around both ends
 };
 
 /// Result of a check.
 struct CollapseFinding {
-  bool allowed = false;    ///< within the limits
-  bool folds = false;      ///< two identical triangles result
-  double folded_area = 0;  ///< twice the area of one side of them
+  bool allowed = false;    ///< the collapse is within the limits
+  bool folds = false;      ///< the collapse leaves two identical triangles of opposite orientation
+  double folded_area = 0;  ///< twice the area of one triangle of each such pair, in all
 };
 
 /// Checks edge collapses of a mesh without changing it.
@@ -44,7 +44,7 @@ class CollapseCheck {
 
   const CollapseMesh& mesh_;
   std::vector<uint32_t> marks_;
-  uint32_t stamp_ = 0;  ///< stamp of the current check; lower marks are from earlier checks
+  uint32_t stamp_ = 0;  ///< smallest mark of the current check; lower marks are from earlier checks
 };
 
 }  // namespace lode::ingest

@@ -11,15 +11,17 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kNoIndex = ~0u;
-constexpr uint32_t kSlack = 4;  // spare slots in a corner list that has to move
-constexpr size_t kMany = 64;    // triangles; from here on each list is scanned once for all of them
+constexpr uint32_t kSlack = 4;  // number of spare slots that a corner list gets when it moves
+constexpr size_t kMany =
+    64;  // number of removed triangles from which each corner list is scanned once for all of them
 
-// Weights relative to a triangle's plane, which weighs its area.
+// Weights in quadrics. The plane of a triangle has the triangle's area as weight.
 constexpr double kPointWeight =
-    1e-6;  // of the triangle's corners: defines and orders optima on flat surfaces
+    1e-6;  // weight of a corner's own point, relative to the area; makes the optimum unique on flat surfaces
 constexpr double kBoundaryWeight =
-    2;                             // of the plane through a boundary edge, times the edge's squared length
-constexpr double kSeamWeight = 1;  // the same at an attribute seam
+    2;  // weight of the plane through a boundary edge, relative to the edge's squared length
+constexpr double kSeamWeight =
+    1;  // weight of the plane through a seam edge, relative to the edge's squared length
 
 std::array<uint32_t, 3> cornersOf(const CollapseMesh& mesh, uint32_t corner) {
   const uint32_t first = corner & ~3u;
@@ -59,7 +61,7 @@ CollapseMesh::CollapseMesh(NodeMesh&& mesh, int node_depth)
     }
   }
   wedges = WedgeTable(attributes, std::move(mesh.wedge_attributes));
-  mesh = {};  // frees memory before simplification
+  mesh = {};  // frees the input's memory before simplification
   gatherCorners();
   if (has_wedges) {
     only_wedge.resize(positions.size());
@@ -235,15 +237,15 @@ void CollapseMesh::findPairs(uint32_t keep, uint32_t gone, std::vector<WedgeTabl
   }
 }
 
-// Returns whether a triangle has both positions.
+// Returns whether some triangle has both positions as corners.
 bool CollapseMesh::share(uint32_t keep, uint32_t gone) const noexcept {
   return std::ranges::any_of(around(gone), [&](uint32_t corner) {
     return corner_position[next(corner)] == keep || corner_position[previous(corner)] == keep;
   });
 }
 
-// Wedges of `gone` that share a triangle of the edge with a wedge of `keep` merge with it; the others stay.
-// Wedges of a locked position never merge with each other.
+// Merges a wedge of `gone` into a wedge of `keep` if both are corners of the same triangle of the collapsing
+// edge. Other wedges of `gone` remain separate. Wedges of a locked position never merge with each other.
 void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) {
   const uint32_t wedge_keep = only_wedge[keep], wedge_gone = only_wedge[gone];
   if (wedge_keep != kManyWedges && wedge_gone != kManyWedges && share(keep, gone)) {
@@ -269,7 +271,8 @@ void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) 
 }
 
 void CollapseMesh::removeFolds(uint32_t position) {
-  // The two other corners, lower first; whether the lower one comes first around the triangle; the corner.
+  // Positions of the two other corners, lower one first; whether the triangle lists the lower one first; the
+  // corner at `position`.
   using Side = std::tuple<uint32_t, uint32_t, bool, uint32_t>;
   std::vector<Side> sides;
   for (const uint32_t corner : around(position)) {

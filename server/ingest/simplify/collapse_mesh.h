@@ -16,42 +16,42 @@ namespace lode::ingest {
 
 /// Kind of an edge.
 enum class EdgeKind : uint8_t {
-  kSmooth,    ///< two triangles with the same wedges at both ends
-  kSeam,      ///< two triangles with different wedges at an end
-  kBoundary,  ///< one triangle, or more than two
+  kSmooth,    ///< edge with two triangles that use the same wedges at both ends
+  kSeam,      ///< edge with two triangles that use different wedges at one end or both
+  kBoundary,  ///< edge with one triangle, or with more than two
 };
 
 /// Kind of a position by the feature edges (seams and boundaries) that end there.
 enum class PositionKind : uint8_t {
-  kSmooth,          ///< no feature edge
-  kSeam,            ///< two seam edges, no boundary
-  kSeamCorner,      ///< an end or a fork of seams
-  kBoundary,        ///< two boundary edges, no seam
-  kBoundaryCorner,  ///< any other combination
+  kSmooth,          ///< position without feature edges
+  kSeam,            ///< position on a seam: two seam edges and no boundary edge end there
+  kSeamCorner,      ///< position at which a seam ends or seams fork, without boundary edges
+  kBoundary,        ///< position on a boundary: two boundary edges and no seam edge end there
+  kBoundaryCorner,  ///< position with any other combination of feature edges
 };
 
 constexpr uint32_t kManyWedges = ~0u;
 
 /// State of a position during simplification, except its point and quadric.
 struct CollapsePosition {
-  uint32_t first = 0, count = 0, capacity = 0;  ///< its corner list in the mesh's pool
-  uint32_t merged_at = 0;                       ///< time of the last merge into it
+  uint32_t first = 0, count = 0, capacity = 0;  ///< the position's corner list in CollapseMesh::pool
+  uint32_t merged_at = 0;                       ///< time of the last merge into this position
   PositionKind kind = PositionKind::kSmooth;
   bool locked = false;
   uint8_t lca_depth = kNeverLocked;
 };
 
 /// A node's mesh during simplification: triangles by position and by wedge, and the triangles around each
-/// position. A corner is numbered 4 * triangle + 0..2; a removed triangle is in no position's list.
+/// position. A corner is numbered 4 * triangle + 0..2; no position lists a removed triangle.
 struct CollapseMesh {
   /// @param node_depth  see CollapseOptions
   CollapseMesh(NodeMesh&& mesh, int node_depth);
 
   bool hasWedges() const noexcept { return !corner_wedge.empty(); }
-  // Branchless, because branches would be mispredicted half of the time.
+  // next() and previous() are branchless, because the processor would mispredict half of the branches.
   static uint32_t next(uint32_t corner) noexcept { return corner + 1 - 3 * (corner >> 1 & 1); }
   static uint32_t previous(uint32_t corner) noexcept { return corner + 2 - 3 * ((corner | corner >> 1) & 1); }
-  /// Corners at a position, one per triangle.
+  /// Returns the corners at a position, one per triangle.
   std::span<const uint32_t> around(uint32_t position) const noexcept {
     return {pool.data() + positions[position].first, positions[position].count};
   }
@@ -78,8 +78,8 @@ struct CollapseMesh {
   };
   /// Returns kSmooth also if no triangle has the edge.
   EdgeKind edgeKind(uint32_t u, uint32_t v) const noexcept;
-  /// Calls visit(edge) once for every edge, u < v, by ascending u. Builds no list of all edges, which would
-  /// take a sixth of a large node's memory.
+  /// Calls visit(edge) once for every edge, u < v, by ascending u. Does not build a list of all edges,
+  /// because such a list would take a sixth of a large node's memory.
   template <typename Visit>
   void forEachEdge(Visit&& visit) const {
     std::vector<uint32_t> places(positions.size());
@@ -89,7 +89,7 @@ struct CollapseMesh {
       for (const Edge& edge : edges) visit(edge);
     }
   }
-  /// Classifies every position from all edges. @param visit  called as by forEachEdge()
+  /// Classifies every position from all edges. @param visit the function calls visit(edge) like forEachEdge()
   template <typename Visit>
   void classifyPositions(Visit&& visit) {
     std::vector<Features> features(positions.size());
@@ -103,7 +103,7 @@ struct CollapseMesh {
   /// Moves `keep` to `point` and merges `gone` into it; triangles with both ends are removed.
   /// @param gone_share  position of the point between keep (0) and gone (1), and weight of gone's attributes
   void merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double gone_share);
-  /// Wedges that the last merge() joined.
+  /// Returns the pairs of wedges that the last merge() joined.
   std::span<const WedgeTable::Pair> joined() const noexcept { return pairs_; }
   /// Fills `pairs` with the wedges of `gone` and the wedges of `keep` that a merge would join them to.
   void findPairs(uint32_t keep, uint32_t gone, std::vector<WedgeTable::Pair>& pairs) const;
@@ -122,21 +122,22 @@ struct CollapseMesh {
   void removeFolds(uint32_t position);
 
   /// Returns the remaining mesh, compacted, in the order of the input.
-  /// @param new_position  receives each position's number in the result, or kVanished.
+  /// @param new_position receives for each position its number in the result, or kVanished.
   NodeMesh compact(std::vector<uint32_t>& new_position) const;
 
   AttributeSet attributes;
-  glm::dvec3 origin{0};  ///< whole lattice steps; points are relative to it
-  /// Whole lattice steps, kept apart from positions because a triangle reads three of them. The fourth
-  /// component is unused.
+  glm::dvec3 origin{0};  ///< origin of `points`, in whole lattice steps
+  /// Points of the positions, in whole lattice steps from `origin`. A separate array, because a check of a
+  /// triangle reads three points and nothing else of the positions. The fourth component is unused.
   std::vector<glm::ivec4> points;
   std::vector<CollapsePosition> positions;
-  std::vector<Quadric> quadrics;          ///< by position
-  std::vector<float> areas;               ///< area of the triangles in each quadric
-  std::vector<uint32_t> corner_position;  ///< four per triangle, the last one unused
-  std::vector<uint32_t> corner_wedge;     ///< the same; empty without attributes
-  std::vector<uint32_t> only_wedge;       ///< by position, or kManyWedges; empty without attributes
-  std::vector<uint32_t> pool;             ///< corner lists of the positions
+  std::vector<Quadric> quadrics;  ///< by position
+  std::vector<float> areas;       ///< total area of the triangles in each position's quadric
+  std::vector<uint32_t>
+      corner_position;  ///< position of each corner; four entries per triangle, the last one unused
+  std::vector<uint32_t> corner_wedge;  ///< wedge of each corner, in the same layout; empty without attributes
+  std::vector<uint32_t> only_wedge;  ///< each position's only wedge, or kManyWedges; empty without attributes
+  std::vector<uint32_t> pool;        ///< corner lists of the positions
   WedgeTable wedges;
   bool mixes_values = true;  ///< merge() mixes the attributes of joined wedges
   size_t live_triangles = 0;
@@ -174,8 +175,8 @@ struct CollapseMesh {
   std::vector<WedgeTable::Pair> pairs_;  // scratch
 };
 
-/// Adds to each position's quadric the planes of its triangles, weighted by area, and a small weight for its
-/// own point.
+/// Adds to each position's quadric the planes of the position's triangles, weighted by area, and with a small
+/// weight the position's own point.
 void addPlanes(CollapseMesh& mesh);
 /// Adds to both ends of a boundary or seam edge a plane perpendicular to the surface, which keeps the edge in
 /// place. Does nothing for other edges.

@@ -10,8 +10,8 @@
 namespace lode::ingest {
 
 /// Priority queue with buckets: the exponent and the four highest fraction bits of a key choose the bucket,
-/// and items of a bucket (keys within 1/16) leave first in, first out. Buckets are chains of small blocks, so
-/// items are read sequentially and can be prefetched.
+/// and items of a bucket (keys within 1/16) leave first in, first out. A bucket is a chain of small blocks,
+/// so the queue reads items sequentially and can prefetch them.
 template <typename Item>
 class EdgeQueue {
  public:
@@ -31,7 +31,7 @@ class EdgeQueue {
   /// @param key  finite, not negative
   static uint32_t bucketOf(float key) noexcept { return std::bit_cast<uint32_t>(key) >> kDroppedBits; }
 
-  /// Bucket of the item that pop() returned last.
+  /// Returns the bucket of the item that pop() returned last.
   uint32_t current() const noexcept { return current_; }
 
   void push(const Item& item, float key) {
@@ -52,7 +52,8 @@ class EdgeQueue {
   }
 
   /// Takes an item of the lowest occupied bucket; returns false if the queue is empty.
-  /// @param soon  called with an item that is about to be taken in a few calls; may change it
+  /// @param soon the function calls soon(item) with an item that will leave the queue a few calls later;
+  /// `soon` may change the item
   template <typename Soon>
   bool pop(Item& item, Soon&& soon) noexcept {
     if (chains_[current_].first == kNone && !advance()) return false;

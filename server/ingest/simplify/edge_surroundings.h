@@ -12,11 +12,12 @@
 
 namespace lode::ingest {
 
-/// The triangles around an edge (u, v), gathered once for all checks of its collapse: first those with u
-/// only, then those with v only; for triangles with both, the third corners.
+/// The triangles around an edge (u, v), gathered once for all checks of the edge's collapse: first the
+/// triangles with u only, then the triangles with v only. For a triangle with both ends, only the third
+/// corner is stored.
 class EdgeSurroundings {
  public:
-  /// The two corners that follow the end of the edge in a triangle.
+  /// The two other corners of a triangle at an end of the edge, in the triangle's order.
   struct Side {
     uint32_t a, b;
   };
@@ -39,7 +40,8 @@ class EdgeSurroundings {
   std::span<const FourSides> places() const noexcept { return {places_.data(), (of_u_ + of_v_ + 3) / 4}; }
 
  private:
-  /// Appends the triangles at `end`: those with `other` to the apexes.
+  /// Appends the triangles at `end` to sides_; if a triangle also has `other`, appends its third corner to
+  /// apexes_ instead.
   void gatherEnd(uint32_t end, uint32_t other, size_t& sides, size_t& apexes);
   FourVectors four(uint32_t a, uint32_t b, uint32_t c, uint32_t d) const noexcept;
 

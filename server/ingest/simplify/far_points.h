@@ -11,14 +11,15 @@
 
 namespace lode::ingest {
 
-/// Points of the original mesh that simplification has moved away from: each merged position keeps the few
-/// that lie farthest from the triangles around it. Quadrics measure distance to infinite planes, so they miss
-/// a surface that ends: the tip of a needle is close to the planes of all its sides however short it is cut.
+/// Points of the original mesh that simplification has moved away from: each merged position keeps up to four
+/// such points, those farthest from the triangles around the position. Quadrics measure distance to infinite
+/// planes, so they do not notice when the surface becomes shorter: the tip of a needle is close to the planes
+/// of all its sides, even after the needle is cut short.
 class FarPoints {
  public:
   explicit FarPoints(const CollapseMesh& mesh) : mesh_(mesh), kept_(mesh.positions.size()) {}
 
-  /// Prefetches the data of an edge.
+  /// Prefetches the known points of both ends of an edge.
   void prefetch(uint32_t u, uint32_t v) const noexcept {
     for (const uint32_t end : {u, v}) {
       const char* const kept = reinterpret_cast<const char*>(&kept_[end]);
@@ -26,8 +27,8 @@ class FarPoints {
       __builtin_prefetch(kept + sizeof(Kept) - 1);
     }
   }
-  /// Measures the known points of both ends of an edge against the triangles that its collapse to `to` would
-  /// leave.
+  /// Measures the distances from the known points of both ends of an edge to the triangles that remain if the
+  /// edge collapses to `to`.
   /// @return the largest squared distance in square lattice steps; 0 if there are no points.
   float measure(const EdgeSurroundings& around, glm::dvec3 to);
   /// Keeps the farthest points of the last measured edge, which has collapsed into `position`.
@@ -39,7 +40,8 @@ class FarPoints {
   struct Point {
     glm::vec3 at;
     float squared;  ///< squared distance
-    Four least;     ///< scratch: squared distance to every fourth triangle
+    Four least;  ///< scratch: smallest squared distances to the triangles, one for each of four interleaved
+                 ///< subsets
   };
   struct Kept {
     std::array<glm::vec3, kMostKept> points;

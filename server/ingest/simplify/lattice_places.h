@@ -10,11 +10,11 @@
 
 namespace lode::ingest {
 
-/// Set of lattice points that are or were taken, as a bitmap of hashes: no false negatives, about 1 in 30
-/// false positives.
+/// Set of lattice points that positions occupy or have occupied, as a bitmap of hashes. contains() finds
+/// every added point, and returns true for about 1 in 30 other points, too.
 class TakenPlaces {
  public:
-  /// @param positions  initial number of points; about as many may follow
+  /// @param positions  initial number of points; as many again can be added without more errors
   explicit TakenPlaces(size_t positions) {
     size_t bits = 1u << 12;
     while (bits < 32 * positions) bits *= 2;
@@ -46,27 +46,28 @@ class TakenPlaces {
   std::vector<uint64_t> words_;
 };
 
-/// Chooses lattice points for merged positions, on a coarser grid where the surface does not suffer:
+/// Chooses lattice points for merged positions, on a coarser grid if that does not harm the surface, because
 /// multiples of a power of two compress better.
 class LatticePlaces {
  public:
-  /// @param mesh  the unsimplified mesh. @param highest  upper corner of the model's box, lattice steps.
+  /// @param mesh  the unsimplified mesh. @param highest upper corner of the model's box, in lattice steps.
   LatticePlaces(const CollapseMesh& mesh, glm::dvec3 highest);
 
   /// Adapts the grid to the edge length that the mesh will have at this number of triangles.
   void aimFor(size_t triangles);
 
-  /// Returns the grid point, of the eight around `point`, with the lowest quadric error that is inside the
-  /// box and free; the better end of the edge if all are taken. (Rounding to the nearest point would add
-  /// noise to the surface; one of eight points is usually close to it.)
-  /// @param off  mean distance of the surface from `point`, lattice steps.
+  /// Chooses among the eight grid points around `point` that are free and inside the box, and returns the one
+  /// with the lowest quadric error; without such a point, returns the better end of the edge. (The nearest
+  /// grid point may lie off the surface, which would add noise; one of the eight points is usually close to
+  /// the surface.)
+  /// @param off mean distance of the surface from `point`, in lattice steps.
   glm::dvec3 settle(glm::dvec3 point, const Quadric& q, double off, glm::dvec3 at_u, glm::dvec3 at_v) const;
   void take(glm::dvec3 place) { taken_.add(place); }
 
  private:
   glm::dvec3 lowest_, highest_;  ///< box of allowed points, relative to the mesh's origin
   double area_ = 0;              ///< area of the unsimplified mesh, square steps
-  double coarsest_ = 1;          ///< grid spacing that the edge length allows
+  double coarsest_ = 1;          ///< largest grid spacing that the length of edges allows
   TakenPlaces taken_;
 };
 

@@ -92,8 +92,8 @@ inline Placement bestOnSegment(const Quadric& q, glm::dvec3 u, glm::dvec3 v) noe
 }
 
 /// Returns the minimum of a quadric near the edge (u, v). If the quadric is ill-conditioned, or the minimum
-/// is farther from the edge's middle than the edge is long, returns the best point on the edge. Solved
-/// relative to the middle to keep precision far from the origin.
+/// is farther from the edge's middle than the edge is long, returns the best point on the edge. Solves
+/// relative to the edge's middle, to keep precision far from the origin.
 inline Placement bestPlacement(const Quadric& q, glm::dvec3 u, glm::dvec3 v) noexcept {
   constexpr double kSmallestDeterminant = 1e-14;  // determinant of A relative to its trace cubed
   const glm::dvec3 middle = 0.5 * (u + v), along = v - u;

@@ -11,31 +11,34 @@
 
 namespace lode::ingest {
 
-/// Quadrics over position and attributes. For every attribute s each triangle defines a value at any point p:
-/// dot(g, p) + d, with g in the triangle's plane; the error is area * (dot(g, p) + d - s)^2. The terms
-/// without s are planes in the position's Quadric. The rest is stored per wedge: sums W, G and D of area,
-/// area * g and area * d. For a given p the best s is (dot(G, p) + D) / W, which leaves a quadric in p alone:
-/// Q(p) - sum (dot(G, p) + D)^2 / W.
+/// Quadrics over position and attributes. For each attribute, a triangle defines a value at any point p:
+/// dot(g, p) + d, with g in the triangle's plane. A vertex at p with the attribute s has the error area *
+/// (dot(g, p) + d - s)^2. The terms without s are planes in the position's Quadric. For the other terms, each
+/// wedge stores three sums over its triangles: W of area, G of area * g, and D of area * d. For a given p the
+/// best s is (dot(G, p) + D) / W. With this s, the error depends on p alone: Q(p) - sum (dot(G, p) + D)^2 /
+/// W.
 ///
-/// The file's normals, colours and texture coordinates are scaled to lengths: one radian of a normal and the
-/// full range of a colour or of the texture grid are each a fraction of the model's diagonal. Computed
-/// normals follow from the surface and do not count; they only separate the sides of creases.
-/// Source: Hoppe, New Quadric Metric for Simplifying Meshes with Appearance Attributes, 1999.
+/// The file's normals, colours and texture coordinates are scaled to lengths: one radian between normals, the
+/// full range of a colour and the full range of the texture grid each correspond to a fraction of the model's
+/// diagonal. Computed normals add no error, because they follow from the surface; they only separate the
+/// sides of creases. Source: Hoppe, New Quadric Metric for Simplifying Meshes with Appearance Attributes,
+/// 1999.
 class WedgeQuadrics {
  public:
-  /// Adds the attributes' planes of all triangles to the positions' quadrics.
-  /// @param diagonal  of the model, in lattice steps
-  /// @param weight    of attributes against geometry; 1: the default weights, 0: none
+  /// Adds the terms without s of all triangles to the positions' quadrics, and sums the other terms per
+  /// wedge.
+  /// @param diagonal the model's diagonal, in lattice steps
+  /// @param weight weight of attributes relative to geometry; 1: the default, 0: ignore attributes
   WedgeQuadrics(CollapseMesh& mesh, double diagonal, double weight);
 
-  /// True if the mesh has no attribute that counts.
+  /// Returns whether the mesh has no attributes that add errors.
   bool empty() const noexcept { return channels_.empty(); }
-  /// True if setValues() sets every attribute that merging would otherwise mix.
+  /// Returns whether setValues() sets every attribute of a wedge, so that merging need not mix any.
   bool coversAll() const noexcept { return covers_all_; }
   void prefetch(uint32_t wedge) const noexcept;
 
-  /// Subtracts from a position's quadric the part that the best attributes of a wedge, or of two merged
-  /// wedges, explain.
+  /// Subtracts from a position's quadric the error that vanishes if a wedge, or two merged wedges, have the
+  /// best attributes.
   void reduce(Quadric& q, uint32_t wedge) const noexcept;
   void reduce(Quadric& q, uint32_t wedge, uint32_t other) const noexcept;
   void join(uint32_t keep, uint32_t gone) noexcept;
@@ -44,7 +47,7 @@ class WedgeQuadrics {
 
  private:
   struct Channel {
-    int part;      // index into WedgeValue::parts
+    int part;      // index in WedgeValue::parts
     double scale;  // lattice steps per unit
   };
   struct Sum {
@@ -56,9 +59,9 @@ class WedgeQuadrics {
 
   std::vector<Channel> channels_;
   bool covers_all_ = false;
-  std::vector<double> lengths_;  // channels_.size() per wedge; only while triangles are added
-  std::vector<double> areas_;    // by wedge
-  std::vector<Sum> sums_;        // channels_.size() per wedge
+  std::vector<double> lengths_;  // channels_.size() values per wedge; used only while triangles are added
+  std::vector<double> areas_;    // total area of the triangles of each wedge
+  std::vector<Sum> sums_;        // channels_.size() sums per wedge
 };
 
 }  // namespace lode::ingest

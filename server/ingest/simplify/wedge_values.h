@@ -9,13 +9,14 @@
 
 namespace lode::ingest {
 
-/// Attributes of a wedge as floats on the model's grids; a normal is a vector.
+/// Attributes of a wedge as floats on the model's grids; a normal is a vector of three floats.
 struct WedgeValue {
   static constexpr int kNormal = 0, kColour = 3, kTexture = 7, kParts = 9;  // colour includes alpha
   std::array<float, kParts> parts{};
 };
 
-/// Attributes of the wedges during simplification: exact codes, replaced by values once a wedge has changed.
+/// Attributes of the wedges during simplification: the exact codes of unchanged wedges, and values of changed
+/// wedges.
 class WedgeTable {
  public:
   struct Pair {
@@ -29,14 +30,15 @@ class WedgeTable {
   WedgeValue value(uint32_t wedge) const;
   /// Normalizes normals and clamps other values to their grids.
   void set(uint32_t wedge, const WedgeValue& value);
-  /// Mixes `gone` into `keep` with weight gone_share. A share of 0 or 1 copies exactly.
+  /// Sets the attributes of `keep` to a mean of both wedges, with the weight gone_share for `gone`. With a
+  /// share of 0 or 1 the result is an exact copy.
   void mix(uint32_t keep, uint32_t gone, double gone_share);
-  /// Attributes rounded to the model's grids.
+  /// Returns a wedge's attributes, rounded to the model's grids.
   VertexAttributes code(uint32_t wedge) const;
 
  private:
   AttributeSet attributes_;
-  int end_ = 0;  // end of the parts that the model has
+  int end_ = 0;  // end of the parts in WedgeValue that the model has
   std::vector<VertexAttributes> codes_;
   std::vector<WedgeValue> values_;  // valid where changed_ is set
   std::vector<uint8_t> changed_;
