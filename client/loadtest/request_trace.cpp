@@ -47,8 +47,8 @@ class Recorder {
     return *engine_.summary();
   }
 
-  /// @param t_s  of the trace.
-  void see(const core::View& view, float pixels, double t_s) {
+  /// Requests everything for a view. @param t_s  time in the trace.
+  void recordView(const core::View& view, float pixels, double t_s) {
     t_s_ = t_s;
     engine_.setView(view, pixels);
     do {
@@ -258,7 +258,7 @@ RequestTrace recordTrace(const stream::ServedModel& model, const stream::StreamO
   for (size_t i = 0; i <= steps; ++i) {
     const double t_s = std::min(kStepSeconds * static_cast<double>(i), trace.duration_s);
     const core::CameraKey camera = core::cameraAt(path, begin_s + t_s);
-    recorder.add(core::toView(camera, path.fov_y_deg, size_px.x, size_px.y, summary), pixels, t_s);
+    recorder.recordView(core::toView(camera, path.fov_y_deg, size_px.x, size_px.y, summary), pixels, t_s);
   }
   trace.gap = recorder.gap();
   trace.requests = recorder.take();
