@@ -13,21 +13,24 @@
 
 namespace lode::app {
 
-/// Receives a build's stage and its progress, 0..1, on the thread that calls builtStore().
+/// Receives the current stage of a build and the finished fraction of the stage, 0 to 1. Called on the thread
+/// that calls builtStore().
 using BuildWatch = std::function<void(std::string_view stage, double fraction)>;
 
+/// A store in the user's cache.
 struct BuiltStore {
   std::filesystem::path path;
   FileLock in_use;                         ///< keeps other programs from removing the store
   std::vector<std::string> warnings = {};  ///< warnings of the build
 };
 
-/// Returns the store of a PLY file. Builds it into the user's cache unless the cache has a store of the same
-/// file, images and version of the builder. Waits if another program builds it. Prints warnings of the build
-/// on stderr. After a build, removes the least recently used stores above the limit.
-/// @param announce   prints progress on stderr if that is a terminal.
-/// @param stop       aborts the wait or the build: throws Error.
-/// @param watch      receives the progress instead of stderr.
+/// Returns the store of a PLY file. Builds the store into the user's cache unless the cache contains a store
+/// of the same file, the same images and the same version of the builder. Waits while another program builds
+/// the store. Prints warnings of the build on stderr. After a build, removes the least recently used stores
+/// until the cache keeps its limit.
+/// @param announce   true: prints progress on stderr if stderr is a terminal.
+/// @param stop       a request aborts the wait or the build, which then throws an Error.
+/// @param watch      if set, receives the progress, which is then not printed.
 /// @param max_bytes  limit for all stores in the cache; by default storeCacheBytes().
 /// @throws Error.
 BuiltStore builtStore(const std::filesystem::path& ply, bool announce, const std::stop_token& stop,

@@ -14,13 +14,13 @@
 
 namespace lode::app {
 
-/// A lodestreamd child process that serves one store on a loopback port. It ends with this object and with
-/// the thread that created it. It ignores a terminal's Ctrl-C, so that it serves until the client has ended.
-/// It requires a random token, because other users of the machine can reach its port.
+/// A lodestreamd child process that serves one store on a loopback port. The server ends with this object and
+/// with the thread that created this object. It ignores a terminal's Ctrl-C, so that it serves until the
+/// client has ended. It requires a random token, because other users of the machine can reach its port.
 class ChildServer {
  public:
-  /// Starts the server and waits until it is ready. @throws Error kIo with the child's message, or if `stop`
-  /// is requested.
+  /// Starts the server and waits until it is ready. @throws Error kIo with the child's message if the server
+  /// fails, or if `stop` is requested.
   explicit ChildServer(const std::filesystem::path& store, const std::stop_token& stop = {});
 
   const stream::ServedModel& served() const noexcept { return served_; }
@@ -35,25 +35,25 @@ class ChildServer {
 /// A target that a client can connect to.
 struct ResolvedTarget {
   stream::ServedModel served;
-  stream::StreamOptions options;           ///< with the child server's token, if any
-  std::unique_ptr<ChildServer> child;      ///< serves a local file; must outlive the connection
-  std::filesystem::path file;              ///< as the user named it; empty for a model on a server
-  FileLock in_use;                         ///< keeps a store in the cache from removal
-  std::vector<std::string> warnings = {};  ///< warnings of its build
+  stream::StreamOptions options;           ///< with the token of the child server if there is a child
+  std::unique_ptr<ChildServer> child;      ///< server of a local file; must outlive the connection
+  std::filesystem::path file;              ///< local file as the user named it; empty for a model on a server
+  FileLock in_use;                         ///< keeps other programs from removing the store
+  std::vector<std::string> warnings = {};  ///< warnings of the build of the store
 };
 
 /// Resolves a target: builds the store of a PLY file if necessary, and starts a child server for a local
 /// file.
-/// @param options   for the connection.
-/// @param announce  prints progress of a build on stderr if that is a terminal.
-/// @param stop      aborts a build or the start of the server: throws Error.
-/// @param watch     receives the progress of a build instead of stderr.
+/// @param options   options of the connection.
+/// @param announce  true: prints the progress of a build on stderr if stderr is a terminal.
+/// @param stop      a request aborts a build or the start of the server, which then throws an Error.
+/// @param watch     if set, receives the progress of a build, which is then not printed.
 /// @throws Error.
 ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options, bool announce,
                              std::stop_token stop = {}, const BuildWatch& watch = {});
 
-/// Waits until the model of a target is open. @throws Error as stream::Streamer::waitForModel, with the name
-/// of the target's file.
+/// Waits until the model of a target is open. @throws Error as stream::Streamer::waitForModel() does, with
+/// the name of the target's file added.
 ModelSummary openModel(stream::Streamer& streamer, const ResolvedTarget& target,
                        std::chrono::milliseconds timeout, std::stop_token stop = {});
 

@@ -27,29 +27,32 @@ struct CommonOptions {
   std::string target;
   std::string size_text = "1280x720";
   std::string memory_text;
-  std::string camera_file;  ///< empty: a camera that frames the model
-  std::string up_text;      ///< --up of that camera, of light and of orbiting; empty: guessed
+  std::string camera_file;  ///< --camera: a file with a camera path; empty: a camera that frames the model
+  std::string up_text;  ///< --up: up axis of the framing camera, of the light and of orbiting; empty: guess
   std::string token_file;
   std::string ca_file;
   std::string cache_text;  ///< --cache: a folder, "off", or empty for the user's cache
   bool offline = false;
-  bool fade = true;  ///< fade nodes in and out in a window, if frames are fast enough
+  bool fade = true;  ///< fade nodes in and out in the window while frames are fast enough
   float pixels = 1;
   double timeout_s = 120;
 
   PictureSize size() const { return parseSize(size_text); }
   std::chrono::milliseconds timeout() const;
-  /// Returns the memory budget, the token from --token-file or LODESTREAM_TOKEN, the CA file, and the cache
-  /// of blobs, which only targets on a server use. @throws Error.
+  /// Returns stream options with the memory budget, the token from --token-file or LODESTREAM_TOKEN, the CA
+  /// file, and, for a target on a server, the cache of blobs. @throws Error.
   stream::StreamOptions streamOptions() const;
 };
 
 /// Declares the options of every client command: the target, --timeout, --token-file, --ca-file, --version.
-/// @param target_form  syntax of the target for the help text.
+/// @param target_form  syntax of the target, as the help text shows it.
 void addServerOptions(CLI::App& command, CommonOptions& options, const char* target_form);
 
 /// Kinds of TARGET that a command accepts.
-enum class Takes : uint8_t { kModels, kScenesToo };
+enum class Takes : uint8_t {
+  kModels,    ///< models only
+  kScenesToo  ///< models and scene files
+};
 
 /// Declares addServerOptions(), --camera, --up, --size, --pixels, --memory-budget, --cache and --offline.
 void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes = Takes::kModels);
@@ -57,8 +60,8 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes = T
 /// Declares --no-fade for commands that draw.
 void addFadeOption(CLI::App& command, CommonOptions& options);
 
-// Each adds a subcommand whose callback does the work and may set the exit status. runCommandLine() prints an
-// Error that the callback throws.
+// Each of these functions adds a subcommand. The callback of the subcommand does the work and can set the
+// exit status. If the callback throws an Error, runCommandLine() prints the message.
 void declareFetch(CLI::App& program, int& exit_status);
 void declareList(CLI::App& program, int& exit_status);
 

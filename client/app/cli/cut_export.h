@@ -32,11 +32,11 @@ Mesh weldCut(const core::Cut& cut, AttributeSet attributes);
 /// resident tile; a missing tile is filled with magnified texels of the finest coarser level that has one.
 class ResidentImage {
  public:
-  /// @param tiles  tiles of this texture and others; they and the texture must outlive this object.
+  /// @param tiles  tiles of this texture and of others. The tiles and the texture must outlive this object.
   ResidentImage(const Texture& texture, uint32_t number, std::span<const core::ResidentTile> tiles);
 
-  /// Returns true if the coarsest level is resident, so that every texel has a colour. The other functions
-  /// require it.
+  /// Returns true if the coarsest level is resident, so that every texel has a colour. Call the other
+  /// functions only if this one returns true.
   bool isComplete() const noexcept;
   glm::uvec2 size() const { return levelSize(texture_, finest_); }
   /// Returns true if a texel is not opaque.
@@ -47,7 +47,7 @@ class ResidentImage {
  private:
   struct Level {
     uint32_t across = 0;
-    std::vector<const TileImage*> tiles;  // null if not resident
+    std::vector<const TileImage*> tiles;  // tiles row by row; null: the tile is not resident
   };
   void fill(uint32_t level, uint32_t y, uint32_t first, uint32_t end, std::span<glm::u8vec4> row) const;
 

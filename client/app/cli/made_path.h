@@ -6,15 +6,15 @@
 
 namespace lode::app {
 
-/// Camera paths that need no recording.
+/// Camera paths that makePath() computes.
 enum class MadePath : uint8_t {
-  kOrbit,  ///< 20 s: one turn around the model while the distance halves
-  kFly,    ///< 20 s: through the model's box from one side to the other, looking ahead
-  kWalk,   ///< 60 s: between positions around the model, near and far, looking at changing points
+  kOrbit,  ///< flies once around the model in 20 s while the distance halves
+  kFly,    ///< flies through the model's box in 20 s, from one side to the other, looking ahead
+  kWalk,   ///< moves around the model for 60 s, near and far, looking at changing points
 };
 
 /// Returns a camera path around a model.
-/// @param seed  chooses the positions of a path and the start of an orbit; an orbit of seed 0 starts at the
+/// @param seed  chooses the positions of a path and the start of an orbit. An orbit with seed 0 starts at the
 ///              framing camera.
 core::CameraPath makePath(MadePath kind, const ModelSummary& model, uint64_t seed);
 

@@ -14,22 +14,24 @@
 
 namespace lode::app {
 
-/// Returns the framing that --up and --size request. @throws Error kUsage.
+/// Returns the framing with the up axis of --up and the aspect ratio of --size. @throws Error kUsage.
 core::Framing wantedFraming(const CommonOptions& options);
 
-/// Returns the framing of a scene: --size and the scene's up axis; wantedFraming() for a single model.
+/// Returns the framing of a scene, with the scene's up axis and the aspect ratio of --size. For a single
+/// model, returns wantedFraming().
 /// @throws Error kUsage if --up is given for a scene that names its own up axis.
 core::Framing framingOf(const Scene& scene, const CommonOptions& options);
 
-/// Adds the coarsest mesh of an open model to a framing. Waits for it; after the timeout or a stop request
-/// the framing has none.
+/// Adds the coarsest mesh of an open model to a framing. Waits for the mesh; after the timeout or a stop
+/// request, returns the framing without a mesh.
 core::Framing frameCoarsely(core::Framing framing, stream::Streamer& streamer, const ModelSummary& model,
                             std::chrono::milliseconds timeout, const std::stop_token& stop = {});
 
-/// Reads the file of --camera; returns nothing without the option. @throws Error as core::readCameraPath().
+/// Reads the file of --camera. Returns nothing if the option is missing. @throws Error as
+/// core::readCameraPath().
 std::optional<core::CameraPath> wantedPath(const CommonOptions& options);
 
-/// The open target of a command, and its camera path.
+/// The open target of a command, and the camera path of the command.
 class OpenedTarget {
  public:
   using Clock = std::chrono::steady_clock;
@@ -42,9 +44,9 @@ class OpenedTarget {
   const ModelSummary& model() const noexcept { return model_; }
   /// Returns the path of --camera, or the camera that frames the model.
   const core::CameraPath& path() const noexcept { return path_; }
-  /// Returns the up direction: --up, or a guess from the coarsest mesh, for which it may wait.
+  /// Returns the up direction: that of --up, or a guess from the coarsest mesh. Waits if the mesh is missing.
   glm::dvec3 up();
-  /// Returns the start of the connection, after a build and the start of a child server.
+  /// Returns the time at which the connection started, after any build and the start of any child server.
   Clock::time_point start() const noexcept { return start_; }
   core::View viewAt(double t, const PictureSize& size) const;
 

@@ -26,7 +26,7 @@ constexpr double kMinSceneScale = 1e-6, kMaxSceneScale = 1e6;
 struct Placement {
   glm::dvec3 position{0};
   glm::dquat rotation{1, 0, 0, 0};  ///< unit length
-  double scale = 1;                 ///< uniform, > 0
+  double scale = 1;                 ///< factor for all three axes, > 0
 };
 
 struct SceneInstance {
@@ -36,7 +36,7 @@ struct SceneInstance {
 
 /// A horizontal ground plane.
 struct SceneGround {
-  double height = 0;  ///< along Scene::up
+  double height = 0;  ///< height of the plane along Scene::up
   glm::u8vec3 colour_srgb{96, 100, 88};
 };
 
@@ -47,7 +47,7 @@ struct SceneSky {
 /// A model that instances refer to.
 struct SceneModel {
   std::string name;    ///< name that instances refer to
-  std::string target;  ///< TARGET as of commands; a path is relative to the scene's folder
+  std::string target;  ///< TARGET as commands accept it; a path is relative to the scene's folder
 };
 
 struct Scene {
@@ -59,26 +59,26 @@ struct Scene {
   bool is_single_model = false;  ///< made by sceneOf() for one model, not read from a file
 };
 
-/// Quotes a name of a scene's file for a message: one line of ASCII, long names shortened.
+/// Quotes a name from a scene file for a message: as one line of ASCII, shortened if the name is long.
 std::string quoted(const std::string& name);
 
-/// Parses a scene: {"up": "z", "models": {"rock": "rock.lode"}, "instances": [{"model": "rock", "position":
-/// [0,0,0], "axis": [0,0,1], "degrees": 30, "scale": 2}], "ground": {"height": 0, "colour": "#606458"},
-/// "sky": {"top": "#4d5763", "bottom": "#1a1c21"}}.
-/// @param source  names the text in errors.
-/// @throws Error kInput or kLimit that names the member and the remedy.
+/// Parses a scene. Example: {"up": "z", "models": {"rock": "rock.lode"}, "instances": [{"model": "rock",
+/// "position": [0,0,0], "axis": [0,0,1], "degrees": 30, "scale": 2}], "ground": {"height": 0, "colour":
+/// "#606458"}, "sky": {"top": "#4d5763", "bottom": "#1a1c21"}}.
+/// @param source  name of the text for error messages.
+/// @throws Error kInput or kLimit; the message names the member and the remedy.
 Scene parseScene(std::string_view json, std::string_view source);
 /// Reads and parses a scene file. @throws Error as parseScene(), or kIo.
 Scene readScene(const std::filesystem::path& file);
-/// Reads the scene that a target names. Any other target becomes a scene of one model at its own coordinates,
-/// which does not say which way is up. @throws Error as readScene().
+/// Reads the scene if the target names a scene file. Otherwise makes a scene of one model at the model's own
+/// coordinates; such a scene does not say which way is up. @throws Error as readScene().
 Scene sceneOf(const std::string& target);
-/// Adds the scene's file and the model's name to the error of opening one of its models. The error of a
-/// single model stays as it is.
+/// Adds the name of the scene's file and the name of the model to an error that opening the model caused.
+/// Returns the error of a single model unchanged.
 Error ofSceneModel(const Error& error, std::string_view source, const Scene& scene, size_t model);
 
 /// Transforms a camera of the scene into the frame of a model's instance. Exact for a single model.
-/// @param view    view of the scene: eye and near distance in the scene's units.
+/// @param view    view of the scene, with eye and near distance in the scene's units.
 /// @param origin  origin of the model's lattice, in true coordinates.
 core::View viewFrom(const core::View& view, const Placement& placement, const glm::dvec3& origin) noexcept;
 

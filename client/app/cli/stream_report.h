@@ -10,25 +10,26 @@
 
 namespace lode::app {
 
-/// Adds the limits of a run to --json: waiting times by cause, the main cause, and properties of the link.
+/// Adds to the output of --json what limited a run: the waiting time per cause, the main cause, and
+/// properties of the link.
 void reportLimits(nlohmann::ordered_json& json, const core::EngineCounts& counts);
 
-/// Adds lost tiles and the reason of a failure to --json.
+/// Adds the number of lost tiles and the reason of a failure to the output of --json.
 void reportGaps(nlohmann::ordered_json& json, const stream::StreamStatus& status);
 
-/// Returns the statistics of prefetching for --json.
+/// Returns the statistics of prefetching as --json prints them.
 nlohmann::ordered_json prefetchReport(const core::PrefetchCounts& counts);
 
-/// Returns true if the cut has converged within the requested error and no visible tile of a texture is lost.
+/// Returns true if the cut has converged within the requested error and no visible texture tile is lost.
 bool hasConverged(const stream::StreamStatus& status, float pixels);
 
 /// Throws an Error that says why a view did not converge and what to do.
-/// @param where  for the message: "key 2".
+/// @param where  name of the view for the message, for example "key 2".
 [[noreturn]] void refuseUnconverged(const std::string& where, const stream::StreamStatus& status,
                                     const CommonOptions& options);
 
-/// Warns on stderr if a converged view lacks parts that the server cannot deliver, or tiles of textures
-/// beyond the memory budget.
+/// Warns on stderr if a converged view lacks parts that the server cannot deliver, or texture tiles that do
+/// not fit into the memory budget.
 void warnOfGaps(const stream::StreamStatus& status, const CommonOptions& options);
 
 }  // namespace lode::app

@@ -8,7 +8,7 @@
 
 namespace lode::app {
 
-// A command works on a model on a server, or on a local file that a child server serves.
+// A command reads a model from a server, or from a local file, for which it starts a child server.
 struct StoreFile {
   std::filesystem::path path;
 };
@@ -22,10 +22,12 @@ bool namesScene(std::string_view text);
 
 /// Parses a TARGET. @throws Error kUsage for an invalid target, kIo for a missing file.
 Target parseTarget(std::string_view text);
-/// Parses lode://host[:port] or lodes://host[:port]; the model's name stays empty. @throws Error kUsage.
+/// Parses lode://host[:port] or lodes://host[:port]. The result has an empty model name. @throws Error
+/// kUsage.
 stream::ServedModel parseServerUrl(std::string_view text);
 
-/// @throws Error kUsage if the output file is the input file, which it would replace.
+/// Checks that an output file would not replace an input file. @throws Error kUsage if both are the same
+/// file.
 void refuseToReplace(std::string_view input, const std::filesystem::path& output);
 
 }  // namespace lode::app

@@ -6,35 +6,35 @@
 
 namespace lode::app {
 
-/// User input since the last frame, in pixels of the picture, y down.
+/// User input since the last frame. Distances and positions are in pixels of the picture, y down.
 struct Input {
-  glm::dvec2 turned_px{0};   ///< dragged with the left button
-  glm::dvec2 shifted_px{0};  ///< dragged with the right or middle button, or with Shift
-  double wheel = 0;          ///< steps forward
-  glm::dvec2 pointer_px{0};  ///< pointer now
-  bool pressed = false;      ///< a button went down
-  glm::dvec2 pressed_px{0};  ///< pointer when it went down; it may have moved since
-  bool clicked = false;      ///< the left button went down and up without moving
-  bool double_clicked =
-      false;               ///< clicked again; the first click is `clicked`, in this frame or an earlier one
-  FlyKeys fly;             ///< held down now
-  glm::dvec2 pad_turn{0};  ///< gamepad stick, -1 to 1: to the right, down
+  glm::dvec2 turned_px{0};   ///< distance dragged with the left button
+  glm::dvec2 shifted_px{0};  ///< distance dragged with the right or middle button, or with Shift
+  double wheel = 0;          ///< wheel steps, forward is positive
+  glm::dvec2 pointer_px{0};  ///< current pointer position
+  bool pressed = false;      ///< a mouse button went down
+  glm::dvec2 pressed_px{0};  ///< pointer position at the moment the button went down
+  bool clicked = false;      ///< the left button went down and up while the pointer stayed in place
+  /// The second click of a double click. The first click sets `clicked` in this frame or an earlier one.
+  bool double_clicked = false;
+  FlyKeys fly;             ///< keys that are held down now
+  glm::dvec2 pad_turn{0};  ///< right stick of the gamepad, -1 to 1: x to the right, y down
 
-  // Keys that were pressed; two presses of a toggle cancel out.
+  // Keys that were pressed. Two presses of a toggle key cancel each other.
   bool reset_camera = false;
   bool toggle_wireframe = false, toggle_panel = false, toggle_help = false, toggle_settings = false;
   bool any_key = false;       ///< any key was pressed
-  int bookmark = 0;           ///< 1 to 9: go there
-  bool set_bookmark = false;  ///< set the bookmark instead
-  int next_camera = 0;        ///< steps through the kinds of cameras
-  int next_axis = 0;          ///< steps through the up axes
-  int next_show = 0;          ///< steps through the colour modes; negative: back
-  int finer = 0;              ///< steps of the threshold; negative: coarser
+  int bookmark = 0;           ///< 1 to 9: bookmark to go to; 0: none
+  bool set_bookmark = false;  ///< store the camera in the bookmark instead of going there
+  int next_camera = 0;        ///< number of steps through the kinds of cameras
+  int next_axis = 0;          ///< number of steps through the up axes
+  int next_show = 0;          ///< number of steps through the colour modes; negative steps go back
+  int finer = 0;              ///< number of steps to a finer threshold; negative steps make it coarser
   bool screenshot = false, copy = false, record = false, quit = false;
-  bool quit_where_idle = false;  ///< Q: quits if no model is shown, else flies down
+  bool quit_where_idle = false;  ///< Q was pressed: quits if no model is shown; otherwise the key flies down
 
   bool over_panel = false;  ///< the mouse was used on the panel, which covers the picture
-  bool damaged = false;     ///< the system lost the window's picture: redraw
+  bool damaged = false;     ///< the system lost the window's picture, which must be drawn again
 
   bool any() const noexcept {
     return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
@@ -44,19 +44,22 @@ struct Input {
   }
 };
 
-/// A gamepad's sticks and triggers as GLFW maps them: -1 to 1, sticks' y down, a released trigger at -1.
+/// Positions of a gamepad's sticks and triggers as GLFW maps them, from -1 to 1. The y of a stick points
+/// down. A released trigger is at -1.
 struct PadAxes {
   glm::dvec2 left{0}, right{0};
   double left_trigger = -1, right_trigger = -1;
 };
 
-/// Camera motion: the left stick moves, the triggers go down and up, the right stick turns.
+/// Camera motion by a gamepad: the left stick moves the camera, the left trigger lowers it, the right trigger
+/// raises it, and the right stick turns it.
 struct PadMotion {
-  FlyKeys move;        ///< without `fast`
-  glm::dvec2 turn{0};  ///< -1 to 1: to the right, down
+  FlyKeys move;        ///< motion; `fast` is not set
+  glm::dvec2 turn{0};  ///< turn, -1 to 1: x to the right, y down
 };
 
-/// Applies a dead zone and a quadratic curve: half of a stick's travel is a quarter of the speed. Pure.
+/// Converts stick and trigger positions to camera motion with a dead zone and a quadratic curve: half of the
+/// travel outside the dead zone gives a quarter of the speed. Pure.
 PadMotion motionOf(const PadAxes& axes) noexcept;
 
 }  // namespace lode::app

@@ -6,7 +6,7 @@
 #include "client/render/gl/image.h"
 #include "common/error.h"
 
-/// Files: pictures and recorded camera paths.
+/// Part of Viewer that writes files: pictures and recorded camera paths.
 namespace lode::app {
 
 void Viewer::record(const Input& input) {
@@ -18,7 +18,8 @@ void Viewer::record(const Input& input) {
     recorder_.start();
 }
 
-/// Throws while the window closes, where a note would not be read.
+/// Ends the recording and writes its file. Reports a failure as a note in the panel while the window is open,
+/// as an exception while it closes, because nobody would read a note then.
 void Viewer::saveRecording() {
   try {
     if (const std::optional<std::string> file = recorder_.save())
@@ -29,8 +30,9 @@ void Viewer::saveRecording() {
   }
 }
 
-/// --screenshot's picture is saved once the panel fits its last text, and ends the program; a key's picture
-/// is saved once the window is at rest.
+/// Saves pictures that are due. The picture of --screenshot is due once the cut has converged and the panel
+/// fits its final text; saving it ends the program. A picture requested by a key is due once the window is at
+/// rest, see PictureRequest.
 void Viewer::saveScreenshots() {
   if (!options_.screenshot.empty()) {
     converged_frames_ = content_.converged && pacing_.asksForFinest() ? converged_frames_ + 1 : 0;
