@@ -16,21 +16,22 @@
 
 namespace lode::ingest {
 
-/// A fan of a leaf's vertex that other leaves share.
+/// A fan at a vertex of a leaf, if other leaves share the vertex.
 struct BorderVertex {
   PositionCode position;
-  uint8_t lca_depth = 0;  ///< depth of the sharing leaves' lowest common ancestor; locked in deeper nodes
-  uint16_t normal = 0;    ///< octahedral; of the fan joined over all sharing leaves
-  uint16_t fan = 0;       ///< index among the fans at this position in the leaf; see NormalFans
+  uint8_t lca_depth = 0;  ///< depth of the lowest common ancestor of all leaves that share the
+                          ///< vertex; the vertex is locked in deeper nodes
+  uint16_t normal = 0;    ///< octahedral normal of the fan, joined over all leaves that share the vertex
+  uint16_t fan = 0;       ///< index of the fan among the leaf's fans at this position; see NormalFans
 };
 
-/// Returns the entries at a position, one per fan. @param border  sorted by position.
+/// Returns the entries at a position, one per fan. @param border  entries sorted by position.
 std::span<const BorderVertex> sharedAt(std::span<const BorderVertex> border, PositionCode position) noexcept;
 
-/// Finds the vertices that leaves share. Collects the border vertices of all leaves, joins them by position,
-/// and returns to each leaf its shared vertices with lock depth and common normals. A border vertex of a
-/// single leaf is on the model's boundary and is not locked. add() and join() are for one thread; read() is
-/// thread safe.
+/// Finds the vertices that several leaves share. Collects the border vertices of all leaves, joins those at
+/// the same position, and returns the shared vertices of each leaf with lock depths and common normals. A
+/// border vertex of a single leaf is on the model's boundary and is not locked. Call add() and join() from
+/// one thread; read() is thread safe.
 class BorderTable {
  public:
   /// Name of the joined table's file, which outlives a killed build.
@@ -40,11 +41,13 @@ class BorderTable {
   /// Opens the joined table that save() recorded. @throws Error kIo, kFormat.
   BorderTable(const TemporaryFolder& folder, RecordReader& record);
 
-  /// @param fan  from listFans(), in its order; leaves in rising order.
+  /// Adds a fan at a border vertex. Add the leaves in rising order, and the fans of a leaf in the order of
+  /// listFans().
   void add(PositionCode position, const ListedFan& fan);
 
-  /// @param leaves    keys by leaf number.
-  /// @param progress  counts every added fan twice.
+  /// Joins the fans of all leaves. read() works after this call.
+  /// @param leaves    key of each leaf, by leaf number.
+  /// @param progress  receives progress; every added fan counts twice.
   void join(std::span<const NodeKey> leaves, const CreaseAngle& crease,
             const RecordSorter::Progress& progress = {});
 
@@ -53,7 +56,7 @@ class BorderTable {
 
   /// Number of leaves in the joined table.
   size_t leafCount() const noexcept { return first_of_leaf_.size() - 1; }
-  /// Number of locked positions of each of the root's children, by octant.
+  /// Returns the number of locked positions in each child of the root, by octant.
   const std::array<uint64_t, 8>& lockedBelowRoot() const noexcept { return locked_below_root_; }
   /// Returns a leaf's shared vertices, sorted by position and fan.
   std::vector<BorderVertex> read(uint32_t leaf) const;

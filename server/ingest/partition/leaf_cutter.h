@@ -10,16 +10,17 @@
 namespace lode::ingest {
 
 /// Cuts a stream of triangles, sorted by cell code, into the leaves of the adaptive octree: the largest cells
-/// with at most a given number of triangles. Looks ahead by one leaf, so its memory is bounded.
+/// with at most a given number of triangles. Reads ahead by one leaf, so its memory is bounded.
 class LeafCutter {
  public:
-  /// Receives a leaf and the records of its triangles, in order.
+  /// Receives a leaf and the records of its triangles, in the order of push().
   using Sink = std::function<void(NodeKey leaf, std::span<const std::byte> records, uint32_t triangles)>;
 
-  /// @param max_triangles  per leaf; leaves of depth 20 may have up to kMaxLodTriangles.
+  /// @param max_triangles  limit per leaf; leaves of depth 20 can have up to kMaxLodTriangles.
   LeafCutter(size_t record_bytes, uint32_t max_triangles, Sink sink);
 
-  /// @throws Error kInput if more than kMaxLodTriangles triangles lie in one cell of depth 20.
+  /// Adds a triangle. @throws Error kInput if more than kMaxLodTriangles triangles lie in one cell of
+  /// depth 20.
   void push(uint64_t code, std::span<const std::byte> record);
   void finish();
 

@@ -12,16 +12,19 @@
 
 namespace lode::ingest {
 
-/// Welds a leaf's triangles to a mesh, without locks. @param records  triangles as storeSoup() wrote them.
+/// Welds a leaf's triangles to a mesh without locked vertices. @param records  triangles as storeSoup() wrote
+/// them.
 NodeMesh weldSoup(std::span<const std::byte> records, AttributeSet attributes, MeshWelder& welder);
 
-/// Writes a leaf's mesh, which must have no locks.
+/// Writes a leaf's mesh, which must have no locked vertices.
 void putLeaf(RecordWriter& record, const NodeMesh& mesh);
-/// @throws Error kFormat if the record's length or an index is wrong, or a triangle is degenerate.
+/// Reads a mesh that putLeaf() wrote. @throws Error kFormat if the record's length or an index is wrong, or if
+/// a triangle is degenerate.
 NodeMesh getLeaf(RecordReader& record, AttributeSet attributes);
 
-/// Sums the cross products of the triangles at each position, in lattice steps: normals weighted by twice the
-/// area. Integers, so that sums over leaves do not depend on their order.
+/// Sums the cross products of the triangles at each position, in lattice steps. The sum is a normal in which
+/// each triangle's weight is twice its area. The sums are integers, so that a total over several leaves does
+/// not depend on the order of the leaves.
 std::vector<glm::i64vec3> sumNormals(const NodeMesh& mesh);
 
 }  // namespace lode::ingest

@@ -14,20 +14,22 @@
 
 namespace lode::ingest {
 
-/// Welds the triangles of leaves to meshes and adds their border vertices, with their normal fans, to a
-/// border table. A border vertex is on an edge that the leaf does not use exactly twice. Nobody else may use
-/// the table until finish() returns.
+/// Welds the triangles of each leaf to a mesh and adds the border vertices of the leaf, with their normal
+/// fans, to a border table. A border vertex is on an edge that the leaf does not use exactly twice. No other
+/// code can use the table until finish() returns.
 class LeafWelder {
  public:
   /// Receives each leaf's mesh as putLeaf() wrote it, in the order of add().
   using Sink = std::function<void(std::span<const std::byte> mesh)>;
 
-  /// @param helpers  threads that weld, beside the caller. @param sink  called by add() and finish().
+  /// @param helpers  threads that weld in parallel with the caller. @param sink  add() and finish() call the
+  /// sink.
   LeafWelder(BorderTable& table, AttributeSet attributes, const CreaseAngle& crease, Helpers& helpers,
              Sink sink);
 
-  /// @param leaf     number of the leaf; rising.
-  /// @param records  triangles; copied.
+  /// Welds a leaf, in the background if a thread is free.
+  /// @param leaf     number of the leaf, in rising order.
+  /// @param records  triangles of the leaf; add() copies the records.
   void add(uint32_t leaf, std::span<const std::byte> records);
   /// Returns when all leaves are in the table. Rethrows exceptions of welding, like add().
   void finish() { welded_.finish(); }
@@ -45,7 +47,7 @@ class LeafWelder {
   const AttributeSet attributes_;
   const CreaseAngle crease_;
   std::mutex mutex_;                 ///< guards welders_
-  std::vector<MeshWelder> welders_;  ///< idle, for reuse
+  std::vector<MeshWelder> welders_;  ///< idle welders, for reuse
   InOrder<Welded> welded_;
 };
 

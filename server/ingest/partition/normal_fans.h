@@ -12,10 +12,11 @@ namespace lode::ingest {
 
 /// Angle beyond which an edge between two faces is shaded as sharp.
 struct CreaseAngle {
-  /// @param degrees  0 to 180; 180: no edge is sharp.
+  /// @param degrees  angle from 0 to 180; at 180 no edge is sharp.
   explicit CreaseAngle(double degrees) noexcept;
 
-  /// Returns whether the edge between faces with these unit normals is smooth; false for a zero normal.
+  /// Returns whether the edge between faces with two unit normals is smooth. An edge at a face with a zero
+  /// normal is sharp unless no edge is.
   bool isSmooth(glm::vec3 a, glm::vec3 b) const noexcept { return has_none || glm::dot(a, b) >= cosine; }
 
   bool has_none;
@@ -23,22 +24,23 @@ struct CreaseAngle {
 };
 
 /// Triangles around each position, grouped into fans with one normal each. Two triangles that share an edge
-/// at the position are in one fan unless the edge is sharp. A sharp edge that ends at a position does not
-/// split its fan.
+/// at the position are in one fan unless the edge is sharp. A single sharp edge that ends at the position does
+/// not split the fan.
 struct NormalFans {
-  std::vector<uint32_t> first;      ///< first fan of each position, and the end
+  std::vector<uint32_t> first;      ///< index of each position's first fan, then the number of fans
   std::vector<uint32_t> of_corner;  ///< fan of each corner; three per triangle
-  std::vector<glm::i64vec3> sums;   ///< per fan: sum of cross products, see sumNormals()
+  std::vector<glm::i64vec3> sums;   ///< sum of cross products of each fan, see sumNormals()
 };
 NormalFans findFans(const NodeMesh& mesh, const CreaseAngle& crease);
 
-/// A leaf's fan at a border position: its sum, and its ends, which are faces where it may continue in another
-/// leaf. A fan with more than two ends has several entries; only the first has the sum.
+/// A leaf's fan at a border position, with the sum of its cross products and with its ends. At an end, which
+/// is a face, the fan can continue in another leaf. A fan with more than two ends has several entries, and
+/// only the first entry has the sum.
 struct ListedFan {
   static constexpr uint16_t kMaxEnds = 2;
 
   uint32_t leaf = 0;
-  uint16_t fan = 0;  ///< index among the fans of the position in the leaf
+  uint16_t fan = 0;  ///< index among the leaf's fans at this position
   uint16_t ends = 0;
   glm::i64vec3 sum{0};
   PositionCode other[kMaxEnds];     ///< far vertex of the end's edge
@@ -46,13 +48,14 @@ struct ListedFan {
 };
 static_assert(sizeof(ListedFan) == 72);
 
-/// Lists the fans of some positions. @param positions  rising. @return one list per position, without `leaf`.
+/// Lists the fans of some positions. @param positions  positions in rising order. @return one list per
+/// position, in which `leaf` is not set.
 std::vector<std::vector<ListedFan>> listFans(const NodeMesh& mesh, const NormalFans& fans,
                                              std::span<const uint32_t> positions);
 
 /// Joins one position's fans of all leaves and returns the normal of each entry. On manifolds the result does
 /// not depend on how the triangles are divided among leaves.
-/// @param listed  sorted by leaf, each leaf's in the order of listFans().
+/// @param listed  fans sorted by leaf, and within a leaf in the order of listFans().
 std::vector<uint16_t> joinFans(std::span<const ListedFan> listed, const CreaseAngle& crease);
 
 }  // namespace lode::ingest

@@ -21,12 +21,12 @@ struct Partition {
 
   AttributeSet attributes;      ///< attributes taken from the file
   std::vector<NodeKey> leaves;  ///< in Morton order
-  std::vector<uint64_t> begin;  ///< offset of each leaf in `meshes`, and the end
+  std::vector<uint64_t> begin;  ///< offset of each leaf in `meshes`, then the end of the last leaf
   uint64_t triangles = 0;
-  Spool meshes;  ///< records of putLeaf()
+  Spool meshes;  ///< meshes as putLeaf() writes them
   BorderTable border;
 
-  /// Reads a leaf's mesh, without locks. @throws Error kFormat, kIo. Thread safe.
+  /// Reads a leaf's mesh, without locked vertices. @throws Error kFormat, kIo. Thread safe.
   NodeMesh readLeaf(uint32_t leaf) const;
   /// Syncs the partition to disk and records its location.
   void save(RecordWriter& record) const;
@@ -35,7 +35,7 @@ struct Partition {
 };
 
 /// Cuts sorted triangles into leaves, welds each leaf, and finds the vertices that leaves share.
-/// @param sorted   finished sorter whose keys are cell codes.
+/// @param sorted   finished sorter with cell codes as keys.
 Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t triangles_per_node,
                     const CreaseAngle& crease, uint64_t memory_bytes, unsigned threads,
                     const TemporaryFolder& folder, const BuildProgress& progress);

@@ -12,37 +12,38 @@ namespace lode::ingest {
 
 /// Identifies a file and its content without reading all of it.
 struct FileFingerprint {
-  std::string path;  ///< absolute
+  std::string path;  ///< absolute path
   uint64_t bytes = 0;
-  int64_t modified_ns = 0;  ///< since 1970
-  uint64_t content = 0;     ///< hash of head, tail and evenly spread samples
+  int64_t modified_ns = 0;  ///< time of the last change, in ns since 1970
+  uint64_t content = 0;     ///< hash of the file's head, its tail and evenly spread samples
 
   bool operator==(const FileFingerprint&) const = default;
 };
 
-/// Returns zeros, except for the path, if the path is not a readable regular file: its reader reports that.
+/// Computes the fingerprint of a file. Returns the path and zeros if the path is not a readable regular file;
+/// the stage that reads the file reports the error.
 FileFingerprint fingerprint(const std::filesystem::path& path);
 
-/// Everything that a store's bytes depend on. A build resumes only if it is unchanged. Threads and memory are
-/// not part of it (I6 in docs/architecture.md).
+/// All inputs and options that determine a store's bytes. A build resumes only if its identity is unchanged.
+/// The number of threads and the memory budget are not part of the identity (I6 in docs/architecture.md).
 struct BuildIdentity {
   struct Texture {
-    std::string name;       ///< as written in the input
-    FileFingerprint image;  ///< path is empty if no file was found
+    std::string name;       ///< name as written in the input
+    FileFingerprint image;  ///< fingerprint of the image; its path is empty if no file was found
   };
   FileFingerprint input;
-  std::vector<Texture> textures;  ///< named by the input
-  uint64_t program = 0;           ///< content of the executable
+  std::vector<Texture> textures;  ///< images that the input names
+  uint64_t program = 0;           ///< hash of the executable
   std::string temporary_folder;
   ResultOptions options;
 
-  /// @param options  with all defaults filled in.
+  /// Returns the identity of a build. @param options  options with all defaults filled in.
   static BuildIdentity of(const BuildOptions& options);
 
   void save(RecordWriter& record) const;
   static BuildIdentity load(RecordReader& record);
 
-  /// Describes the first difference to `now` and its remedy; empty if there is none.
+  /// Describes the first difference to `now` and its remedy. Returns an empty text if nothing differs.
   std::string difference(const BuildIdentity& now) const;
 
  private:

@@ -16,24 +16,24 @@
 
 namespace lode::ingest {
 
-/// State of one build: options, folder, journal, facts about the model and report. Loads stages that a
-/// resumed build had finished; runs the others, records each in the journal and removes files that no later
-/// stage needs. Not thread safe.
+/// State of one build: options, folder, journal, facts about the model and report. Loads the stages that an
+/// earlier, interrupted build had finished. Runs the other stages, records each in the journal and removes
+/// files that no later stage needs. Not thread safe.
 class BuildSession {
  public:
-  /// @param options  with all defaults filled in. @throws Error kInput if the build to resume had another
-  /// input or other options.
+  /// @param options  options with all defaults filled in. @throws Error kInput if the build to resume had
+  /// another input or other options.
   BuildSession(const BuildOptions& options, const BuildProgress& progress);
 
   /// Runs or loads a stage. @param stage  must outlive the last call of run().
   void run(Stage& stage);
   BuildReport takeReport() { return std::move(report_); }
-  /// Keeps finished work for a build that resumes. @return false if there is none.
+  /// Keeps the finished work so that a later build can resume. @return false if no work is finished.
   bool keep() noexcept;
   /// Returns whether the build failed for lack of memory.
   bool lacksMemory() const noexcept { return lacks_memory_; }
 
-  // Used by stages.
+  // Functions that stages call.
   const BuildOptions& options() const noexcept { return options_; }
   const BuildProgress& progress() const noexcept { return progress_; }
   const MemoryPlan& plan() const noexcept { return plan_; }
@@ -41,17 +41,17 @@ class BuildSession {
   /// Path of the store until it is complete.
   std::filesystem::path store() const { return folder_.store(); }
   BuildFacts& facts() noexcept { return facts_; }
-  /// Work of the build to resume; stages take it out.
+  /// Recorded work of the build to resume. Stages move their part out of it.
   RecordedBuild& recorded() noexcept { return recorded_; }
-  /// Called when the store is complete.
+  /// Sets the report's summary. The last stage calls this when the store is complete.
   void setSummary(ModelSummary summary) { report_.summary = std::move(summary); }
-  /// @throws Error kInput with --strict.
+  /// Adds a warning to the report. @throws Error kInput with --strict.
   void warn(std::string warning);
   void warn(const std::vector<std::string>& warnings);
   void noteTextureFiles(std::vector<std::string> names) { report_.texture_files = std::move(names); }
   /// Fails a build that would succeed with more memory. @throws Error kLimit always.
   [[noreturn]] void refuseForMemory(const std::string& problem);
-  /// Syncs the folder of temporary files, then appends an entry to the journal.
+  /// Syncs the folder of temporary files to disk, then appends an entry to the journal.
   void note(BuildEntry entry, std::span<const std::byte> bytes);
 
  private:
@@ -73,7 +73,7 @@ class BuildSession {
   std::optional<TemporaryFolder> files_;
   BuildFacts facts_;
   bool lacks_memory_ = false;
-  std::vector<const Stage*> done_;  ///< run or loaded
+  std::vector<const Stage*> done_;  ///< stages that have been run or loaded
 };
 
 }  // namespace lode::ingest

@@ -9,8 +9,8 @@
 
 namespace lode::ingest {
 
-/// Writes tiles and texture set to a store, coarse levels first.
-/// @param tiles  encoded tiles; null if there are none.
+/// Writes the texture tiles and the texture set to a store, coarse levels first.
+/// @param tiles  encoded tiles, or null if the model has no tiles.
 void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spool* tiles,
                   store::Writer& writer);
 
@@ -19,10 +19,10 @@ void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spoo
 /// finest LOD is large, the limit is twice that error: views of a whole model have such siblings.
 void removeRedundantFarLods(FinishedNode& finished, const Node& parent);
 
-/// Writes payloads and hierarchy to a store: coarse nodes first, siblings together, each node's coarse LODs
-/// first.
-/// @param writer   may have textures already.
-/// @param summary  see store::Writer::finish(). @param nodes  all nodes; emptied.
+/// Writes the payloads and the hierarchy to a store: coarse nodes first, siblings together, and the coarse
+/// LODs of each node first.
+/// @param writer   writer of the store, which can contain textures already.
+/// @param summary  see store::Writer::finish(). @param nodes  all nodes; pack() empties the spool.
 ModelSummary pack(store::Writer& writer, ModelSummary summary, NodeSpool& nodes, const PayloadSpool& payloads,
                   const BuildProgress& progress);
 

@@ -17,13 +17,13 @@
 namespace lode::ingest {
 
 /// Kinds of entries in a build's journal, in the order of the stages. The entry of a finished stage begins
-/// with the BuildFacts and the warnings so far.
+/// with the BuildFacts and all warnings up to that stage.
 enum class BuildEntry : uint32_t {
-  kBegun = 1,  ///< BuildIdentity
+  kBegun = 1,  ///< the build has begun; contains its BuildIdentity
   kScanned = 2,
-  kTextures = 3,      ///< only if the input names images
-  kSorting = 4,       ///< progress of dereference and its sorted runs; the last such entry counts
-  kDereferenced = 5,  ///< only if the soup was sorted on disk
+  kTextures = 3,      ///< tiles are encoded; written only if the input names images
+  kSorting = 4,       ///< progress of dereference with its sorted runs; each entry replaces the previous one
+  kDereferenced = 5,  ///< triangles are sorted; written only if they were sorted on disk
   kPartitioned = 6,
   kNodes = 7,  ///< nodes finished since the previous kNodes entry
   kSimplified = 8,
@@ -32,13 +32,13 @@ enum class BuildEntry : uint32_t {
 
 /// Facts about the model that a stage finds and later stages need.
 struct BuildFacts {
-  LatticeChoice choice;          ///< set by scan, like the next three
-  AttributeSet soup_attributes;  ///< taken from the file; without normals if none has a length
+  LatticeChoice choice;          ///< scan sets this member and the next three
+  AttributeSet soup_attributes;  ///< attributes taken from the file; no normals if all have length zero
   UvGrid uv_grid;
   uint64_t dropped_triangles = 0;
-  DereferenceCounts counts;  ///< set by dereference
+  DereferenceCounts counts;  ///< dereference sets this member
 
-  /// Attributes of payloads: soup_attributes, with computed normals if the file has none.
+  /// Returns the attributes of payloads: soup_attributes, with computed normals if the file has no normals.
   AttributeSet payloadAttributes() const noexcept {
     AttributeSet attributes = soup_attributes;
     if (!attributes.has(AttributeSet::kNormal))
@@ -51,7 +51,7 @@ struct BuildFacts {
 struct RecordedBuild {
   std::optional<BuildIdentity> identity;
   std::map<BuildEntry, std::vector<std::byte>> stages;  ///< entries of finished stages
-  std::vector<std::byte> sorting;                       ///< last kSorting entry; empty if there is none
+  std::vector<std::byte> sorting;                       ///< last kSorting entry, or empty
   FinishedNodes finished;
 
   /// Adds an entry. @throws Error kFormat, kLimit.

@@ -10,17 +10,18 @@
 
 namespace lode::ingest {
 
-/// A stage of a build. Its constructor names the stages whose results it takes; it holds its own result for
-/// later stages. BuildSession runs it, or loads its result if a resumed build had finished it.
+/// A stage of a build. The constructor of a stage names the stages whose results the stage needs. The stage
+/// stores its own result for later stages. BuildSession runs the stage, or loads the result if an earlier,
+/// interrupted build had finished the stage.
 class Stage {
  public:
   struct Traits {
-    const char* name;                       ///< in reports and progress
+    const char* name;                       ///< name in reports and progress
     BuildEntry entry;                       ///< journal entry that the finished stage writes
     BuildEntry used_up_by;                  ///< last stage that needs this stage's result
-    std::vector<std::string_view> files{};  ///< files that hold the result until then
+    std::vector<std::string_view> files{};  ///< files that store the result until `used_up_by` is finished
   };
-  /// Work done, for the report.
+  /// Amount of work done, for the report.
   struct Work {
     uint64_t items = 0, temporary_bytes = 0;
   };
@@ -34,14 +35,14 @@ class Stage {
 
   /// Returns false if the input has no work for this stage.
   virtual bool isNeeded() const { return true; }
-  /// @throws Error.
+  /// Does the work of the stage. @throws Error.
   virtual Work run() = 0;
-  /// Returns whether save() can record the result; false if it is only in memory.
+  /// Returns whether save() can record the result. Returns false if the result is only in memory.
   virtual bool isOnDisk() const { return true; }
   /// Records everything that load() needs besides the files and BuildFacts.
   virtual void save(RecordWriter& record) const = 0;
-  /// Restores the result that save() recorded. @param is_used_up  the stages that need the result are
-  /// finished and its files are removed. @throws Error kIo, kFormat.
+  /// Restores the result that save() recorded. @param is_used_up  whether the stages that need the result are
+  /// finished and the files of the result are removed. @throws Error kIo, kFormat.
   virtual void load(RecordReader& record, bool is_used_up) = 0;
 
  private:

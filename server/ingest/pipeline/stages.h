@@ -29,9 +29,9 @@ class ScanStage final : public Stage {
   void save(RecordWriter& record) const override;
   void load(RecordReader& record, bool is_used_up) override;
 
-  /// Names of texture files in the header; empty if the file has no texture coordinates.
+  /// Returns the names of texture files in the header, or nothing if the file has no texture coordinates.
   const std::vector<std::string>& textureFiles() const noexcept { return texture_files_; }
-  /// Images found for these names; empty after load().
+  /// Moves out the images that were found for textureFiles(). Returns nothing after load().
   std::vector<TextureImage> takeImages() { return std::move(images_); }
   std::unique_ptr<PackedInput> takeInput() { return std::move(input_); }
 
@@ -55,7 +55,7 @@ class TextureStage final : public Stage {
   void load(RecordReader& record, bool is_used_up) override;
 
   const StagedTextures& textures() const noexcept { return textures_; }
-  /// Returns null if there are no textures.
+  /// Returns the encoded tiles, or null if the model has no textures.
   const Spool* tiles() const noexcept { return tiles_ ? &*tiles_ : nullptr; }
 
  private:
@@ -71,7 +71,7 @@ class DereferenceStage final : public Stage {
   DereferenceStage(BuildSession& session, ScanStage& scan);
 
   Work run() override;
-  /// Returns false if the sort fit in memory: a resumed build repeats it.
+  /// Returns false if the triangles were sorted in memory. A resumed build then repeats the stage.
   bool isOnDisk() const override { return sorter_->runCount() > 0; }
   void save(RecordWriter& record) const override { sorter_->save(record); }
   void load(RecordReader& record, bool is_used_up) override;
@@ -81,7 +81,8 @@ class DereferenceStage final : public Stage {
  private:
   void openSorter();
   void sortSoup(const PackedInput& input);
-  /// @throws Error kInput if no triangle is left, or if most were lost on the lattice.
+  /// Checks the number of triangles left. @throws Error kInput if no triangle is left, or if most triangles
+  /// were lost on the lattice.
   void checkCounts();
 
   BuildSession& session_;
@@ -113,7 +114,7 @@ class SimplifyStage final : public Stage {
   SimplifyStage(BuildSession& session, PartitionStage& partition);
 
   Work run() override;
-  /// The journal has an entry for each group of finished nodes; nothing else is needed.
+  /// Records nothing, because the journal already has an entry for each group of finished nodes.
   void save(RecordWriter& /*record*/) const override {}
   void load(RecordReader& record, bool is_used_up) override;
 
@@ -137,7 +138,7 @@ class PackStage final : public Stage {
 
   Work run() override;
   void save(RecordWriter& record) const override { record.put(build_id_); }
-  /// BuildSession has already compared the store with the recorded build id.
+  /// Loads nothing, because BuildSession has already compared the store with the recorded build id.
   void load(RecordReader& /*record*/, bool /*is_used_up*/) override {}
 
  private:

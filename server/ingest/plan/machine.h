@@ -4,23 +4,24 @@
 
 namespace lode::ingest {
 
-/// Default memory budget of a build: half of the machine's memory or of the control group's limit. Thread
-/// safe.
+/// Returns the default memory budget of a build: half of the machine's memory or half of the control group's
+/// limit, whichever is smaller. Thread safe.
 uint64_t defaultMemoryBytes();
 
-/// One per core.
+/// Returns the default number of threads of a build: one per core.
 unsigned defaultThreads() noexcept;
 
-/// CPU time of this process so far, over all threads.
+/// Returns the CPU time that all threads of this process have used so far.
 double cpuSeconds() noexcept;
 
-/// Peak resident memory of this process.
+/// Returns the peak resident memory of this process.
 uint64_t peakRssBytes() noexcept;
 
-/// Limits the allocator's heaps with a small memory budget, so that threads reuse each other's freed memory.
+/// Limits the number of the allocator's heaps if the memory budget is small, so that threads reuse each
+/// other's freed memory.
 void shareHeaps(uint64_t memory_bytes) noexcept;
 
-/// Returns freed memory to the system; call it between stages.
+/// Returns freed memory to the system. A build calls this function between stages.
 void trimHeap() noexcept;
 
 }  // namespace lode::ingest

@@ -7,46 +7,47 @@
 
 namespace lode::ingest {
 
-/// Division of a build's memory (I7 in docs/architecture.md). The needs of stages are measured and
-/// proportional to the triangles per node.
+/// Division of a build's memory (I7 in docs/architecture.md). The memory that a stage needs is proportional
+/// to the triangles per node; measurements gave the factors.
 struct MemoryPlan {
-  uint64_t sort_bytes = 0;  ///< for a sort, or for a batch of faces with their vertices
-  unsigned threads = 1;     ///< as requested; fewer if the nodes that they simplify would not fit
-  /// For one texture image: file, texels and buffers to decode and halve them. All memory except that of the
-  /// program and one tile encoder; at least half of it.
+  uint64_t sort_bytes = 0;  ///< memory for a sort, or for a batch of faces with their vertices
+  unsigned threads = 1;     ///< requested number, or fewer if the nodes that the threads simplify would not fit
+  /// Memory for one texture image: its file, its texels, and the buffers to decode and halve the texels. The
+  /// image gets all memory except that of the program and one tile encoder, but at least half of the memory.
   uint64_t image_bytes = 0;
-  uint64_t node_bytes = 0;     ///< for nodes being simplified and the records of all nodes
-  uint64_t minimum_bytes = 0;  ///< needed for one thread's nodes; small models need less
+  uint64_t node_bytes = 0;     ///< memory for nodes being simplified and for the records of all nodes
+  uint64_t minimum_bytes = 0;  ///< least budget for the nodes of one thread; small models need less
 };
 
 MemoryPlan planMemory(uint64_t memory_bytes, unsigned threads, uint32_t triangles_per_node) noexcept;
 
-constexpr uint64_t kNodeRecordBytes = 96;  ///< per node of a tree that is being simplified
+constexpr uint64_t kNodeRecordBytes = 96;  ///< memory per node of a tree that is being simplified
 
-/// Memory to simplify and measure a node. @param triangles  of its input mesh.
+/// Returns the memory to simplify and measure a node. @param triangles  triangles of the node's input mesh.
 constexpr uint64_t memoryOfNode(uint64_t triangles) noexcept {
-  constexpr uint64_t kTriangleBytes = 1024;  ///< quadrics, queue, LODs and the search tree for errors
+  constexpr uint64_t kTriangleBytes = 1024;  ///< memory for quadrics, queue, LODs and the search tree for errors
   return triangles * kTriangleBytes;
 }
 
-/// Returns a warning if a build may exceed the memory budget, with the least budget that suffices; empty if
-/// it does not. @param is_one_node  the whole model fits in one node, which needs little memory.
+/// Returns a warning with the least budget that suffices if a build can exceed the memory budget, else an
+/// empty text. @param is_one_node  whether the whole model fits in one node, which needs little memory.
 std::string smallBudgetInWords(uint64_t memory_bytes, uint32_t triangles_per_node, bool is_one_node);
 /// Returns "--memory is less than the N needed for PURPOSE; ...".
 std::string budgetBelowInWords(uint64_t least_bytes, const std::string& purpose);
 
-/// Budget needed to build one node whose triangles exceed the node capacity, alone.
+/// Returns the budget to build one node whose triangles exceed the node capacity while no other node is
+/// built.
 uint64_t memoryForLargeNode(uint64_t triangles, AttributeSet attributes) noexcept;
 
-/// Least memory budget of which an image may use `image_bytes`.
+/// Returns the least memory budget with which an image can use `image_bytes`.
 uint64_t budgetForImage(uint64_t image_bytes) noexcept;
 
-/// Number of threads that may encode tiles of an image that takes `image_bytes`: as requested, fewer if their
-/// encoders would not fit beside it.
+/// Returns the number of threads that can encode tiles of an image that uses `image_bytes`: the requested
+/// number, or fewer if their encoders and the image would not fit in memory.
 unsigned encoderThreads(uint64_t memory_bytes, uint64_t image_bytes, unsigned threads) noexcept;
 
-/// Forecasts the peak memory of a build. @param texture_bytes  memory of the stage "textures", without the
-/// program's.
+/// Forecasts the peak memory of a build. @param texture_bytes  memory of the stage "textures", without that
+/// of the program.
 uint64_t expectedPeakBytes(const MemoryPlan& plan, uint64_t vertices, uint64_t triangles, AttributeSet file,
                            uint32_t triangles_per_node, uint64_t texture_bytes) noexcept;
 
