@@ -18,8 +18,8 @@ NodeMesh weldSoup(std::span<const std::byte> records, AttributeSet attributes, M
 
 /// Writes a leaf's mesh, which must have no locked vertices.
 void putLeaf(RecordWriter& record, const NodeMesh& mesh);
-/// Reads a mesh that putLeaf() wrote. @throws Error kFormat if the record's length or an index is wrong, or if
-/// a triangle is degenerate.
+/// Reads a mesh that putLeaf() wrote. @throws Error kFormat if the record's length or an index is wrong, or
+/// if a triangle is degenerate.
 NodeMesh getLeaf(RecordReader& record, AttributeSet attributes);
 
 /// Sums the cross products of the triangles at each position, in lattice steps. The sum is a normal in which

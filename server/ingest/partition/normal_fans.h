@@ -24,8 +24,8 @@ struct CreaseAngle {
 };
 
 /// Triangles around each position, grouped into fans with one normal each. Two triangles that share an edge
-/// at the position are in one fan unless the edge is sharp. A single sharp edge that ends at the position does
-/// not split the fan.
+/// at the position are in one fan unless the edge is sharp. A single sharp edge that ends at the position
+/// does not split the fan.
 struct NormalFans {
   std::vector<uint32_t> first;      ///< index of each position's first fan, then the number of fans
   std::vector<uint32_t> of_corner;  ///< fan of each corner; three per triangle

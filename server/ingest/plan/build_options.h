@@ -80,7 +80,7 @@ struct BuildReport {
   struct Stage {
     std::string name;
     double seconds = 0, cpu_seconds = 0;
-    uint64_t items = 0;            ///< number of vertices and faces, triangles, or nodes, depending on the stage
+    uint64_t items = 0;  ///< number of vertices and faces, triangles, or nodes, depending on the stage
     uint64_t temporary_bytes = 0;  ///< bytes that the stage wrote to temporary files
     uint64_t peak_rss_bytes = 0;   ///< peak memory of the process until the stage's end
   };
@@ -88,7 +88,8 @@ struct BuildReport {
   std::vector<Stage> stages;  ///< stages that this run executed
   std::string resumed_from;   ///< first stage that this run executed, if it resumed a build; else empty
   std::vector<std::string> warnings;
-  std::vector<std::string> texture_files;  ///< images that an input with texture coordinates names, found or not
+  std::vector<std::string>
+      texture_files;  ///< images that an input with texture coordinates names, found or not
   uint64_t peak_rss_bytes = 0;
   double seconds = 0, cpu_seconds = 0;
 };

@@ -11,7 +11,7 @@ namespace lode::ingest {
 /// to the triangles per node; measurements gave the factors.
 struct MemoryPlan {
   uint64_t sort_bytes = 0;  ///< memory for a sort, or for a batch of faces with their vertices
-  unsigned threads = 1;     ///< requested number, or fewer if the nodes that the threads simplify would not fit
+  unsigned threads = 1;  ///< requested number, or fewer if the nodes that the threads simplify would not fit
   /// Memory for one texture image: its file, its texels, and the buffers to decode and halve the texels. The
   /// image gets all memory except that of the program and one tile encoder, but at least half of the memory.
   uint64_t image_bytes = 0;
@@ -25,7 +25,8 @@ constexpr uint64_t kNodeRecordBytes = 96;  ///< memory per node of a tree that i
 
 /// Returns the memory to simplify and measure a node. @param triangles  triangles of the node's input mesh.
 constexpr uint64_t memoryOfNode(uint64_t triangles) noexcept {
-  constexpr uint64_t kTriangleBytes = 1024;  ///< memory for quadrics, queue, LODs and the search tree for errors
+  constexpr uint64_t kTriangleBytes =
+      1024;  ///< memory for quadrics, queue, LODs and the search tree for errors
   return triangles * kTriangleBytes;
 }
 
