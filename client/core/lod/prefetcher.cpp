@@ -21,7 +21,8 @@ bool Prefetcher::lookAhead(const Model& model, const RefineOptions& options, Tim
     return had_requests;
   uint64_t bytes = 0;
   for (Request request : wantedAhead(model, options, now)) {
-    if (request.request_class != proto::RequestClass::kVisible) break;  // visible requests come first
+    // Requests are sorted by class, visible first.
+    if (request.request_class != proto::RequestClass::kVisible) break;
     if (!model.wants(request)) continue;
     bytes += request.blob.bytes;
     if (bytes > kMaxPrefetchBytes && !requests_.empty()) break;

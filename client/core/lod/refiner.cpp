@@ -11,11 +11,12 @@
 namespace lode::core {
 namespace {
 
-// Pages are small, and nothing below a node can be requested without its page.
+// Pages are small, and no blob below a node can be requested before the node's child page is loaded.
 constexpr float kPagePriorityFactor = 16;
-// Hidden nodes come after everything visible.
+// Blobs of hidden nodes are requested after all visible blobs.
 constexpr float kHiddenPriorityFactor = 1e-6f;
-// A hidden node's coarsest LOD serves as stand-in if it takes at most half of the bytes wanted there.
+// A hidden node's coarsest LOD serves as stand-in if its size is at most half of the wanted bytes at and
+// below the node.
 constexpr uint64_t kStandInBytesRatio = 2;
 
 /// One refinement: builds the best cut that the resident meshes allow, and the requests for the rest.
@@ -80,7 +81,7 @@ class Run {
     return place;
   }
 
-  /// Returns true if resident meshes, at the node or below it, cover its region near the view.
+  /// Returns true if resident meshes, at the node or below, cover the part of its region near the view.
   bool covered(WantedNode& wanted) { return anyReady(wanted) || !wanted.near || childrenCovered(wanted); }
 
   bool childrenCovered(WantedNode& wanted) {
@@ -97,8 +98,8 @@ class Run {
     return all;
   }
 
-  /// Same below the wanted cut. Stops at the first uncovered node, so that the number of visited nodes is
-  /// bounded by the number of resident meshes.
+  /// Returns childrenCovered() for a node below the wanted cut. Stops at the first uncovered node, so that
+  /// the number of resident meshes limits the number of visited nodes.
   bool finerChildrenCovered(const KnownNode& node) {
     const auto children = node.knownChildren();
     return !children.empty() && std::all_of(children.begin(), children.end(), [this](const KnownNode& child) {
@@ -113,7 +114,7 @@ class Run {
     return seen_ != nullptr && wanted.near && !seen_->in(wanted.node->key);
   }
 
-  /// Priority of a request in the view: the projected error that its arrival helps to remove.
+  /// Returns the priority of a request in the view: the projected error that the blob helps to remove.
   float priorityOf(float shown_px) const {
     return below_hidden_ ? shown_px * kHiddenPriorityFactor : shown_px;
   }
@@ -129,8 +130,8 @@ class Run {
     below_hidden_ = false;
   }
 
-  /// Leaves out a missing part outside the view, so that it delays nothing. Its request comes after
-  /// everything visible.
+  /// Leaves out a missing part outside the view, so that the part delays no visible part. The part is
+  /// requested after all visible blobs.
   void leaveOut(const WantedNode& wanted) {
     whole_ = false;
     uncovered_.push_back({wanted.node->key, toModelBox(wanted.node->box, step_)});
@@ -140,14 +141,14 @@ class Run {
 
   // ---- fallbacks
 
-  /// Sizes of the cut before the children of a node.
+  /// Sizes of the cut's lists before a node's children are added.
   struct Progress {
     size_t parts, uncovered, fallbacks;
   };
   Progress progress() const { return {cut_->parts.size(), uncovered_.size(), cut_->fallbacks.size()}; }
 
-  /// Returns the finest resident LOD of a node that fits the fallback budgets; for the root at least the
-  /// coarsest resident one.
+  /// Returns the finest resident LOD of a node that fits the fallback budgets. For the root, returns the
+  /// coarsest resident LOD if none fits.
   std::optional<uint32_t> fallbackLod(const WantedNode& wanted) const {
     const MeshCache::Lods& resident = *wanted.resident;
     for (uint32_t lod = 0; lod < wanted.node->lods.size(); ++lod)
@@ -160,7 +161,7 @@ class Run {
   }
 
   /// Adds a node as fallback for the parts that its children leave out. Does nothing if no LOD fits the
-  /// budgets: an ancestor takes over.
+  /// budgets; an ancestor then becomes the fallback.
   void addFallback(const WantedNode& wanted, const Progress& before) {
     if (uncovered_.size() == before.uncovered) return;
     const std::optional<uint32_t> lod = fallbackLod(wanted);
@@ -184,7 +185,8 @@ class Run {
     cut_->fallbacks.push_back(std::move(fallback));
   }
 
-  /// Requests the wanted LOD of a part. @param shown_px  error of its stand-in.
+  /// Requests the wanted LOD of a part. @param shown_px  projected error of the stand-in shown until the
+  /// wanted LOD arrives.
   void request(const WantedNode& part, float shown_px) {
     request(part, part.lod, part.near ? priorityOf(shown_px) : want_.errorPx(part, part.lod), part.near);
   }
@@ -206,7 +208,8 @@ class Run {
     ask(wanted, want_.errorPx(wanted, lod));
   }
 
-  /// Shows the wanted LOD of a part, or else a finer LOD, finer nodes or a coarser LOD.
+  /// Shows the wanted LOD of a part. If it is missing, shows a finer LOD, finer nodes or a coarser LOD, in
+  /// this order.
   void showPart(WantedNode& part) {
     const uint32_t wanted = part.lod;
     const bool is_blocked = part.role == Role::kBlocked;
@@ -236,7 +239,8 @@ class Run {
     for (const KnownNode& child : node.knownChildren()) showFiner(child);
   }
 
-  /// Shows the coarsest resident LOD of a node below a wanted part, or its children.
+  /// Shows the coarsest resident LOD of a node below a wanted part, or the node's children if no LOD is
+  /// resident.
   void showFiner(const KnownNode& node) {
     const WantedNode place = standIn(node);
     for (uint32_t lod = WantedCut::lastLod(node) + 1; lod-- > 0;)
@@ -245,7 +249,7 @@ class Run {
     uncovered_.push_back({node.key, toModelBox(node.box, step_)});
   }
 
-  /// Relation of a shown part to the part that is wanted there.
+  /// Relation of a shown part to the wanted part that it represents.
   enum class Fit { kWanted, kFiner, kCoarser };
 
   float thresholdOf(float error_px, Fit fit) const {
@@ -286,8 +290,8 @@ class Run {
 
   // ---- the requests
 
-  /// Requests the wanted cut at and below a node that shows something coarser.
-  /// @param shown_px  error of the mesh shown there when the requests are answered.
+  /// Requests the missing parts of the wanted cut at and below a node that shows a coarser stand-in.
+  /// @param shown_px  projected error of the stand-in that is shown until the requests are answered.
   void ask(WantedNode& wanted, float shown_px) {
     const bool begins = !below_hidden_ && isHidden(wanted) && (covered(wanted) || standInIsCheap(wanted));
     if (begins && !covered(wanted))
@@ -297,7 +301,7 @@ class Run {
     if (begins) below_hidden_ = false;
   }
 
-  /// Returns true if a hidden node's coarsest LOD is worth loading before everything visible is resident.
+  /// Returns true if a hidden node's coarsest LOD is worth loading before all visible blobs are resident.
   static bool standInIsCheap(const WantedNode& wanted) {
     const uint64_t stand_in_bytes = wanted.node->lods.back().payload.bytes;
     return wanted.role == Role::kBlocked || wanted.below_bytes >= kStandInBytesRatio * stand_in_bytes;
@@ -377,14 +381,14 @@ class Run {
   const bool may_leave_out_;  // the root is resident and can serve as fallback
 
   std::shared_ptr<Cut> cut_;
-  std::vector<LeftOut> uncovered_;  // left out, no fallback yet
+  std::vector<LeftOut> uncovered_;  // left-out nodes that have no fallback yet
   uint64_t fallback_bytes_ = 0, fallback_drawn_bytes_ = 0;
-  bool exact_ = true;          // the published cut is the wanted one near the view
-  bool whole_ = true;          // nothing is left out
-  bool below_hidden_ = false;  // requests are at or below a hidden node
+  bool exact_ = true;          // the published cut equals the wanted cut near the view
+  bool whole_ = true;          // no part is left out
+  bool below_hidden_ = false;  // the current node is hidden or lies below a hidden node
   std::vector<Request> wanted_;
   std::vector<MeshKey> in_use_, ancestors_;
-  std::vector<NodeKey> pages_;  // needed only by stand-ins
+  std::vector<NodeKey> pages_;  // owners of pages that only stand-ins need
 };
 
 }  // namespace

@@ -23,12 +23,12 @@ enum class BlobKind : uint8_t { kMesh, kPage, kRootPage, kTextureSet, kTile };
 /// Purpose of a requested blob. The session returns it with the blob or the refusal.
 struct BlobUse {
   BlobKind kind = BlobKind::kMesh;
-  MeshKey mesh;  ///< for a page: its owner node, LOD 0
+  MeshKey mesh;  ///< mesh of a payload; for a page, the page's owner node and LOD 0
 
   friend constexpr auto operator<=>(const BlobUse&, const BlobUse&) = default;
 };
 
-/// Open requests by class, and among them those for texture tiles.
+/// Number of open requests by class, and the number of those requests that are for texture tiles.
 struct RequestCounts {
   uint64_t visible = 0, margin = 0, prefetch = 0;
   uint64_t tiles = 0;
@@ -52,12 +52,12 @@ struct Request {
   BlobRef blob = {};
   BlobUse use = {};
   proto::RequestClass request_class = proto::RequestClass::kVisible;
-  float priority_px = 0;     ///< projected error that its arrival helps to remove
-  bool is_stand_in = false;  ///< shown only until the wanted meshes below it are resident
+  float priority_px = 0;     ///< projected error that the blob helps to remove
+  bool is_stand_in = false;  ///< the mesh is shown only until the wanted meshes below its node are resident
 };
 
-/// Merges the requests of several views. Each blob use appears once, with its best class and highest
-/// priority; best first.
+/// Merges the requests of several views. The result contains each blob use once, with the best class and
+/// highest priority, and is sorted best first.
 std::vector<Request> mergeRequests(std::span<const std::vector<Request>> requests);
 
 }  // namespace lode::core

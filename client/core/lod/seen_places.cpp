@@ -10,10 +10,10 @@
 namespace lode::core {
 namespace {
 
-constexpr double kWidth = 160, kHeight = 90;  // largest size of the depth buffer, without margin
+constexpr double kWidth = 160, kHeight = 90;  // largest size of the depth buffer in pixels, without margin
 constexpr size_t kFewOf = 512;                // "few" is below 1/512 of all cells
-constexpr size_t kFewOfPart = 4;              // and below 1/4 of the mean per part
-constexpr double kMostTried = 1u << 22;       // pixels tested over all triangles
+constexpr size_t kFewOfPart = 4;              // and below 1/4 of the mean number of cells per part
+constexpr double kMostTried = 1u << 22;       // largest number of pixel tests over all triangles
 
 /// Spreads the bits of a coordinate to every third bit.
 uint64_t spread(uint64_t bits) {
@@ -82,7 +82,8 @@ class SmallPicture {
     return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
   }
 
-  /// Clips a triangle at the near plane and draws it. Coordinates: right, up, away from the eye.
+  /// Clips a triangle at the near plane and draws it. The coordinate axes point right, up and away from the
+  /// eye.
   void clip(const std::array<glm::dvec3, 3>& corners) {
     std::array<glm::dvec3, 4> seen;
     size_t count = 0;
@@ -111,7 +112,7 @@ class SmallPicture {
     if (!complete()) return;
     const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if (area == 0) return;
-    // Barycentric weights and nearness change linearly across the picture.
+    // Barycentric weights and nearness (1 / depth) are linear in pixel coordinates.
     const double right_b = (c.y - a.y) / area, right_c = (a.y - b.y) / area;
     const double right_nearness = right_b * (b.z - a.z) + right_c * (c.z - a.z);
     for (double y = low; y <= high; ++y) {
@@ -142,7 +143,7 @@ std::optional<SeenPlaces> SeenPlaces::of(const Cut& cut, const ModelSummary& mod
   SmallPicture picture(cut.view);
   for (const CutPart& part : cut.parts) picture.draw(*part.mesh, model.lattice.step);
   if (!picture.complete()) return std::nullopt;
-  // The root cell is the cube at the lattice origin with the longest side of the model.
+  // The root cell is a cube at the lattice origin; its side is the longest side of the model.
   const glm::uvec3 extent = model.box.max;
   const double side_model = model.lattice.step * (std::max({extent.x, extent.y, extent.z}) + 1.0);
   SeenPlaces seen;

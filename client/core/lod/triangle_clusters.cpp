@@ -11,7 +11,7 @@ namespace lode::core {
 namespace {
 
 constexpr int kPlaceBits = 10;  ///< bits per axis; the longest side of the mesh spans all of them
-constexpr int kDigits = 3;      ///< radix sort digits of a Morton code, kPlaceBits bits each
+constexpr int kDigits = 3;  ///< number of radix sort digits of a Morton code; each digit has kPlaceBits bits
 
 /// Returns three times the centroid of a triangle.
 glm::uvec3 middleOf(const Mesh& mesh, const glm::u32vec3& triangle) {
@@ -27,7 +27,7 @@ constexpr uint32_t spread(uint32_t place) noexcept {
   return (place | place << 2) & 0x09249249;
 }
 
-/// Returns per triangle its Morton code in the upper and its index in the lower 32 bits.
+/// Returns one value per triangle: its Morton code in the upper 32 bits and its index in the lower 32 bits.
 std::vector<uint64_t> codesOf(const Mesh& mesh) {
   std::vector<glm::uvec3> middles;
   middles.reserve(mesh.triangles.size());
@@ -49,7 +49,7 @@ std::vector<uint64_t> codesOf(const Mesh& mesh) {
   return codes;
 }
 
-/// Sorts by Morton code; stable.
+/// Sorts triangles by Morton code, with a stable radix sort.
 void sortByCode(std::vector<uint64_t>& codes) {
   std::vector<uint64_t> sorted(codes.size());
   for (int digit = 0; digit < kDigits; ++digit) {

@@ -14,7 +14,7 @@ constexpr uint64_t kFinerRatio = 2;     // growth of the triangle count that tri
 constexpr uint64_t kFallbackShare = 8;  // fallbacks get 1/8 of the mesh budget and of the drawn budget
 constexpr uint64_t kReserveShare = 4;   // 1/4 of a budget must be free before a degradation is undone
 constexpr float kStepsOfTwo = 4;        // the threshold is raised in steps of 2^1/4
-constexpr int kMostCoarsening = 80;     // at most 2^20 times the threshold
+constexpr int kMostCoarsening = 80;     // largest number of steps; the threshold grows at most by 2^20
 
 /// @param with_reserve  requires 1/kReserveShare of the budget to stay free.
 bool hasRoom(uint64_t bytes, uint64_t budget_bytes, bool with_reserve) {
@@ -68,7 +68,8 @@ const std::shared_ptr<const Cut>& ViewGroup::cut() const noexcept {
   return view_cuts_ ? view_cuts_->all : kNone;
 }
 
-/// Estimates occlusion unless the cut has converged: once, and again whenever the triangle count has doubled.
+/// Estimates occlusion once, and again whenever the triangle count has doubled. Does nothing if the cut has
+/// converged.
 /// @return true if there is a new estimate.
 bool ViewGroup::updateOcclusion(ViewState& state, const Cut& cut, const ModelSummary& model) {
   if (cut.converged || cut.triangles < kFinerRatio * state.seen_triangles ||
@@ -123,8 +124,8 @@ bool ViewGroup::fits(const Wanted& wanted, bool with_reserve) const noexcept {
          hasRoom(wanted.drawn_bytes, options_.drawn_budget_bytes, with_reserve);
 }
 
-/// Refines all views with one threshold: the requested one, or the smallest that fits the budgets. Lowers a
-/// raised threshold only if a reserve stays free, so that it does not oscillate.
+/// Refines all views with one threshold: the requested threshold, or the smallest threshold that fits the
+/// budgets. Lowers a raised threshold only if a reserve stays free, so that the threshold does not oscillate.
 ViewGroup::Gathered ViewGroup::refineWithin(const Model& model) {
   const auto refineNow = [&] {
     RefineOptions options = optionsAt(Degradation::kNone);
@@ -152,7 +153,7 @@ ViewGroup::Gathered ViewGroup::refineWithin(const Model& model) {
   }
   wanted_bytes_ = wanted.bytes;
   if (coarsening_ == 0) return gathered;
-  // Halving the error quadruples the triangles, up to those of the original.
+  // Halving the error quadruples the triangles, but their number cannot exceed the original's.
   const uint64_t triangles = model.summary().triangles;
   const double most_bytes =
       std::max(static_cast<double>(wanted.bytes),
@@ -179,8 +180,8 @@ bool ViewGroup::keep(Model& model, const Gathered& gathered, bool with_reserve) 
          (!gathered.all || hasRoom(gathered.all->drawn_bytes, drawn_budget_bytes_, with_reserve));
 }
 
-/// Drops fallbacks, then stand-ins finer than wanted, until the rest fits. Restores them only if a reserve
-/// stays free or the cuts have settled, so that not every arrival changes the whole cut.
+/// Drops fallbacks, then also stand-ins finer than wanted, until the rest fits. Restores these parts only if
+/// a reserve stays free or the cuts have settled, so that single arrivals do not change the whole cut.
 void ViewGroup::fit(Model& model, Gathered& gathered) {
   const Degradation before = degradation_;
   degradation_ = Degradation::kNone;
@@ -198,12 +199,13 @@ bool ViewGroup::refine(Model& model) {
   if (!views_changed_ && model_version_ == model.version()) return false;
   views_changed_ = false;
   model_version_ = model.version();
-  // Half for the wanted cuts and half for the shown ones, so that neither blocks the other.
+  // The wanted cuts may use half of the mesh budget, and the shown cuts the other half, so that neither
+  // blocks the other.
   options_.hierarchy_budget_bytes = model.hierarchyBudgetBytes();
   options_.cut_budget_bytes = model.meshes().budgetBytes() / 2;
   options_.fallback_budget_bytes = model.meshes().budgetBytes() / kFallbackShare;
   Gathered gathered = refineWithin(model);
-  // With several views, mostly other models hide this one, so occlusion is not estimated.
+  // Estimate occlusion only for a single view: with several, mostly other instances hide a node.
   if (views_.size() == 1 && gathered.all && updateOcclusion(views_.front(), *gathered.all, model.summary()))
     gathered = refineWith(model, optionsAt(Degradation::kNone));
   fit(model, gathered);
@@ -264,7 +266,7 @@ void ViewGroup::addTextures(Cut& all, std::span<const Refinement> refinements, M
     for (size_t number = 0; number < partCount(cut); ++number) {
       const CutPart& part = partOf(cut, number);
       const MeshKey key{part.node, part.lod};
-      if (model.meshes().footprint(key) == nullptr)  // decoded before the texture set arrived
+      if (model.meshes().footprint(key) == nullptr)  // the mesh was decoded before the texture set arrived
         model.meshes().setFootprint(
             key, std::make_shared<const TextureFootprint>(makeFootprint(*part.mesh, *set, step)));
       const ModelBox box = toModelBox(model.hierarchy().find(part.node)->box, step);

@@ -17,19 +17,20 @@ namespace lode::core {
 
 /// The views of one model that are drawn together, one per instance of the model. Refines a cut for each view
 /// from the resident meshes and collects the requests for the missing ones. All views share meshes and
-/// budgets; if a budget is too small for several views, one larger threshold applies to all. Not thread safe;
-/// the published cuts are.
+/// budgets; if a budget is too small for several views, one larger threshold applies to all. Not thread safe,
+/// but any thread may read the published cuts.
 class ViewGroup {
  public:
-  /// @param options  see RefineOptions. Here the drawn budget covers the cut and its fallbacks together.
+  /// @param options  see RefineOptions; the drawn budget applies to the cut and its fallbacks together.
   explicit ViewGroup(const RefineOptions& options = {});
 
   /// Replaces RefineOptions::drawn_budget_bytes.
   void setDrawnBudget(uint64_t bytes) noexcept;
-  /// @param views  in the model frame; all pictures have one size.
+  /// @param views  views in the model frame, all with the same picture size.
   void setViews(std::span<const View> views, float threshold_px);
   void setView(const View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
-  /// Another build has replaced the model. The last cut stays until the new build has one.
+  /// Notes that another build has replaced the model. The last cut stays until a cut of the new build is
+  /// published.
   void forgetModel() noexcept;
 
   /// Refines if a view or the model has changed. @return true if it refined.
@@ -48,41 +49,41 @@ class ViewGroup {
   const RefineOptions& options() const noexcept { return options_; }
   /// Number of views; 0 before setViews().
   size_t viewCount() const noexcept { return views_.size(); }
-  /// @param number  below viewCount().
+  /// @param number  number less than viewCount().
   const View& view(size_t number) const noexcept { return views_[number].view; }
-  /// Returns true if a budget keeps the last cuts from converging.
+  /// Returns true if a budget prevents the last cuts from converging.
   bool limited() const noexcept { return limited_; }
-  /// Mesh memory that the views need at the requested threshold; an estimate if a budget is too small for it.
-  /// 0 for a single view, unless RefineOptions::shares_memory is set.
+  /// Memory of the meshes that the views need at the requested threshold; an estimate if a budget is too
+  /// small for these meshes. 0 for a single view, unless RefineOptions::shares_memory is set.
   uint64_t wantedBytes() const noexcept { return wanted_bytes_; }
   /// Returns true if the last cuts are final for these views and budgets.
   bool settled() const noexcept { return settled_; }
 
  private:
-  /// Degradation steps when memory is short; each includes the steps before it.
+  /// Degradation steps when memory is short; each step includes all earlier steps.
   enum class Degradation { kNone, kNoFallbacks, kNoFinerStandIns };
 
   /// A view and its state between refinements.
   struct ViewState {
     View view;
     std::vector<HeldNode> held;
-    std::optional<SeenPlaces> seen;  // nothing: occlusion is unknown
+    std::optional<SeenPlaces> seen;  // nothing if occlusion is unknown
     uint64_t seen_triangles = 0;     // triangles of the cut that `seen` was computed from
   };
 
   /// Results of one refinement of all views.
   struct Gathered {
-    std::vector<Refinement> refinements;  // by view
-    std::shared_ptr<Cut> all;             // null while a view has no cut
+    std::vector<Refinement> refinements;  // results indexed by view
+    std::shared_ptr<Cut> all;             // union of the cuts; null while a view has no cut
   };
 
   static bool updateOcclusion(ViewState& state, const Cut& cut, const ModelSummary& model);
   Gathered refineWith(const Model& model, const RefineOptions& options) const;
   RefineOptions optionsAt(Degradation degradation) const;
-  /// Memory of all wanted cuts together: decoded, and on the GPU.
+  /// Memory of all wanted cuts together: of the decoded meshes, and on the GPU.
   struct Wanted {
     uint64_t bytes = 0, drawn_bytes = 0;
-    bool limited = false;  // a budget stopped one of them
+    bool limited = false;  // a budget stopped the refinement of at least one view
   };
 
   bool usesOneThreshold() const noexcept { return views_.size() > 1 || options_.shares_memory; }
@@ -96,17 +97,17 @@ class ViewGroup {
   void addTextures(Cut& all, std::span<const Refinement> refinements, Model& model);
 
   RefineOptions options_;
-  uint64_t drawn_budget_bytes_ = 0;  // for the cuts and their fallbacks
+  uint64_t drawn_budget_bytes_ = 0;  // budget for the cuts and their fallbacks together
   std::vector<ViewState> views_;
-  uint64_t model_version_ = 0;  // at the last refinement
+  uint64_t model_version_ = 0;  // Model::version() at the last refinement
   bool views_changed_ = false;
   std::shared_ptr<const ViewCuts> view_cuts_;
   uint64_t cut_build_ = 0;
   std::vector<Request> requests_;
   std::vector<NodeKey> pages_;
-  Degradation degradation_ = Degradation::kNone;  // in the last refinement
+  Degradation degradation_ = Degradation::kNone;  // degradation in the last refinement
   uint64_t wanted_bytes_ = 0;
-  int coarsening_ = 0;  // steps by which the threshold is raised
+  int coarsening_ = 0;  // number of steps by which the threshold is raised
   bool limited_ = false, settled_ = false;
 };
 

@@ -8,7 +8,7 @@
 namespace lode::core {
 namespace {
 
-constexpr size_t kUsualNodes = 8192;       // nodes reserved in advance
+constexpr size_t kUsualNodes = 8192;       // number of nodes for which memory is reserved
 constexpr uint64_t kCoverBytesRatio = 20;  // a covering step costs at most 1/20 of the bytes wanted below it
 
 uint64_t partBytes(const Lod& lod, AttributeSet attributes) {
@@ -111,7 +111,7 @@ void WantedCut::refine() {
     if (!replacePart(takeNext()) || (stopped_ && !is_best_first_)) return;
 }
 
-/// Replaces a part by its finer LOD or its children. @return false if a budget forbids it.
+/// Replaces a part by its finer LOD or its children. @return false if a budget forbids the replacement.
 bool WantedCut::replacePart(const Candidate& candidate) {
   WantedNode& wanted = nodes_[candidate.place];
   const KnownNode& node = *wanted.node;
@@ -152,7 +152,7 @@ bool WantedCut::expand(const Candidate& candidate, const Totals& without) {
   Totals totals = without;
   for (uint32_t i = 0; i < children.size(); ++i) {
     WantedNode& child = nodes_.emplace_back(this->place(children[i], in_sight));
-    child.held = held_child == 0 ? 0 : held_child + i + 1;  // 1-based
+    child.held = held_child == 0 ? 0 : held_child + i + 1;  // index plus 1
     if (child.visible) skipWorse(child, candidate.error_px);
     totals.add(children[i].lods[child.lod], attributes_);
   }
@@ -170,7 +170,8 @@ bool WantedCut::expand(const Candidate& candidate, const Totals& without) {
   return true;
 }
 
-/// Raises a node to the coarsest LOD whose error does not exceed the error of the part it replaces.
+/// Raises a node to the coarsest LOD whose error does not exceed the error of the part that the node
+/// replaces.
 void WantedCut::skipWorse(WantedNode& wanted, float replaced_px) const {
   for (auto finer = wanted.node->finerLod(wanted.lod); finer && errorPx(wanted, wanted.lod) > replaced_px;
        finer = wanted.node->finerLod(wanted.lod))
@@ -186,14 +187,16 @@ bool WantedCut::fits(const Candidate& candidate, const Totals& totals) {
   return fits;
 }
 
-/// Notes that a budget stopped a part. Parts refined by hysteresis alone do not make the cut limited.
+/// Notes that a budget stopped the refinement of a part. The cut is limited only if such a part exceeds the
+/// threshold, not if hysteresis alone would refine it.
 void WantedCut::stopAt(const Candidate& candidate) {
   stopped_ = true;
   limited_ |= candidate.error_px > options_.threshold_px;
 }
 
-/// Chooses the covering step: on each path the deepest expanded node, at its finest LOD, whose bytes are few
-/// compared with those wanted below it. Ignores which meshes are resident, so that requests do not oscillate.
+/// Chooses the covering step: on each path, the deepest expanded node that has a LOD whose payload is small
+/// compared with the wanted payloads below, at the finest such LOD. Ignores which meshes are resident, so
+/// that requests do not oscillate.
 WantedCut::Below WantedCut::chooseCovers(WantedNode& wanted) {
   const KnownNode& node = *wanted.node;
   if (wanted.role == Role::kPart) {

@@ -16,44 +16,45 @@ namespace lode::core {
 
 /// Role of a node in the wanted cut.
 enum class Role : uint8_t {
-  kPart,      ///< a part of the cut
-  kExpanded,  ///< replaced by its children
-  kBlocked,   ///< to be replaced by its children, whose page is not loaded
+  kPart,      ///< the node is a part of the cut
+  kExpanded,  ///< children replace the node
+  kBlocked,   ///< children should replace the node, but their page is not loaded
 };
 
 struct WantedNode {
   const KnownNode* node = nullptr;
   bool visible = false;
   bool wholly_visible = false;
-  bool near = false;  ///< in the view or its margin
+  bool near = false;  ///< the node is in the view or its margin
   Role role = Role::kPart;
   uint32_t lod = 0;
-  std::optional<uint32_t> cover_lod;          ///< LOD of the covering step, if the node is part of it
-  std::optional<bool> children_covered;       ///< cached by the refiner
-  const MeshCache::Lods* resident = nullptr;  ///< set by the refiner
+  std::optional<uint32_t> cover_lod;  ///< LOD that the covering step shows, if it includes this node
+  /// Result that the refiner caches: resident meshes cover all children.
+  std::optional<bool> children_covered;
+  const MeshCache::Lods* resident = nullptr;  ///< resident LODs of the node; set by the refiner
   double distance_model = 0;
-  uint64_t below_bytes = 0;  ///< payloads that the wanted cut has near the view, at this node and below
-  uint32_t first_child = 0;  ///< index of the first child, if expanded: see children()
-  uint32_t held = 0;         ///< 1-based index into the previous refinement; 0: not reached
+  uint64_t below_bytes = 0;  ///< size of the wanted cut's payloads near the view, at this node and below
+  uint32_t first_child = 0;  ///< index of the first child if the node is expanded: see children()
+  uint32_t held = 0;  ///< index in the previous refinement's held nodes plus 1; 0: the node is not among them
 };
 
-/// A mesh of the wanted cut, resident or not, with its decoded size and its size in GPU memory.
+/// A mesh of the wanted cut, resident or not, with its decoded size and its GPU memory.
 struct WantedMesh {
   MeshKey key;
   uint64_t bytes = 0, drawn_bytes = 0;
 };
 
-/// The cut that a view needs of the known octree, regardless of which meshes are resident. Refinement starts
+/// The cut of the known octree that a view needs, regardless of which meshes are resident. Refinement starts
 /// at the root's coarsest LOD. The part with the largest projected error is replaced by its next finer LOD,
 /// or at LOD 0 by its children, until no visible part exceeds the threshold or a budget is reached. Children
 /// start at their coarsest LOD; visible children start at the coarsest LOD whose error does not exceed the
-/// error of the part that they replace, since far LODs may be coarser. Lost LODs are skipped in favour of
-/// finer ones; a part stays if nothing below it can be loaded. Node keys break ties. Parts outside the view
-/// are not refined. Without a budget the order does not change the result, so the first attempt uses no
-/// priority queue.
+/// error of the replaced part, because a child's far LODs may have larger errors. If a LOD is lost, the next
+/// finer LOD replaces it. A part stays if its children cannot be loaded. Node keys break ties. Parts outside
+/// the view are not refined. Without a budget, the order does not change the result. The first attempt
+/// therefore uses no priority queue.
 class WantedCut {
  public:
-  /// @param held  held() of the previous refinement; used only with hysteresis.
+  /// @param held  result of held() in the previous refinement; used only with hysteresis.
   WantedCut(const Hierarchy& hierarchy, double lattice_step, AttributeSet attributes, const View& view,
             const RefineOptions& options, std::span<const HeldNode> held);
 
@@ -64,7 +65,7 @@ class WantedCut {
     return std::span(nodes_).subspan(wanted.first_child, wanted.node->knownChildren().size());
   }
   /// Returns a node with its visibility and distance for this view.
-  /// @param in_sight  skips the visibility test, because the parent is wholly visible.
+  /// @param in_sight  true skips the visibility test; only for a node whose parent is wholly visible.
   WantedNode place(const KnownNode& node, bool in_sight = false) const;
   float errorPx(const WantedNode& wanted, uint32_t lod) const;
 
@@ -97,8 +98,8 @@ class WantedCut {
   };
   /// Result of chooseCovers() for one subtree.
   struct Below {
-    uint64_t bytes = 0;    // payloads that the wanted cut has near the view
-    bool settled = false;  // has a covering step, or a page is not loaded
+    uint64_t bytes = 0;    // size of the wanted cut's payloads near the view
+    bool settled = false;  // the subtree has a covering step, or one of its pages is not loaded
   };
 
   void begin();
@@ -125,7 +126,7 @@ class WantedCut {
   Totals totals_;
   uint64_t page_bytes_ = 0;
   std::vector<NodeKey> pages_;
-  bool stopped_ = false;  // at a budget
+  bool stopped_ = false;  // refinement stopped at a budget
   bool limited_ = false, blocked_ = false, stopped_by_loss_ = false;
 };
 
