@@ -52,8 +52,8 @@ void FullClient::noteLatency(const RequestClock::Request& request, core::TimePoi
   counts_.latency[static_cast<size_t>(request.request_class)].add(now - request.sent);
 }
 
-/// One whose server was going away counts only if it still owed something. What ends the client is noted with
-/// its end.
+/// Counts a broken connection. A connection whose server was going away counts only if requests were open.
+/// @param is_last  the failure ends the client: guarded() counts its error.
 void FullClient::noteBroken(core::SessionRole role, const Error& why, bool is_last) {
   const uint64_t open = engine_.openRequests(role);
   if ((role == core::SessionRole::kActive && engine_.staysConnected()) || open > 0) {
@@ -64,7 +64,7 @@ void FullClient::noteBroken(core::SessionRole role, const Error& why, bool is_la
   lose(role);
 }
 
-/// What its connection owed will be requested again, if the view still wants it.
+/// Moves the open requests of a connection to lost_: the client repeats them if the view still needs them.
 void FullClient::lose(core::SessionRole role) {
   RequestClock::Requests open = std::exchange(clocks_[static_cast<size_t>(role)], {}).open();
   lost_.merge(open);
@@ -99,7 +99,7 @@ void FullClient::keepConnected(core::TimePoint now) {
   if (!engine_.wantsConnection(now)) return;
   auto& [newest, leaving] = transports_;
   if (engine_.connected()) {
-    // Two servers left one soon after the other.
+    // Two servers left in short succession: give up the connection to the first one.
     counts_.failed_requests += engine_.openRequests(core::SessionRole::kDraining);
     lose(core::SessionRole::kDraining);
     leaving = std::move(newest);
@@ -130,7 +130,7 @@ void FullClient::receive() {
       }
       if (!engine_.connected(role)) ended_.push_back(std::move(transport));
     }
-    if (path_.keys.empty()) look(now);  // the model is known now, and the first picture waits for no frame
+    if (path_.keys.empty()) look(now);  // the model may have arrived: do not wait for the next frame
     work(now);
   });
 }
@@ -147,7 +147,7 @@ void FullClient::look(core::TimePoint now) {
                   plan_.pixels);
 }
 
-/// Along the path, and still at its end for as long as the pause takes.
+/// Returns the camera for a time: it follows the path and rests at the end of the path during the pause.
 core::CameraKey FullClient::camera(core::TimePoint now) {
   const double from_s = path_.keys.front().t, path_s = path_.keys.back().t - from_s;
   while (path_s > 0 && now >= round_begin_ + ofSeconds(path_s + pause_s_)) {
@@ -158,7 +158,7 @@ core::CameraKey FullClient::camera(core::TimePoint now) {
   return core::cameraAt(path_, from_s + std::min(at_s, path_s));
 }
 
-/// Until nothing is left to decode.
+/// Steps the engine, sends its requests and decodes blobs until none is left to decode.
 void FullClient::work(core::TimePoint now) {
   for (bool decoded = true; decoded;) {
     engine_.step(now);
@@ -176,11 +176,11 @@ void FullClient::work(core::TimePoint now) {
   const uint64_t received = engine_.counts().received_bytes;
   counts_.bytes += received - std::exchange(received_bytes_, received);
   const core::Cut* const cut = engine_.cut().get();
-  const auto sinceStart = [&] { return std::chrono::steady_clock::now() - start_; };  // decoding included
+  const auto sinceStart = [&] { return std::chrono::steady_clock::now() - start_; };  // includes decoding
   if (cut != nullptr && !std::exchange(image_seen_, true)) counts_.first_image.add(sinceStart());
   const bool has_all = cut != nullptr && cut->converged;
   if (has_all && !std::exchange(converged_, true)) counts_.converged.add(sinceStart());
-  if (has_all && engine_.staysConnected()) lost_.clear();  // the view wants them no more
+  if (has_all && engine_.staysConnected()) lost_.clear();  // the view no longer needs them
 }
 
 void FullClient::decode(const core::DecodeJob& job) {
@@ -189,7 +189,7 @@ void FullClient::decode(const core::DecodeJob& job) {
   engine_.finishDecode(std::move(result));
 }
 
-/// What somebody has seen since this was called the last time.
+/// Adds the time since the last call to the time with a picture and, if the error is large, to far_off_s.
 void FullClient::note(core::TimePoint now) {
   if (now <= noted_until_) return;
   const double seconds = std::chrono::duration<double>(now - std::exchange(noted_until_, now)).count();

@@ -21,9 +21,9 @@ namespace lode::app {
 /// never waits for data.
 class FullClient final : public LoadClient {
  public:
-  /// @param start  time to connect. @param seed  of its path and pauses. @param names  shared by the clients
-  /// of
-  ///               a thread.
+  /// @param start  time to connect.
+  /// @param seed   seed of the client's path and pauses.
+  /// @param names  digests that all clients of a thread share.
   FullClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, uint64_t seed,
              KnownDigests& names, LoadCounts& counts);
 
@@ -61,17 +61,17 @@ class FullClient final : public LoadClient {
   uint64_t frames_ = 0;
   std::mt19937_64 random_;
   std::array<RequestClock, 2> clocks_;  ///< indexed by core::SessionRole
-  RequestClock::Requests lost_;         ///< requests of broken connections that were not repeated yet
+  RequestClock::Requests lost_;  ///< requests of broken connections that the client has not repeated yet
   core::Engine engine_;
-  core::CameraPath path_;        ///< no keys until the model is known
+  core::CameraPath path_;        ///< path of the camera; has no keys until the model is known
   core::TimePoint round_begin_;  ///< start of the current round of the path
   double pause_s_ = 0;           ///< pause at the end of this round
   uint64_t received_bytes_ = 0;  ///< bytes already in counts_
-  std::string turned_away_;      ///< last reason
+  std::string turned_away_;      ///< last reason why the server turned the client away
   bool started_ = false, image_seen_ = false, converged_ = false, gone_ = false;
   Transports transports_;
-  std::vector<std::unique_ptr<net::TcpTransport>>
-      ended_;  ///< destroyed at the next step, not in their own callbacks
+  /// Transports of ended connections. The next step destroys them, because their own callbacks must not.
+  std::vector<std::unique_ptr<net::TcpTransport>> ended_;
 };
 
 }  // namespace lode::app

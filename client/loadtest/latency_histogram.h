@@ -8,12 +8,13 @@
 namespace lode::app {
 
 /// Histogram of durations from a microsecond to an hour. Each power of two has 32 equal buckets, so
-/// percentiles are exact to 1/32. Takes 8 KB. Source: HdrHistogram, G. Tene.
+/// percentiles are exact to 1/32. A histogram takes 8 KB. Source: HdrHistogram, G. Tene.
 class LatencyHistogram {
  public:
   void add(std::chrono::nanoseconds duration) noexcept;
   void add(const LatencyHistogram& other) noexcept;
-  /// Returns the durations added since an earlier copy; the maximum stays that of all.
+  /// Returns a histogram of the durations added since `earlier`, a copy of this one. The maximum is that of
+  /// all durations.
   LatencyHistogram since(const LatencyHistogram& earlier) const noexcept;
 
   uint64_t count() const noexcept { return count_; }

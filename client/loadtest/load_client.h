@@ -32,13 +32,13 @@ struct LoadPlan {
   stream::ServedModel model;
   stream::StreamOptions options;
   net::Route route;    ///< route to the model's server
-  RequestTrace trace;  ///< for trace clients
+  RequestTrace trace;  ///< trace that trace clients replay
   /// Returns the path of a full client by its seed.
   std::function<core::CameraPath(const ModelSummary&, uint64_t seed)> path_of;
   glm::uvec2 size_px{1280, 720};
   float pixels = 1;
   double fps = 10;
-  double think_s = 0;  ///< mean pause at the end of each round
+  double think_s = 0;  ///< mean pause after each round of the path or trace
   bool decode = true;
   core::TimePoint end{};
 };
@@ -48,8 +48,8 @@ inline double randomPause(double mean_s, std::mt19937_64& random) {
   return -mean_s * std::log1p(-static_cast<double>(random() >> 11) * 0x1p-53);
 }
 
-/// Checks digests of blobs that arrive repeatedly: computes SHA-256 for the first copy of each, and compares
-/// later copies with its xxh3 checksum, which is faster. Not thread safe.
+/// Checks the digests of blobs that arrive repeatedly. Computes SHA-256 for the first copy of a blob, and
+/// compares later copies with the xxh3 checksum of the first copy, which is faster. Not thread safe.
 class KnownDigests {
  public:
   bool matchesDigest(const BlobRef& blob, std::span<const std::byte> bytes);
@@ -69,7 +69,7 @@ class LoadClient {
   virtual core::TimePoint due() const noexcept = 0;
   /// Connects or reconnects, sends due requests, keeps the connection alive.
   virtual void step(core::TimePoint now) = 0;
-  /// Ends the client. Open requests count with their latency so far.
+  /// Ends the client. Counts each open request with its latency so far.
   virtual void finish(core::TimePoint now) = 0;
 };
 
@@ -90,7 +90,7 @@ bool survives(LoadCounts& counts, const Action& action) {
 }
 
 /// Counts an error for a client that the server turned away until the end of the test.
-/// @param why  last reason; empty if the client was not turned away.
+/// @param why  last reason of the server; empty if the server did not turn the client away.
 inline void noteNeverLetIn(LoadCounts& counts, const std::string& why) {
   if (!why.empty()) counts.noteError(ErrorCode::kNetwork, "never let in: " + why);
 }

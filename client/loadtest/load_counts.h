@@ -12,22 +12,22 @@ namespace lode::app {
 
 /// Counters of the clients of one thread.
 struct LoadCounts {
-  /// By request class, until the last byte: from the intended time (trace clients) or from sending (full
-  /// ones).
+  /// Latency of requests by request class. For trace clients, the time from the intended time to the last
+  /// byte; for full clients, from sending to the last byte.
   std::array<LatencyHistogram, 3> latency;
-  LatencyHistogram first_image;  ///< from a client's intended start to the root's coarsest LOD
+  LatencyHistogram first_image;  ///< time from a client's intended start to the root's coarsest LOD
   LatencyHistogram converged;    ///< full clients: time until the first converged picture
   double looked_s = 0;           ///< full clients: time with a picture
-  double far_off_s = 0;          ///< time in which the error exceeded twice the threshold
-  uint64_t started = 0;          ///< clients
+  double far_off_s = 0;          ///< full clients: time in which the error exceeded twice the threshold
+  uint64_t started = 0;          ///< clients that have started
   uint64_t blobs = 0, bytes = 0, unanswered = 0;
-  uint64_t moved = 0;        ///< clients that changed the connection after GoAway
+  uint64_t moved = 0;  ///< connections that clients replaced after the server announced its end (GoAway)
   uint64_t turned_away = 0;  ///< refused connections: the server was full or stopping; the client retried
   uint64_t lost = 0;         ///< broken or failed connections; each is also an error
-  uint64_t failed_requests =
-      0;                 ///< refused requests, and open ones of broken connections, which were repeated
+  /// Refused requests, and open requests of broken connections, which the client repeats.
+  uint64_t failed_requests = 0;
   uint64_t gave_up = 0;  ///< clients that ended with an error
-  /// Errors that ended a client or a connection, or replaced a blob.
+  /// Number of errors by code: errors that ended a client or a connection, and refused blobs.
   std::map<ErrorCode, uint64_t> errors;
   std::string first_error;
 

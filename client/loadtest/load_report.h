@@ -11,17 +11,17 @@
 
 namespace lode::app {
 
-/// Returns the result for --json; docs/json.md describes the keys.
+/// Returns the result as --json prints it. docs/json.md describes the keys.
 nlohmann::ordered_json toJson(const LoadOptions& options, std::span<const LoadPlan> plans,
                               const LoadResult& result, double cpu_seconds);
 
 /// Describes the result in one line.
 std::string describe(const LoadOptions& options, const LoadResult& result);
 
-/// Prints the progress on stderr, one line per second.
+/// Prints the progress on stderr, a line at a time.
 class LiveLine {
  public:
-  /// Prints the difference between `now` and the last line. @param now  counters of all clients.
+  /// Prints a line about the time since the last line. @param now  counters of all clients.
   void print(double seconds, const LoadCounts& now);
 
  private:

@@ -26,8 +26,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kLongestWait = std::chrono::milliseconds(100);
 constexpr auto kPublishEvery = std::chrono::milliseconds(200);
-constexpr unsigned kMostAtOnce = 1024;    ///< events between two looks at the clock
-constexpr rlim_t kOtherDescriptors = 64;  ///< that the process needs besides its connections
+constexpr unsigned kMostAtOnce = 1024;    ///< most events handled between two looks at the clock
+constexpr rlim_t kOtherDescriptors = 64;  ///< descriptors that the process needs besides its connections
 
 void allowDescriptors(uint32_t clients) {
   rlimit limit{};
@@ -40,7 +40,7 @@ void allowDescriptors(uint32_t clients) {
                                        " that the system allows: raise ulimit -n, or give fewer --clients");
 }
 
-/// Some of the clients, and the loop that steps them.
+/// A thread's share of the clients, and the loop that steps them.
 class Stepper {
  public:
   void addFull(const LoadPlan& plan, Clock::time_point start, uint64_t seed) {
@@ -72,7 +72,7 @@ class Stepper {
     publish();
   }
 
-  /// What its clients had seen a moment ago. Thread safe.
+  /// Returns the counters of the clients as last published, at most a moment ago. Thread safe.
   LoadCounts counts() const {
     const std::lock_guard lock(mutex_);
     return published_;
@@ -89,7 +89,7 @@ class Stepper {
     published_ = counts_;
   }
 
-  /// @param now  not after the end: clients have nothing to do from then on.
+  /// Steps all clients that are due. @param now  not later than the end of the test.
   void stepDue(Clock::time_point now) {
     while (!due_.empty() && due_.top().first <= now) {
       const size_t client = due_.top().second;
@@ -104,7 +104,7 @@ class Stepper {
   mutable std::mutex mutex_;
   LoadCounts published_;
   asio::io_context io_{1};
-  /// Without a connection there is nothing to wait for, and run_one_until() would return at once.
+  /// Keeps run_one_until() waiting while no connection exists; without this guard it would return at once.
   const asio::executor_work_guard<asio::io_context::executor_type> waits_{io_.get_executor()};
   std::vector<std::unique_ptr<LoadClient>> clients_;
   using Due = std::pair<Clock::time_point, size_t>;
@@ -113,7 +113,7 @@ class Stepper {
 
 using Steppers = std::vector<std::unique_ptr<Stepper>>;
 
-/// @return false: stopped before.
+/// Sleeps until a moment. @return false if is_stopped() ended the sleep earlier.
 bool sleepUntil(Clock::time_point moment, const std::function<bool()>& is_stopped) {
   for (Clock::time_point now = Clock::now(); now < moment; now = Clock::now()) {
     if (is_stopped && is_stopped()) return false;

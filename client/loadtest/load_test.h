@@ -13,11 +13,11 @@ struct LoadOptions {
   uint32_t clients = 1;
   unsigned threads = 1;  ///< threads that step the clients
   double seconds = 10;
-  double ramp_s = 2.5;  ///< clients start one after the other during this time
+  double ramp_s = 2.5;  ///< time during which the clients start one after the other
   bool full = false;    ///< full clients instead of trace clients
-  /// Receives the counters of all clients once a second on the caller's thread; may be empty.
+  /// Receives the counters of all clients once a second on the thread of runLoadTest(). Empty: no progress.
   std::function<void(double seconds, const LoadCounts&)> progress;
-  /// Called by every thread several times a second; returning true ends the test. May be empty.
+  /// Every thread calls it several times a second; true ends the test. Empty: the test runs to its end.
   std::function<bool()> is_stopped;
 };
 
@@ -27,10 +27,10 @@ struct LoadResult {
   bool interrupted = false;
 };
 
-/// Runs a load test. Clients take the plans in turn; each starts at its own position of the trace or follows
-/// its own path.
-/// @param plans  at least one; sets their `end`. @throws Error kUsage if the system does not allow that many
-/// connections.
+/// Runs a load test. Client i uses plan i modulo the number of plans. Each client starts at its own position
+/// of the trace or follows its own path.
+/// @param plans  at least one. The test sets `end` of each.
+/// @throws Error kUsage if the system does not allow that many connections.
 LoadResult runLoadTest(std::span<LoadPlan> plans, const LoadOptions& options);
 
 }  // namespace lode::app

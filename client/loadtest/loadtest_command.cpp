@@ -31,8 +31,9 @@
 namespace lode::app {
 namespace {
 
-constexpr int kSignalled = 128;          ///< and the signal: the exit status as shells give it
-constexpr uint64_t kTracesOfPlaces = 4;  ///< that are recorded of paths which differ by their seeds
+/// A process that a signal ended has this exit status plus the number of the signal, as in shells.
+constexpr int kSignalled = 128;
+constexpr uint64_t kTracesOfPlaces = 4;  ///< traces recorded per target if the paths differ by their seeds
 
 const std::map<std::string, MadePath> kMadePaths{
     {"orbit", MadePath::kOrbit}, {"fly", MadePath::kFly}, {"walk", MadePath::kWalk}};
@@ -61,8 +62,9 @@ constexpr std::array kSignals{SIGINT, SIGTERM};
 std::atomic<int> signal_that_came{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 
-/// While it lives, the first SIGINT or SIGTERM does not end the process, but is told, so that work can end
-/// with what it has; the second ends it as ever. One at a time.
+/// While an object of this class exists, the first SIGINT or SIGTERM does not end the process: signal()
+/// reports it, so that the test can end early and print its results. A second signal ends the process. At
+/// most one object may exist at a time.
 class Interruption {
  public:
   Interruption();
@@ -70,7 +72,7 @@ class Interruption {
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
 
-  /// The signal that has come; 0: none. Any thread may ask.
+  /// Returns the number of the signal that arrived; 0: none. Thread safe.
   static int signal() noexcept;
 
  private:
@@ -91,7 +93,7 @@ Interruption::~Interruption() {
 
 int Interruption::signal() noexcept { return signal_that_came; }
 
-/// The targets, open as long as this, and what their clients are told.
+/// The plans of a load test, and their targets, which stay open as long as this object exists.
 class PlannedLoad {
  public:
   explicit PlannedLoad(const LoadtestOptions& options) : options_(options) {
@@ -103,7 +105,7 @@ class PlannedLoad {
     traces_ = options.load.full || !options.trace_file.empty() || !places_differ ? 1 : kTracesOfPlaces;
     std::vector<LoadPlan> of_targets{planOf(options.common.target)};
     for (const std::string& target : options.more_targets) of_targets.push_back(planOf(target));
-    for (uint64_t seed = 0; seed < traces_; ++seed)  // clients take plans by turns: a target each
+    for (uint64_t seed = 0; seed < traces_; ++seed)  // clients use the plans in this order: targets alternate
       for (size_t i = 0; i < of_targets.size(); ++i) {
         plans_.push_back(of_targets[i]);
         if (!options.load.full) plans_.back().trace = traceOf(targets_[i], of_targets[i], seed);
@@ -113,7 +115,7 @@ class PlannedLoad {
   std::span<LoadPlan> plans() noexcept { return plans_; }
 
  private:
-  /// Of a client that replays nothing. Opens the target.
+  /// Opens a target. @return the plan of its clients, still without a trace.
   LoadPlan planOf(const std::string& target) {
     targets_.push_back(resolveTarget(parseTarget(target), options_.common.streamOptions(), !options_.json));
     const ResolvedTarget& open = targets_.back();
@@ -158,7 +160,7 @@ class PlannedLoad {
 
   const LoadtestOptions& options_;
   std::function<core::CameraPath(const ModelSummary&, uint64_t seed)> path_of_;
-  uint64_t traces_ = 1;  ///< of each target
+  uint64_t traces_ = 1;  ///< number of traces per target
   std::vector<ResolvedTarget> targets_;
   std::vector<LoadPlan> plans_;
 };

@@ -6,7 +6,7 @@ class App;
 
 namespace lode::app {
 
-// Each adds its command; see DeclareCommand.
+// Each of these functions adds a subcommand whose callback does the work and can set the exit status.
 void declareLoadtest(CLI::App& program, int& exit_status);
 void declareReplay(CLI::App& program, int& exit_status);
 

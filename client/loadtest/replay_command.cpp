@@ -57,16 +57,16 @@ uint64_t peakMemoryBytes() {
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-/// What the frames of a path have seen.
+/// Results of all frames of a path.
 struct Replayed {
   uint64_t frames = 0;
-  uint64_t holes = 0;            ///< parts in the picture with nothing drawn, over all frames
-  uint64_t fallback_frames = 0;  ///< in which an ancestor is drawn for what the cut leaves out
+  uint64_t holes = 0;            ///< sum over all frames: visible parts in whose place nothing is drawn
+  uint64_t fallback_frames = 0;  ///< frames that draw an ancestor in place of a missing part
   LatencyHistogram frame;
   std::optional<double> first_image_ms;
   std::array<double, kThresholdsPx.size()> seconds_above{};
   std::array<std::optional<double>, kThresholdsPx.size()> reached_ms;
-  std::optional<double> converged_ms;  ///< from the start, at the last key
+  std::optional<double> converged_ms;  ///< time from the start until the last key converged
   stream::StreamStatus status;
 };
 
@@ -95,7 +95,7 @@ class Replay {
         std::chrono::duration<double>(static_cast<double>(number) / options_.fps));
   }
 
-  /// One frame: what a program does that draws, but for drawing.
+  /// Does the work of one frame except drawing, and notes the results.
   void see(stream::Streamer& streamer, const core::View& view) {
     const Clock::time_point frame_start = Clock::now();
     streamer.setView(view, options_.common.pixels);
@@ -124,7 +124,8 @@ class Replay {
       result_.converged_ms = now_ms;
   }
 
-  /// At what would be drawn. @return its largest error, as this frame's view sees it.
+  /// Counts holes and fallbacks among the parts to draw. @return the largest error of these parts in this
+  /// view.
   float lookAt(const core::Cut& cut, std::span<const uint32_t> shown, const core::View& view) {
     result_.holes += countHoles(cut, shown, view);
     result_.fallback_frames +=
@@ -141,8 +142,8 @@ class Replay {
   const PictureSize size_;
   Clock::time_point start_;
   Replayed result_;
-  core::View view_;          // of the last frame
-  bool is_current_ = false;  // its cut is for it
+  core::View view_;          // view of the last frame
+  bool is_current_ = false;  // the last frame's cut is for that frame's view
 };
 
 template <typename Value>
@@ -181,8 +182,8 @@ Json toJson(const Replayed& replayed) {
   return json;
 }
 
-/// Writes what the path requests, whatever the link. Whether it can be written is found out before the
-/// work.
+/// Records the requests of the path into a file. Opens the output file first, so that a failure shows before
+/// the work.
 void record(const ReplayOptions& options) {
   const CommonOptions& common = options.common;
   for (const std::string& input : {common.target, common.camera_file, common.token_file})

@@ -23,14 +23,14 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kStepSeconds = 0.1;
-constexpr size_t kMaxSteps = 36'000;  ///< an hour of a path
+constexpr size_t kMaxSteps = 36'000;  ///< steps of the longest path, one hour
 
 core::EngineOptions engineOptions(const stream::ServedModel& model, core::EngineOptions options) {
   options.session.model = model.model;
   return options;
 }
 
-/// One client that goes along the path as fast as it can, and notes what it requests.
+/// A client that follows the path as fast as it can and records its requests.
 class Recorder {
  public:
   Recorder(const stream::ServedModel& model, const stream::StreamOptions& options, Clock::time_point deadline)
@@ -47,7 +47,8 @@ class Recorder {
     return *engine_.summary();
   }
 
-  /// Requests everything for a view. @param t_s  time in the trace.
+  /// Records the requests for a view, until its cut has settled. @param t_s  time of the requests in the
+  /// trace.
   void recordView(const core::View& view, float pixels, double t_s) {
     t_s_ = t_s;
     engine_.setView(view, pixels);
@@ -77,7 +78,7 @@ class Recorder {
     }
   }
 
-  /// Of the engine, and if it misses anything, what the server has to say.
+  /// Steps the engine. If the cut has not settled, sends the engine's requests and handles received bytes.
   void step() {
     engine_.step(Clock::now());
     if (settled()) return;
@@ -123,7 +124,7 @@ using Json = nlohmann::ordered_json;
   throw Error(ErrorCode::kInput, std::string(source) + ": " + what + "; replay --record writes such files");
 }
 
-/// One object of a trace, whose members are read with their limits.
+/// Reads the members of one JSON object of a trace and checks their limits.
 class Reader {
  public:
   Reader(const Json& json, std::string where, std::string_view source)

@@ -21,28 +21,29 @@ namespace lode::app {
 
 /// A request with the time at which a client on an infinitely fast link would send it.
 struct TracedRequest {
-  double t_s = 0;  ///< from the start of the path
+  double t_s = 0;  ///< time from the start of the path
   core::Request request;
-  std::optional<core::DecodeJob> decode;  ///< how to decode the blob, without its bytes; none for pages
+  std::optional<core::DecodeJob> decode;  ///< job that decodes the blob, without the bytes; none for pages
 };
 
 /// The requests of a camera path in order of time: recorded once, replayed by any number of clients.
 struct RequestTrace {
-  Digest build_id;  ///< build of the model: another build has other numbers of blobs
+  Digest build_id;  ///< build of the model; blob numbers differ between builds
   double duration_s = 0;
   std::vector<TracedRequest> requests;
-  std::string gap;  ///< why the server could not deliver a part; empty if the trace is complete
+  std::string gap;  ///< reason why the server did not deliver a part; empty if the trace is complete
 };
 
 /// Returns the camera path of a client for a model.
 using PathOf = std::function<core::CameraPath(const ModelSummary&)>;
 
-/// @param source  name of the trace for the message. @throws Error kInput if the trace is of another build.
+/// Checks that a trace was recorded from this build of the model.
+/// @param source  name of the trace for the message. @throws Error kInput if the trace is from another build.
 void checkBuild(const RequestTrace& trace, const Digest& build_id, const std::string& source);
 
 /// Records a trace: follows a path in steps of a tenth of a second and waits at each until the cut has
 /// settled.
-/// @throws Error kNetwork and so on as a Session does, kTimeout.
+/// @throws Error as a Session does, for example kNetwork; kTimeout if recording takes too long.
 RequestTrace recordTrace(const stream::ServedModel& model, const stream::StreamOptions& options,
                          const PathOf& path_of, glm::uvec2 size_px, float pixels,
                          std::chrono::milliseconds timeout);
@@ -50,7 +51,8 @@ RequestTrace recordTrace(const stream::ServedModel& model, const stream::StreamO
 constexpr uint64_t kMaxTraceFileBytes = 256ull << 20;
 constexpr size_t kMaxTracedRequests = 1'000'000;
 
-constexpr uint32_t kTraceVersion = 2;  ///< of the format; version 1 had neither a version nor a build_id
+/// Version of the file format. Files of version 1 have neither a version nor a build_id.
+constexpr uint32_t kTraceVersion = 2;
 
 /// Formats a trace as JSON: {"version": 2, "build_id": "<32 hexadecimal digits>", "duration_s": 20, "step":
 /// 0.001, "requests": [{"t": 0, "blob": 7, "bytes": 900, "name":
@@ -58,8 +60,8 @@ constexpr uint32_t kTraceVersion = 2;  ///< of the format; version 1 had neither
 /// 1, "box": [0, 0, 0, 9, 9, 9]} or "tile": {"size": [512, 512], "tail": 0} or neither for pages}]}.
 std::string toJson(const RequestTrace& trace);
 
-/// @param source  names the text in errors. @throws Error kInput or kLimit that names the request and the
-/// remedy.
+/// Parses a trace. @param source  name of the text for error messages.
+/// @throws Error kInput or kLimit; the message names the request and the remedy.
 RequestTrace parseRequestTrace(std::string_view json, std::string_view source);
 
 /// Writes the file and commits it. @throws Error kIo.

@@ -15,8 +15,8 @@
 
 namespace lode::app {
 
-/// Calls take(type, body) for each complete frame. @return the bytes of these frames. @throws Error as
-/// proto::decodeFrameHeader().
+/// Calls take(type, body) for each complete frame. @return the number of bytes in these frames.
+/// @throws Error as proto::decodeFrameHeader().
 template <typename Take>
 size_t forEachFrame(std::span<const std::byte> bytes, const Take& take) {
   size_t at = 0;
@@ -43,12 +43,13 @@ class RequestClock {
   /// Requests by blob number.
   using Requests = std::map<uint32_t, Request>;
 
-  /// Notes the requests in complete frames. @param lost  requests of broken connections: a repeated one is
-  /// removed and keeps the time at which it was first sent.
+  /// Notes the requests in complete frames.
+  /// @param lost  requests of broken connections. If such a request is repeated, it leaves `lost` and keeps
+  ///              the time at which it was first sent.
   void sent(std::span<const std::byte> frames, core::TimePoint now, Requests& lost);
-  /// Ends and returns the request of an arrived blob; nothing for an unrequested one.
+  /// Ends and returns the request of a blob that arrived. Returns nothing if the blob was not requested.
   std::optional<Request> arrived(uint32_t blob);
-  /// Ends the request of a refused blob.
+  /// Ends the request of a blob that the server refused.
   void refused(uint32_t blob) { arrived(blob); }
   /// Returns the open requests.
   const Requests& open() const noexcept { return open_; }
@@ -62,13 +63,13 @@ class RequestClock {
 /// Throws on protocol errors. Not thread safe.
 class OverheardRequests {
  public:
-  /// @param asked_at  `now` of sent() for the request.
+  /// Receives a request whose blob is complete. @param asked_at  `now` of the call of sent() that noted it.
   using Tell = std::function<void(const core::Request& request, double asked_at)>;
   explicit OverheardRequests(Tell tell) : tell_(std::move(tell)) {}
 
-  /// Notes the requests in complete frames of the client. @param now  any clock.
+  /// Notes the requests in complete frames that the client sends. @param now  time of any clock.
   void sent(std::span<const std::byte> frames, double now);
-  /// Notes bytes that the client received, split anywhere.
+  /// Notes bytes that the client received. The bytes may end anywhere within a frame.
   void received(std::span<const std::byte> bytes);
 
  private:

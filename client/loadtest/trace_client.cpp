@@ -14,8 +14,10 @@ namespace {
 
 constexpr auto kKeepAliveEvery = std::chrono::seconds(1);
 constexpr auto kLookForRetryEvery = std::chrono::milliseconds(20);
-constexpr size_t kRefillBelow = 64;  ///< open requests; the session holds back what is above its own limits
-constexpr double kShortestTraceSeconds = 1;  ///< a path that stands still is replayed this often
+/// Passes all due requests to the session again when fewer than this are open: the session limits its
+/// requests.
+constexpr size_t kRefillBelow = 64;
+constexpr double kShortestTraceSeconds = 1;  ///< least duration of a round, for traces of a resting camera
 
 }  // namespace
 
@@ -43,7 +45,8 @@ core::SessionOptions TraceClient::sessionOptions() {
   return options;
 }
 
-/// The time of the next request: places after the trace's end are those of its next round.
+/// Returns the intended time of the next request. A place after the end of the trace belongs to the next
+/// round.
 core::TimePoint TraceClient::nextIntended() const noexcept {
   const auto& requests = plan_.trace.requests;
   const uint64_t place = first_ + replayed_;
@@ -82,14 +85,14 @@ void TraceClient::step(core::TimePoint now) {
 void TraceClient::connect(core::TimePoint now) {
   if (const core::Session* const older = connection_.session(core::SessionRole::kDraining);
       older != nullptr && connection_.session())
-    counts_.failed_requests += older->openRequests();  // two servers left one soon after the other
+    counts_.failed_requests += older->openRequests();  // two servers left in short succession
   if (connection_.session())
-    leaving_ = std::move(newest_);  // else it was turned away, and who leaves still owes
+    leaving_ = std::move(newest_);  // else the server turned the client away: the draining one stays
   newest_ = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });
   connection_.begin({}, now);
 }
 
-/// What the network does to a connection ends it; what else goes wrong ends the client.
+/// Runs an action on a session. An Error ends the connection; any other exception ends the client.
 template <typename Action>
 void TraceClient::onSession(core::SessionRole role, core::TimePoint now, const Action& action) {
   core::Session* const session = connection_.session(role);

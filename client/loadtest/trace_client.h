@@ -15,13 +15,14 @@
 
 namespace lode::app {
 
-/// Replays a trace repeatedly from its own position, each request at its intended time even if earlier ones
-/// are open. Latency counts from the intended time. It reconnects when its connection ends and repeats its
-/// open requests.
+/// Replays a trace in rounds, starting at its own position. Sends each request at its intended time, even
+/// while earlier requests are open; latency counts from the intended time. Reconnects when the connection
+/// ends, and repeats the open requests.
 class TraceClient final : public LoadClient {
  public:
-  /// @param start    time to connect. @param phase_s  position in the trace to start from.
-  /// @param names    shared by the clients of a thread.
+  /// @param start    time to connect.
+  /// @param phase_s  position in the trace at which the replay starts.
+  /// @param names    digests that all clients of a thread share.
   TraceClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, double phase_s,
               KnownDigests& names, LoadCounts& counts);
 
@@ -68,12 +69,13 @@ class TraceClient final : public LoadClient {
   std::mt19937_64 random_;
   core::TimePoint due_;
   core::Connection connection_;
-  std::map<uint32_t, Pending> pending_;  ///< due requests without a blob, by blob number
+  std::map<uint32_t, Pending> pending_;  ///< due requests whose blob has not arrived, by blob number
   bool started_ = false, was_let_in_ = false, image_seen_ = false, gone_ = false;
-  std::string turned_away_;  ///< last reason until the client is let in
-  uint32_t first_lod_ = 0;   ///< blob of the root's coarsest LOD
+  /// Last reason why the server turned the client away; empty once the client is let in.
+  std::string turned_away_;
+  uint32_t first_lod_ = 0;  ///< blob of the root's coarsest LOD
   Transport newest_, leaving_;
-  Transport ended_;  ///< destroyed at the next step, not in its own callback
+  Transport ended_;  ///< the next step destroys it, because its own callback must not
 };
 
 }  // namespace lode::app

@@ -30,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::chrono::hours kLongestSilence{24 * 7};  // of a build
+constexpr std::chrono::hours kLongestSilence{24 * 7};  // limit of the time between two lines of a build
 constexpr std::chrono::milliseconds kLockPoll{100};
 constexpr size_t kKeyDigits = 16;
 
@@ -42,25 +42,27 @@ std::string inWords(const timespec& time) {
   return " " + std::to_string(time.tv_sec) + "." + std::to_string(time.tv_nsec);
 }
 
-/// The time of the kernel's own record, too: programs that unpack or copy set the other as they like.
+/// Returns a text that changes with the file. It contains the change time, which the kernel alone sets,
+/// because programs that unpack or copy files set the modification time to any value.
 std::string versionOf(const struct stat& status) {
   return std::to_string(status.st_size) + inWords(status.st_mtim) + inWords(status.st_ctim);
 }
 
-/// Of a file that is there; empty if it is not.
+/// Returns the version of a file; an empty text if the file is missing.
 std::string versionOf(const fs::path& path) {
   struct stat status {};
   return stat(path.c_str(), &status) == 0 ? versionOf(status) : std::string();
 }
 
-/// The time that files get which change now.
+/// Returns the time that the kernel would record for a change now.
 timespec fileTime() {
   timespec now{};
   clock_gettime(CLOCK_REALTIME_COARSE, &now);
   return now;
 }
 
-/// Of a file that is as it was at a time, by the kernel's own record; none that any file has if it is not.
+/// Returns the version of a file that has not changed since `time` by the kernel's record. For a changed
+/// file, returns a text that is never the version of a file; for a missing file, an empty text.
 std::string versionSince(const fs::path& path, timespec time) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) return {};
@@ -69,10 +71,11 @@ std::string versionSince(const fs::path& path, timespec time) {
                                                                                          : "changed";
 }
 
-/// One program's right to a folder, until the end of its life and of those that inherit it. Makes the folder.
+/// An exclusive lock on a folder, held until this object and all child processes that inherited the lock have
+/// ended. Creates the folder.
 class FolderLock {
  public:
-  /// @throws Error kIo, kTimeout when it is stopped.
+  /// Waits until the lock is free. @throws Error kIo, or kTimeout if `stop` is requested.
   FolderLock(const fs::path& folder, const fs::path& ply, bool announce, const std::stop_token& stop)
       : path_(folder / kStoreBuildLock) {
     for (bool told = !announce; !take(); std::this_thread::sleep_for(kLockPoll)) {
@@ -85,7 +88,7 @@ class FolderLock {
 
   int descriptor() const noexcept { return lock_->descriptor(); }
 
-  /// Removes the folder if nothing else is in it.
+  /// Removes the lock file, and the folder if it is empty then.
   void removeEmptyFolder() const {
     std::error_code ignored;
     fs::remove(path_, ignored);
@@ -93,7 +96,8 @@ class FolderLock {
   }
 
  private:
-  /// @return false while another has it, or if that has removed it meanwhile.
+  /// Tries to lock the folder. @return false if another program holds the lock or has just removed the
+  /// folder.
   bool take() {
     std::error_code failed;
     const fs::path folder = path_.parent_path();
@@ -101,7 +105,7 @@ class FolderLock {
     if (failed) refuse(folder, "made", failed.message());
     lock_ = FileLock::tryTake(path_, FileLock::Kind::kExclusive, true);
     if (lock_) return true;
-    const bool has_just_gone = errno == ENOENT;  // the folder, by another's doing
+    const bool has_just_gone = errno == ENOENT;  // another program removed the folder
     if (errno != 0 && !has_just_gone) refuse(path_, "locked", std::strerror(errno));
     return false;
   }
@@ -115,7 +119,8 @@ class FolderLock {
   std::optional<FileLock> lock_;
 };
 
-/// What is kept beside a store: the build's warnings, and the images that it looked for as they were.
+/// Contents of the file beside a store: the warnings of the build, and the path and version of each image
+/// that the build looked for.
 struct BuildRecord {
   struct Image {
     fs::path path;
@@ -150,7 +155,7 @@ std::optional<BuildRecord> readRecord(const fs::path& folder) {
   return record;
 }
 
-/// A record that cannot be written is one build more the next time.
+/// Writes the record. Ignores failures: without a record, the next use builds the store again.
 void writeRecord(const fs::path& folder, const BuildRecord& record) {
   Json json{{"warnings", record.warnings}, {"images", Json::array()}, {"versions", Json::array()}};
   for (const BuildRecord::Image& image : record.images) {
@@ -160,7 +165,7 @@ void writeRecord(const fs::path& folder, const BuildRecord& record) {
   std::ofstream(folder / kBuildRecord) << json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// Removes what was built of the same file before it changed.
+/// Removes the stores of earlier versions of the file.
 void removeOthers(const fs::path& folder, const fs::path& keep) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored))
@@ -175,8 +180,9 @@ void tell(const BuildWatch& watch, const Json& line) {
   watch(line["stage"].get<std::string>(), std::clamp(line["fraction"].get<double>(), 0.0, 1.0));
 }
 
-/// @param lock  that the builder has too: it may outlive this program for a while.
-/// @return what the build says of itself. @throws Error if it fails.
+/// Builds a store in a child process.
+/// @param lock  lock that the child inherits, because the child may outlive this program for a while.
+/// @return the last line of JSON that the build printed. @throws Error if the build fails.
 Json build(const fs::path& source, const fs::path& store, const FolderLock& lock, bool shows_progress,
            const std::stop_token& stop, const BuildWatch& watch) {
   std::vector<std::string> arguments{"build", source.string(), "-o", store.string(), "--json"};
@@ -240,7 +246,7 @@ BuiltStore builtStore(const fs::path& ply, bool announce, const std::stop_token&
   removeOthers(of_source, folder);
   FileLock in_use = useStore(store);
   trimStores(stores, max_bytes.value_or(storeCacheBytes(stores)));
-  if (!shows_progress) warn(record);  // else the build has
+  if (!shows_progress) warn(record);  // otherwise the build has printed them
   return {store, std::move(in_use), std::move(record.warnings)};
 }
 

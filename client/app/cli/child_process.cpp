@@ -27,12 +27,12 @@ constexpr int kCannotStart = 127;
   throw Error(ErrorCode::kIo, program.string() + " cannot be started: " + std::strerror(errno));
 }
 
-/// What happens in the child between fork and exec: only calls that are safe there.
+/// Turns the forked child into the program. Makes only calls that are safe between fork and exec.
 [[noreturn]] void become(char* const* arguments, int input, int output, int messages, pid_t parent,
                          const ChildSetup& setup) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(kCannotStart);
-  if (!setup.heeds_keys) setpgid(0, 0);  // terminals signal a group
+  if (!setup.heeds_keys) setpgid(0, 0);  // a terminal signals its whole process group
   dup2(input, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   if (messages >= 0) dup2(messages, STDERR_FILENO);
@@ -41,7 +41,7 @@ constexpr int kCannotStart = 127;
   _exit(kCannotStart);
 }
 
-/// @return a file in memory, to be read from its begin; less than 0 if there can be none.
+/// Makes an in-memory file with a text. @return its descriptor, positioned at the start; below 0 on failure.
 int fileOf(const std::string& text) {
   const int file = memfd_create("lodestream input", MFD_CLOEXEC);
   if (file < 0) return file;

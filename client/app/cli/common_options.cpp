@@ -23,7 +23,7 @@ namespace {
 
 constexpr uint64_t kMinMemoryBudgetBytes = 16u << 20;
 
-/// A line of a server's token file: TOKEN EXPIRY MODEL…
+/// Returns true if the text is a line of a server's token file: TOKEN EXPIRY MODEL…
 bool isGrant(std::string_view text) {
   const size_t first = text.find(' ');
   if (first == std::string_view::npos) return false;
@@ -34,7 +34,7 @@ bool isGrant(std::string_view text) {
   return expiry.size() < rest.size() && (expiry == "never" || is_time);
 }
 
-/// @param source  names the token in errors.
+/// Returns the token if it is valid. @param source  name of the token's origin for error messages.
 std::string checkedToken(std::string token, const std::string& source) {
   if (token.size() > proto::kMaxTokenBytes || !isPrintableUtf8(token) || isGrant(token))
     throw Error(ErrorCode::kUsage,
@@ -138,7 +138,8 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {
   auto* up =
       command.add_option("--up", options.up_text, "the model's axis that is up (default: guessed, y or z)")
           ->type_name("y|z|x|-y|-z|-x");
-  if (takes == Takes::kModels) up->excludes(camera);  // what draws lights and turns the model by it, too
+  // Commands that draw use --up with --camera, too: for light and orbiting.
+  if (takes == Takes::kModels) up->excludes(camera);
   command.add_option("--size", options.size_text, "size of the picture")
       ->type_name("WxH")
       ->capture_default_str();

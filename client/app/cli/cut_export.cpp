@@ -83,7 +83,8 @@ bool ResidentImage::hasAlpha() const {
 
 void ResidentImage::fill(uint32_t y, std::span<glm::u8vec4> row) const { fill(finest_, y, 0, size().x, row); }
 
-/// @param first, end  of the row, in texels of the finest level, as y is.
+/// Fills a part of a row from the tiles of a level; in place of missing tiles, from coarser levels.
+/// @param y, first, end  row, and first and end of the part, in texels of the finest level.
 void ResidentImage::fill(uint32_t level, uint32_t y, uint32_t first, uint32_t end,
                          std::span<glm::u8vec4> row) const {
   const uint32_t shift = level - finest_;

@@ -33,13 +33,13 @@ double msSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// What was reached at one key of the path.
+/// Result at one key of the path.
 struct KeyResult {
   double t = 0;
-  std::optional<double> first_image_ms, converged_ms;  // since the key's start
-  uint64_t converged_bytes = 0;                        ///< received by then
-  bool is_complete = false;      ///< there is nothing finer to ask for, and what is not seen is there too
-  bool is_lattice_seen = false;  ///< is_complete, and none the less off by more than was asked for
+  std::optional<double> first_image_ms, converged_ms;  // times since the start of the key
+  uint64_t converged_bytes = 0;                        ///< bytes received until the key converged
+  bool is_complete = false;                            ///< the cut has converged and the stream has settled
+  bool is_lattice_seen = false;  ///< is_complete, but the error exceeds the requested one
   stream::StreamStatus status;
 
   bool converged() const { return converged_ms.has_value(); }
@@ -67,7 +67,7 @@ Json toJson(const KeyResult& key) {
   return json;
 }
 
-/// The last key's figures, with the times of the whole run and all keys.
+/// Returns the figures of the last key, the times of the whole run, and the figures of each key.
 Json toJson(const std::vector<KeyResult>& keys, double total_ms) {
   Json json = toJson(keys.back());
   json.erase("t");
@@ -88,7 +88,7 @@ class Fetch {
   void run() {
     OpenedTarget target(options_.common, options_.common.streamOptions(), !options_.json);
     start_ = target.start();
-    double total_ms = 0;  // until the last key had converged
+    double total_ms = 0;  // time until the last key converged
     for (const core::CameraKey& camera : target.path().keys) {
       const double begin_ms =
           keys_.empty() ? 0 : msSince(start_);  // the first key's time counts from the start
@@ -165,7 +165,7 @@ class Fetch {
 };
 
 void fetch(const FetchOptions& options) {
-  meshFormatOf(options.output);  // said before the work
+  meshFormatOf(options.output);  // refuses a wrong ending before the work begins
   refuseToReplace(options.common.target, options.output);
   Fetch run(options);
   run.run();

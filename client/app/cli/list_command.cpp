@@ -27,7 +27,7 @@ struct ListOptions {
   bool json = false;
 };
 
-/// Wakes the one thread that waits for a transport.
+/// Lets one thread wait until a transport has received bytes.
 class Bell {
  public:
   void ring() {

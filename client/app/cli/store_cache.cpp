@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr uint64_t kLeastBytes = 20'000'000'000;
 constexpr uint64_t kShareOfDisk = 10;
 
-/// What was built of a source, in all versions, and what a killed build has left.
+/// The folder of a source, with the stores of all its versions and the remains of killed builds.
 struct BuiltSource {
   fs::path folder;
   uint64_t bytes = 0;
@@ -36,7 +36,7 @@ BuiltSource lookAt(const fs::path& folder) {
   std::error_code failed;
   for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end;
        entry.increment(failed)) {
-    std::error_code gone;  // another program may remove it meanwhile
+    std::error_code gone;  // another program may remove the entry meanwhile
     if (!entry->is_regular_file(gone)) continue;
     const uint64_t bytes = entry->file_size(gone);
     const fs::file_time_type used = entry->last_write_time(gone);
@@ -48,7 +48,7 @@ BuiltSource lookAt(const fs::path& folder) {
   return source;
 }
 
-/// @return false where it is in use or being built.
+/// Removes all stores of a source. @return false if a store is in use or being built.
 bool remove(const BuiltSource& source) {
   const auto build_lock =
       FileLock::tryTake(source.folder / kStoreBuildLock, FileLock::Kind::kExclusive, true);
@@ -62,7 +62,8 @@ bool remove(const BuiltSource& source) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(source.folder, ignored))
     if (entry.path().filename() != kStoreBuildLock) fs::remove_all(entry.path(), ignored);
-  fs::remove(source.folder / kStoreBuildLock, ignored);  // last: who waits for it begins with a new folder
+  // Remove the lock file last, so that a waiting program starts with a new folder.
+  fs::remove(source.folder / kStoreBuildLock, ignored);
   fs::remove(source.folder, ignored);
   return true;
 }
