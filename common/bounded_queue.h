@@ -15,7 +15,7 @@ class BoundedQueue {
  public:
   explicit BoundedQueue(size_t capacity) : capacity_(capacity) {}
 
-  /// Waits for room. @return false if the queue is closed; the item is dropped.
+  /// Waits for room. @return false if the queue is closed; push() then drops the item.
   bool push(T item) {
     std::unique_lock lock(mutex_);
     not_full_.wait(lock, [&] { return items_.size() < capacity_ || closed_; });
@@ -25,7 +25,7 @@ class BoundedQueue {
     return true;
   }
 
-  /// Never waits. @return false if the queue is full or closed; the item is unchanged.
+  /// Never waits. @return false if the queue is full or closed; the item then stays unchanged.
   bool tryPush(T& item) {
     std::lock_guard lock(mutex_);
     if (closed_ || items_.size() >= capacity_) return false;
@@ -46,7 +46,7 @@ class BoundedQueue {
     return take();
   }
 
-  /// Refuses further items; queued ones can still be popped.
+  /// Refuses further items. Threads can still pop the queued items.
   void close() {
     std::lock_guard lock(mutex_);
     closed_ = true;

@@ -44,7 +44,7 @@ inline std::string helpHint(const CLI::App& program) {
 
 }  // namespace command_line
 
-/// Returns a validator for options: a number from `least` to `most`. CLI::Range() accepts "nan".
+/// Returns a validator that accepts numbers from `least` to `most`. CLI::Range() would also accept "nan".
 inline CLI::Validator numberFrom(double least, double most) {
   std::ostringstream range;
   range << '[' << least << " - " << most << ']';
@@ -57,9 +57,10 @@ inline CLI::Validator numberFrom(double least, double most) {
 }
 
 /// Parses the command line and runs the command. Prints errors on one line of stderr.
-/// @param declare  adds the commands; their callbacks throw Error on failure and may set the exit status.
+/// @param declare  adds the commands. A command's callback throws Error on failure and may set the exit
+/// status.
 /// @param more_memory  remedy for the message about exhausted memory.
-/// @return the exit status: 0 success, 1 the work failed, 2 wrong usage.
+/// @return the exit status: 0 for success, 1 if the work failed, 2 for wrong usage.
 inline int runCommandLine(CLI::App& program, int argc, const char* const* argv,
                           const std::function<void(int& exit_status)>& declare, const char* more_memory) {
   using namespace command_line;

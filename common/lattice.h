@@ -12,8 +12,8 @@ namespace lode {
 constexpr int kLatticeBits = 21;                            ///< bits of a lattice coordinate
 constexpr uint32_t kMaxLattice = (1u << kLatticeBits) - 1;  ///< largest lattice coordinate
 
-/// A vertex position: three lattice coordinates in 63 bits, x lowest. It identifies a vertex: welding,
-/// joining of boundaries and the triangle soup compare it, and every payload decodes to it exactly.
+/// A vertex position: three lattice coordinates in 63 bits, x lowest. Payloads preserve position codes
+/// exactly, so welding, joining of boundaries and the triangle soup identify vertices by comparing codes.
 struct PositionCode {
   uint64_t value = 0;
   friend constexpr auto operator<=>(PositionCode, PositionCode) = default;
@@ -28,7 +28,7 @@ inline glm::uvec3 unpackPosition(PositionCode code) noexcept {
           code.value >> 2 * kLatticeBits & kMaxLattice};
 }
 
-/// Axis-aligned box of lattice coordinates, both ends inside. Empty when min > max.
+/// Axis-aligned box of lattice coordinates. Contains both min and max; empty if min > max.
 struct LatticeBox {
   glm::uvec3 min{kMaxLattice};
   glm::uvec3 max{0};
@@ -48,7 +48,7 @@ struct LatticeBox {
   }
 };
 
-/// Beyond these steps, floats of lattice points may be subnormal or infinite.
+/// Smallest and largest step. With other steps, floats of lattice points could be subnormal or infinite.
 constexpr double kMinStep = 0x1p-100, kMaxStep = 0x1p60;
 
 /// Returns true for 4, 5, 6 and 7 times a power of two from kMinStep to kMaxStep. Such a step times a lattice
@@ -60,14 +60,14 @@ inline bool isLatticeStep(double step) noexcept {
 }
 
 /// The grid on which every vertex of a model lies. True coordinates are origin + step * lattice coordinates.
-/// The model frame is step * lattice coordinates; its floats are exact.
+/// Coordinates in the model frame are step * lattice coordinates, which floats represent exactly.
 struct Lattice {
   glm::dvec3 origin{0};  ///< true coordinates of lattice point (0,0,0); a multiple of the step
-  double step = 1;       ///< see isLatticeStep(); true units
+  double step = 1;       ///< distance of neighbouring lattice points in true units, see isLatticeStep()
 
   bool operator==(const Lattice&) const = default;
-  /// Returns the nearest lattice point, computed in double and clamped to the grid. Nothing else rounds
-  /// positions.
+  /// Returns the nearest lattice point, computed in double and clamped to the grid. No other code
+  /// rounds positions.
   glm::uvec3 snap(glm::dvec3 world) const noexcept {
     const glm::dvec3 steps = glm::clamp(glm::round((world - origin) / step), 0.0, double(kMaxLattice));
     return glm::uvec3(steps);

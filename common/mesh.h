@@ -24,21 +24,22 @@ struct AttributeSet {
 /// coordinates.
 constexpr double kTextureStep = 0x1p-16;
 
-/// Material of a face without a texture: its texnumber is -1 or out of range.
+/// Material of a face without a texture. The texnumber of such a face is -1 or out of range.
 constexpr uint16_t kNoMaterial = 0xffff;
 
-/// Attributes of one vertex, quantized once at the scan on grids of the whole model. Fields of absent
-/// attributes have their defaults, so equal vertices compare equal.
+/// Attributes of one vertex. The scan of the input quantizes them once, on grids of the whole model. Fields
+/// of absent attributes keep their defaults, so that equal vertices compare equal.
 struct VertexAttributes {
-  uint16_t normal = 0;      ///< octahedral, see common/codec/octahedral.h
+  uint16_t normal = 0;      ///< octahedral code of the normal, see common/codec/octahedral.h
   uint16_t material = 0;    ///< texture number (PLY texnumber), or kNoMaterial
   glm::u8vec4 colour{255};  ///< red, green, blue, alpha
-  glm::u16vec2 texture{0};  ///< in steps of kTextureStep
+  glm::u16vec2 texture{0};  ///< texture coordinates in steps of kTextureStep
 
   bool operator==(const VertexAttributes&) const = default;
 };
 static_assert(sizeof(VertexAttributes) == 12);
 
+/// Number of triangles of a cluster; the last cluster of a mesh may have fewer.
 constexpr uint32_t kClusterTriangles = 128;
 
 /// Returns the number of clusters of a mesh.
@@ -53,8 +54,8 @@ struct Mesh {
   std::vector<PositionCode> positions;
   std::vector<VertexAttributes> vertex_attributes;  ///< one per vertex; empty if `attributes` is empty
   std::vector<glm::u32vec3> triangles;              ///< indices of vertices, counter-clockwise
-  /// Bounding box of each run of kClusterTriangles triangles; empty unless triangles are sorted into
-  /// clusters.
+  /// Bounding box of each cluster, a run of kClusterTriangles triangles. Empty unless the triangles are
+  /// sorted into clusters.
   std::vector<LatticeBox> cluster_boxes = {};
 
   bool operator==(const Mesh&) const = default;

@@ -6,7 +6,7 @@
 
 namespace lode {
 
-constexpr int kMaxDepth = 20;  ///< depth of the deepest node; the root's is 0
+constexpr int kMaxDepth = 20;  ///< largest depth of a node; the root has depth 0
 
 /// Locational code of an octree cell: a leading 1, then 3 bits per level (x is bit 0, y bit 1, z bit 2).
 /// Keys are ordered by value: coarse nodes before fine ones, siblings together.

@@ -4,7 +4,7 @@
 
 namespace lode {
 
-/// Empties a container and frees its memory. `container = {}` assigns no items and keeps the capacity.
+/// Empties a container and frees its memory. In contrast, `container = {}` may keep the capacity.
 template <typename Container>
 void releaseStorage(Container& container) {
   Container empty;

@@ -12,7 +12,7 @@
 namespace lode {
 
 /// Returns make(), which starts threads.
-/// @param purpose  for the error message: "to decode".
+/// @param purpose  purpose of the threads for the error message, such as "to decode".
 /// @throws Error kIo if the system refuses a thread.
 template <typename Make>
 auto withThreads(const std::string& purpose, Make&& make) {

@@ -19,7 +19,7 @@ namespace lode::proto {
 class ByteStream {
  public:
   explicit ByteStream(asio::ip::tcp::socket socket);
-  /// With TLS: call a handshake function first.
+  /// Makes a stream with TLS. Call a handshake function before any other.
   ByteStream(asio::ip::tcp::socket socket, std::shared_ptr<asio::ssl::context> tls);
 
   /// Performs the TLS handshake as a server. Does nothing on a plain stream.
@@ -32,8 +32,8 @@ class ByteStream {
   /// Returns true if connectHandshake() failed because of the certificate.
   bool isPeerDoubted();
 
-  /// @param error  must outlive the awaitable; asio::error::eof if the peer closed its side, also without
-  /// TLS's close_notify: frames have lengths, so truncation is noticed.
+  /// @param error  must outlive the awaitable. Becomes asio::error::eof if the peer closed its side, even
+  /// without TLS's close_notify: frames have lengths, so the reader notices truncation.
   asio::awaitable<size_t> readSome(asio::mutable_buffer into, asio::error_code& error);
   /// Writes all parts. With TLS one large part is cheaper than several.
   asio::awaitable<void> write(std::span<const asio::const_buffer> parts, asio::error_code& error);

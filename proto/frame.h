@@ -8,8 +8,8 @@
 
 namespace lode::proto {
 
-/// Every message: X(frame type, name, struct in messages.h). The name is that of the table in lodestream.fbs
-/// and of the FrameType. Numbers are part of the protocol: never change or reuse one.
+/// Lists every message as X(frame type, name, struct in messages.h). The table in lodestream.fbs and the
+/// FrameType have the same name. Numbers are part of the protocol: never change or reuse a number.
 #define LODE_MESSAGES(X)              \
   X(1, Hello, Hello)                  \
   X(2, Welcome, Welcome)              \
@@ -32,10 +32,10 @@ enum class FrameType : uint8_t {
 #define LODE_MESSAGE(number, name, type) k##name = number,
   LODE_MESSAGES(LODE_MESSAGE)
 #undef LODE_MESSAGE
-      kBlob = 9,  ///< not a message: its body is a BlobChunkHeader and raw bytes
+      kBlob = 9,  ///< not a message; the body is a BlobChunkHeader and raw bytes
 };
 
-/// Name of a frame type for error messages: "Hello" and so on, or "unknown".
+/// Returns the name of a frame type for error messages: "Hello" and so on, or "unknown".
 std::string_view frameName(uint8_t type) noexcept;
 /// Returns true if this version of the protocol has the frame type.
 bool isFrameType(uint8_t type) noexcept;
@@ -75,7 +75,7 @@ std::array<std::byte, kBlobChunkHeaderBytes> encodeBlobChunkHeader(const BlobChu
 
 struct BlobChunk {
   BlobChunkHeader header;
-  std::span<const std::byte> bytes;  ///< into the frame's body
+  std::span<const std::byte> bytes;  ///< points into the frame's body
 };
 /// @throws Error kProtocol if the body is too short, or the chunk is empty or exceeds its blob; kLimit if the
 /// chunk exceeds kMaxChunkBytes or the blob kMaxBlobBytes.

@@ -23,26 +23,26 @@ struct Frame {
 /// Frames on a byte stream. One coroutine may read while another writes, both on the stream's thread.
 class FrameStream {
  public:
-  /// Called before a body grows by this many bytes. Returns false to refuse them.
+  /// A function that is called before a body grows by `more_bytes`. It returns false to refuse the growth.
   using Room = std::function<bool(size_t more_bytes)>;
 
   /// @param read_ahead_bytes  size of the read buffer; longer bodies are read directly into the frame.
   explicit FrameStream(ByteStream stream, size_t read_ahead_bytes = 4096, Room room = {});
 
-  /// Reads one frame into `frame`, whose memory is reused. A body takes memory as its bytes arrive, not as
-  /// its header announces.
-  /// @param max_body_bytes  a longer body is refused before memory is allocated.
+  /// Reads one frame into `frame`, whose memory is reused. The memory of a body grows as
+  /// bytes arrive, whatever length the header announces.
+  /// @param max_body_bytes  limit; read() refuses a longer body before it allocates memory.
   /// @return false if the peer closed the connection between two frames.
   /// @throws Error kLimit, kProtocol (invalid header), kNetwork (closed within a frame, or reset).
   asio::awaitable<bool> read(Frame& frame, uint32_t max_body_bytes = kMaxFrameBodyBytes);
 
-  /// Writes whole frames from several buffers in one system call without copying. Buffers must stay valid
-  /// until it returns.
+  /// Writes whole frames from several buffers in one system call without copying. The buffers must stay
+  /// valid until the awaitable completes.
   /// @throws Error kNetwork.
   asio::awaitable<void> write(std::span<const asio::const_buffer> parts);
 
-  /// Reads and drops bytes until either side closes: closing a connection with unread bytes resets it, and
-  /// the peer may lose the last frames. Never throws.
+  /// Reads and drops bytes until either side closes the connection. Closing a connection with unread bytes
+  /// would reset it, and the peer could lose the last frames. Never throws.
   asio::awaitable<void> discard();
 
   ByteStream& bytes() noexcept { return stream_; }

@@ -11,7 +11,7 @@
 #include "proto/limits.h"
 
 /// The messages as plain structs. Their bodies on the wire are the FlatBuffers tables of lodestream.fbs;
-/// docs/protocol.md says what each message means. A new message takes a line of LODE_MESSAGES (frame.h), a
+/// docs/protocol.md says what each message means. A new message needs a line in LODE_MESSAGES (frame.h), a
 /// table in lodestream.fbs, a struct here and a write() and a read() in messages.cpp.
 namespace lode::proto {
 
@@ -62,7 +62,7 @@ struct RequestChange {
   RequestClass request_class = RequestClass::kVisible;
   uint32_t request = 0;   ///< number > 0 that the client chooses, unique among the session's open requests
   uint32_t blob = 0;      ///< kAdd only: number of the blob in the model's store
-  float priority_px = 0;  ///< projected error; the highest of a class comes first
+  float priority_px = 0;  ///< projected error; the server prefers the highest in a class
   bool operator==(const RequestChange&) const = default;
 };
 
@@ -73,7 +73,8 @@ struct Requests {
   bool operator==(const Requests&) const = default;
 };
 
-/// Total bytes of Blob frame bodies that the server may send from the session's start.
+/// Sets the total number of bytes in bodies of Blob frames that the server may send since the session's
+/// start.
 struct Credit {
   uint64_t granted_bytes = 0;
   bool operator==(const Credit&) const = default;
@@ -99,7 +100,7 @@ enum class WireError : uint8_t {
 
 struct ErrorMessage {
   WireError code = WireError::kInternal;
-  uint32_t request = 0;  ///< the request that the error ends; 0 if it answers the frame with the call id
+  uint32_t request = 0;  ///< request that the error ends; 0: the error answers the call id's frame
   bool closes = false;   ///< the server closes the connection after this error
   std::string message;
   bool operator==(const ErrorMessage&) const = default;
@@ -125,7 +126,7 @@ struct Pong {
   bool operator==(const Pong&) const = default;
 };
 
-/// Closes a model: the server ends its open requests with Cancelled, then answers Closed.
+/// Closes a model. The server ends the model's open requests with Cancelled, then answers Closed.
 struct Close {
   uint32_t handle = 0;
   bool operator==(const Close&) const = default;
@@ -155,7 +156,7 @@ Bytes encode(const Message& message, uint32_t call);
 /// @throws Error kProtocol or kLimit.
 template <typename Message>
 Message decode(std::span<const std::byte> body);
-/// Decodes into a message whose memory is reused.
+/// Decodes the body of a Requests frame and reuses the memory of `into`.
 void decodeInto(std::span<const std::byte> body, Requests& into);
 
 }  // namespace lode::proto

@@ -9,8 +9,8 @@
 
 namespace lode {
 
-/// Transfers the normals of a mesh to another mesh of the same triangles with other vertices: Draco reorders
-/// vertices and splits non-manifold ones.
+/// Transfers the normals of a mesh to a mesh with the same triangles but other vertices, such as the mesh
+/// that Draco decodes: Draco reorders vertices and splits non-manifold vertices.
 class CornerNormals {
  public:
   explicit CornerNormals(const Mesh& mesh);
@@ -31,7 +31,7 @@ class CornerNormals {
     uint16_t normal = 0;
     auto operator<=>(const OfCorner&) const = default;
   };
-  /// Returns the slot of a position in the table, or the slot to insert it.
+  /// Returns the slot of a position in the table, or the slot where to insert the position.
   size_t placeOf(PositionCode position) const noexcept;
   /// Returns the normal if the position has exactly one.
   std::optional<uint16_t> at(PositionCode position) const;

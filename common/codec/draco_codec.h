@@ -14,7 +14,7 @@ struct PayloadExpectation {
   uint32_t triangles = 0;
   uint32_t vertices = 0;    ///< upper bound of decoded vertices: the encoder's count
   AttributeSet attributes;  ///< attributes of the model
-  LatticeBox box;           ///< box of the node; a position outside is an error
+  LatticeBox box;           ///< box of the node, which must contain all positions
 };
 
 struct EncodedPayload {
@@ -22,19 +22,19 @@ struct EncodedPayload {
   uint32_t vertices = 0;         ///< number of vertices after decoding
 };
 
-/// Origin of a mesh's triangles. Triangles of a file are often regular, and far LODs have few triangles, most
-/// at the boundary: both get a better predictor.
+/// Origin of a mesh's triangles. kFile and kFarLod select a predictor that saves more bytes but decodes more
+/// slowly: triangles of a file are often regular, and most triangles of a far LOD are at the boundary.
 enum class MeshSource { kFile, kSimplified, kFarLod };
 
 /// Encodes an LOD with Draco's edgebreaker (settings: docs/store-format.md), float positions in the model
-/// frame. The decoded mesh has the same triangles with the same positions, attributes and orientation in
-/// another order. Omits computed normals if most of them follow from the triangles.
+/// frame. The decoded mesh has the same triangles, with equal positions, attributes and orientation, in
+/// another order. Omits computed normals if most normals follow from the triangles.
 /// @param step  step of the lattice.
 /// @throws Error kInternal if Draco fails. Thread safe.
 EncodedPayload encodePayload(const Mesh& mesh, double step, MeshSource source = MeshSource::kSimplified);
 
-/// Decodes a payload from an untrusted source: checks header and counts before it allocates memory, and every
-/// index, position and attribute afterwards (docs/protocol.md).
+/// Decodes a payload from an untrusted source. Checks the header and all counts before it allocates memory,
+/// and every index, position and attribute afterwards (docs/protocol.md).
 /// @throws Error kFormat or kLimit. Thread safe.
 Mesh decodePayload(std::span<const std::byte> bytes, double step, const PayloadExpectation& expected);
 

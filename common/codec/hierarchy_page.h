@@ -18,7 +18,7 @@ struct Lod {
   BlobRef payload;  ///< no blob if the LOD has no triangles
   uint32_t triangles = 0;
   uint32_t vertices = 0;             ///< vertices of the decoded payload
-  uint32_t locked = 0;               ///< positions of locked vertices
+  uint32_t locked = 0;               ///< number of positions with locked vertices
   float error_model = 0;             ///< largest distance from the original surface, model units
   float appearance_error_model = 0;  ///< size of lost detail in colours, normals and textures, model units
 
@@ -30,12 +30,12 @@ struct Lod {
 struct Node {
   NodeKey key;
   LatticeBox box;          ///< tight box of all LODs and the children's boxes; empty without triangles
-  uint8_t child_mask = 0;  ///< bit o: child(o) exists; 0 for a leaf
+  uint8_t child_mask = 0;  ///< bit o is set if child(o) exists; a leaf has no bit set
   std::vector<Lod> lods;   ///< at least one; errors never decrease from finer to coarser
-  /// Number of far LODs at the end of `lods`: coarser than sourceLod(), for nodes that a view does not see.
-  /// Only their errors may exceed the parent's. The root and leaves have none.
+  /// Number of far LODs, which are the last of `lods`. Far LODs are coarser than sourceLod() and serve nodes
+  /// outside the view. Only errors of far LODs may exceed the parent's. The root and leaves have no far LODs.
   uint32_t far_lods = 0;
-  BlobRef child_page;  ///< page of the children if they are not in this page
+  BlobRef child_page;  ///< page with the children, unless this page contains them
 
   bool operator==(const Node&) const = default;
   bool isLeaf() const noexcept { return child_mask == 0; }
@@ -44,8 +44,8 @@ struct Node {
 };
 
 /// A subtree of the hierarchy in one blob, so that clients load the hierarchy on demand. The root page holds
-/// depths 0 to 2. Every other page belongs to an owner node of even depth >= 2 and holds its children and
-/// grandchildren. Nodes are in key order. See docs/store-format.md.
+/// depths 0 to 2. Every other page belongs to an owner node of even depth >= 2 and holds the
+/// children and grandchildren of the owner. Nodes are in key order. See docs/store-format.md.
 struct HierarchyPage {
   std::vector<Node> nodes;
   bool operator==(const HierarchyPage&) const = default;
@@ -55,7 +55,7 @@ std::vector<std::byte> encodePage(const HierarchyPage& page);
 
 /// Decodes a page and validates it: limits, keys, order, child masks against the page's nodes, boxes inside
 /// parents' boxes, monotone errors (I3 of docs/architecture.md).
-/// @param owner  node above the page's nodes; kRootKey with is_root_page for the root page.
+/// @param owner  node above the page's nodes. For the root page pass kRootKey and set is_root_page.
 /// @throws Error kFormat or kLimit. Thread safe.
 HierarchyPage decodePage(std::span<const std::byte> bytes, NodeKey owner, bool is_root_page);
 

@@ -9,16 +9,17 @@
 
 namespace lode {
 
-/// Description of a model. Part of the store's header, and the first that a client receives.
+/// Description of a model. The store's header contains it, and clients receive it before any blob of the
+/// model.
 struct ModelSummary {
   std::string name;  ///< file name of the store without .lode
-  Digest build_id;   ///< hash of the index; any change of the store changes it
+  Digest build_id;   ///< hash of the index; any change of the store changes the hash
   Lattice lattice;
   LatticeBox box;  ///< box of all nodes
   AttributeSet attributes;
-  uint64_t triangles = 0;         ///< of the leaves
+  uint64_t triangles = 0;         ///< triangles of the leaves
   uint64_t dropped = 0;           ///< input triangles that the build left out (I1 of docs/architecture.md)
-  uint64_t stored_triangles = 0;  ///< of all LODs
+  uint64_t stored_triangles = 0;  ///< triangles of all LODs
   uint64_t nodes = 0;
   uint64_t payloads = 0;
   uint64_t bytes = 0;         ///< size of the store file

@@ -11,7 +11,7 @@ bool hasDirection(glm::vec3 vector) noexcept;
 
 /// Returns the octahedral code of a direction: u in the low byte, v in the high byte, on the grid of Draco's
 /// 8-bit octahedral quantization (0..254, centre 127), so that Draco preserves the code.
-/// @param normal  any length; the code of +z if it has no direction.
+/// @param normal  vector of any length. A vector without a direction gets the code of +z.
 /// Source: Meyer et al., On Floating-Point Normal Vectors, 2010;
 /// draco/compression/attributes/normal_compression_utils.h.
 uint16_t encodeOctahedral(glm::vec3 normal) noexcept;

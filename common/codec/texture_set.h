@@ -12,8 +12,9 @@
 #include "common/codec/blob.h"
 #include "common/mesh.h"
 
-/// The textures of a model: the mapping from codes of vertices to texture coordinates, and the tiles of each
-/// image. One blob of the store (docs/store-format.md). All functions are thread safe.
+/// The textures of a model: the mapping from codes of vertices to texture coordinates, and references to the
+/// tiles of each image. A texture set is one blob of the store (docs/store-format.md). All functions are
+/// thread safe.
 namespace lode {
 
 constexpr uint32_t kTilePx = 512;       ///< longest edge of a tile's image, gutters included
@@ -21,30 +22,30 @@ constexpr uint32_t kTileGutterPx = 2;   ///< texels of the neighbouring tiles on
 constexpr uint32_t kTileInnerPx = 508;  ///< largest edge of a tile without gutters
 static_assert(kTileInnerPx + 2 * kTileGutterPx == kTilePx);
 
-constexpr uint32_t kMaxTextures = 4096;  ///< of one model
+constexpr uint32_t kMaxTextures = 4096;  ///< textures of one model
 constexpr double kMaxUvOrigin = 0x1p60;
-constexpr uint32_t kMaxTextureEdgePx = 65536;        ///< of one image
-constexpr uint32_t kMaxTextureTiles = 1u << 20;      ///< of one model
-constexpr uint32_t kMaxTileBytes = 2u << 20;         ///< of one tile's file
-constexpr uint32_t kMaxTextureNameBytes = 1024;      ///< of one texture's name
-constexpr uint32_t kMaxTextureSetBytes = 32u << 20;  ///< of an encoded set
-constexpr uint32_t kEmptyTextureSetBytes = 25;       ///< of an encoded set without textures
-constexpr int32_t kMaxUvExponent = 40;               ///< of uv_scale_exponent, either sign
+constexpr uint32_t kMaxTextureEdgePx = 65536;        ///< longest edge of one image
+constexpr uint32_t kMaxTextureTiles = 1u << 20;      ///< tiles of one model
+constexpr uint32_t kMaxTileBytes = 2u << 20;         ///< size of one tile's file
+constexpr uint32_t kMaxTextureNameBytes = 1024;      ///< length of one texture's name
+constexpr uint32_t kMaxTextureSetBytes = 32u << 20;  ///< size of an encoded set
+constexpr uint32_t kEmptyTextureSetBytes = 25;       ///< size of an encoded set without textures
+constexpr int32_t kMaxUvExponent = 40;               ///< largest absolute value of uv_scale_exponent
 
 /// One image as a chain of levels. Level l has max(1, ceil(size / 2^l)) texels each way; the coarsest level
 /// is the first that fits one tile. A tile holds up to kTileInnerPx texels of its level each way, fewer at
-/// the right and bottom edges, and kTileGutterPx texels around them; beyond its edges the level repeats.
+/// the right and bottom edges, and kTileGutterPx texels around these. The level repeats beyond its edges.
 struct Texture {
   std::string name;            ///< name in the input; printable UTF-8
-  uint32_t width = 0;          ///< width and height are 0 if the image was missing: no tiles
-  uint32_t height = 0;         ///< texels of level 0
+  uint32_t width = 0;          ///< texels of level 0 per row; 0 if the image was missing
+  uint32_t height = 0;         ///< rows of level 0; 0 if the image was missing
   std::vector<BlobRef> tiles;  ///< coarsest level first; within a level row by row from the top
 
   bool operator==(const Texture&) const = default;
 };
 
 /// True texture coordinates are uv_origin + code * 2^(uv_scale_exponent - 16). v is 0 at the bottom edge of
-/// the image and 1 at the top; outside 0..1 the image repeats. A vertex of material m uses textures[m].
+/// the image and 1 at the top. The image repeats outside 0..1. A vertex with material m uses textures[m].
 struct TextureSet {
   glm::dvec2 uv_origin{0};
   int32_t uv_scale_exponent = 0;
@@ -53,7 +54,7 @@ struct TextureSet {
   bool operator==(const TextureSet&) const = default;
 };
 
-/// Returns the number of levels; 0 without an image.
+/// Returns the number of levels, or 0 if the image was missing.
 uint32_t levelCount(const Texture& texture);
 /// Returns the size of a level in texels; level 0 is the finest.
 glm::uvec2 levelSize(const Texture& texture, uint32_t level);
@@ -69,7 +70,7 @@ glm::uvec2 tileInnerSize(const Texture& texture, uint32_t level, uint32_t x, uin
 /// Returns the distance of neighbouring codes in true texture coordinates.
 double uvStep(const TextureSet& set);
 
-/// Returns the true texture coordinates of a vertex; v = 0 at the bottom of the image.
+/// Returns the true texture coordinates of a vertex. v is 0 at the bottom of the image.
 inline glm::dvec2 trueTextureCoordinates(const TextureSet& set, const VertexAttributes& vertex) {
   return set.uv_origin + glm::dvec2(vertex.texture) * uvStep(set);
 }
@@ -79,10 +80,10 @@ enum class TileKind : uint8_t { kJpeg, kWebp };
 /// Determines the format by the first bytes of the file.
 std::optional<TileKind> tileKind(std::span<const std::byte> tile) noexcept;
 
-/// @throws Error kLimit or kFormat if decodeTextureSet() would refuse the result.
+/// Encodes a set. @throws Error kLimit or kFormat if decodeTextureSet() would refuse the result.
 std::vector<std::byte> encodeTextureSet(const TextureSet& set);
 
-/// Decodes a set and validates all but the tiles. @throws Error kFormat or kLimit.
+/// Decodes a set and validates everything except the contents of tiles. @throws Error kFormat or kLimit.
 TextureSet decodeTextureSet(std::span<const std::byte> bytes);
 
 }  // namespace lode

@@ -17,11 +17,11 @@ struct Image {
   const glm::u8vec4& at(uint32_t x, uint32_t y) const { return texels[size_t{y} * size.x + x]; }
 };
 
-/// Returns the next coarser level of an image, ceil(size / 2) texels each way. A texel is the mean of the
-/// texels it covers in linear light, weighted by alpha. Thread safe.
+/// Returns the next coarser level of an image, ceil(size / 2) texels each way. Each texel is the mean of
+/// the finer texels that it covers, in linear light and weighted by alpha. Thread safe.
 Image halved(const Image& image);
 
-/// Returns a part of an image; beyond its edges the image repeats. Thread safe.
+/// Returns a part of an image. The image repeats beyond its edges. Thread safe.
 Image cutOut(const Image& image, glm::ivec2 first, glm::uvec2 size);
 
 /// Returns the linear light, 0 to 1, of an sRGB byte (IEC 61966-2-1).

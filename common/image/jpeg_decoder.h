@@ -10,30 +10,31 @@
 
 namespace lode {
 
-/// Error handler of libjpeg. An error jumps to `jump`, which the user sets with setjmp() before each call;
-/// between the two no object with a destructor may be created. Serves one codec and outlives it.
+/// Error handler of one libjpeg codec; it must outlive the codec. An error jumps to `jump`: set `jump` with
+/// setjmp() before each call of libjpeg, and create no object with a destructor between setjmp() and that
+/// call.
 struct JpegErrors {
-  jpeg_error_mgr manager{};  // must be first: libjpeg gets a pointer to it
+  jpeg_error_mgr manager{};  // must be the first member: libjpeg receives a pointer to it
   std::jmp_buf jump{};
   bool refuse_warnings = false;
-  char message[JMSG_LENGTH_MAX]{};  ///< the error
-  char warning[JMSG_LENGTH_MAX]{};  ///< the first warning, or empty
+  char message[JMSG_LENGTH_MAX]{};  ///< text of the error
+  char warning[JMSG_LENGTH_MAX]{};  ///< text of the first warning, or empty
 
   /// @param warnings_too  treats warnings as errors: libjpeg fills missing parts of an image with grey.
-  /// @return the `err` of a codec; set it before the codec is created.
+  /// @return the value for the codec's field `err`; assign it before you create the codec.
   jpeg_error_mgr* install(bool warnings_too);
 };
 
-/// Limit for the scans of a JPEG: even a short scan costs a pass over the whole image. Common progressive
-/// files have about ten.
+/// Largest accepted number of scans in a JPEG: even a short scan costs a pass over the whole image. Common
+/// progressive files have about ten.
 constexpr int kMaxJpegScans = 64;
 
 /// Decodes a JPEG file from an untrusted source in two steps, header and texels, so that the caller can check
-/// the size in between: libjpeg allocates in proportion to it. Not thread safe.
+/// the size in between: libjpeg allocates memory in proportion to the size. Not thread safe.
 class JpegDecoder {
  public:
-  /// @param file  outlives the decoder.
-  /// @param refuse_warnings  refuses damage that libjpeg could repair.
+  /// @param file  contents of the file; must outlive the decoder.
+  /// @param refuse_warnings  whether to refuse damage that libjpeg could repair.
   JpegDecoder(std::span<const std::byte> file, bool refuse_warnings);
   ~JpegDecoder() { jpeg_destroy_decompress(&info_); }
   JpegDecoder(const JpegDecoder&) = delete;
@@ -41,7 +42,7 @@ class JpegDecoder {
 
   /// @return false if the file is damaged; failure() says how.
   bool readHeader();
-  // After readHeader():
+  // Call these functions after readHeader().
   glm::uvec2 size() const noexcept { return {info_.image_width, info_.image_height}; }
   /// Returns true for CMYK colours, which readTexels() does not convert.
   bool isCmyk() const noexcept {

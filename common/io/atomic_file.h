@@ -10,15 +10,15 @@
 
 namespace lode {
 
-/// Writes a file under a temporary name; commit() syncs and renames it. Without commit() the destructor, or a
-/// signal that ends the process, removes it. Replaces the target of symbolic links. Writes to a pipe or a
-/// character device directly. Buffers writes. Not thread safe. All functions throw Error kIo with the file's
-/// name.
+/// Writes a file under a temporary name; commit() syncs and renames it. Without commit(), the destructor or
+/// a signal that ends the process removes the temporary file. Replaces the target of symbolic links. Writes
+/// to a pipe or a character device directly. Buffers writes. Not thread safe. All functions throw Error kIo
+/// with the file's name.
 class AtomicFile {
  public:
-  /// @param temporary  temporary file, on the file system of `path`; overwritten if it exists, and not
-  /// removed by a signal. By default a new name beside `path`.
-  /// @throws also as findOutput().
+  /// @param temporary  name of the temporary file, on the file system of `path`. An existing file is
+  /// overwritten, and no signal removes it. By default AtomicFile chooses a new name beside `path`.
+  /// @throws also the errors of findOutput().
   explicit AtomicFile(std::filesystem::path path, std::filesystem::path temporary = {});
   ~AtomicFile();
   AtomicFile(AtomicFile&& other) noexcept;
@@ -26,13 +26,14 @@ class AtomicFile {
 
   void write(std::span<const std::byte> bytes);
   void writeAt(uint64_t offset,
-               std::span<const std::byte> bytes);  ///< overwrites bytes already written; not for a pipe
+               std::span<const std::byte>
+                   bytes);  ///< overwrites bytes that were already written; cannot be used for a pipe
   uint64_t size() const noexcept;
   void commit();
 
  private:
   void flush();
-  std::filesystem::path path_;       ///< as the caller named it
+  std::filesystem::path path_;       ///< path as the caller passed it
   std::filesystem::path target_;     ///< file to replace; empty for a pipe or device
   std::filesystem::path temporary_;  ///< empty for a pipe or device, and after commit()
   Unfinished unfinished_;

@@ -8,12 +8,13 @@
 
 namespace lode {
 
-/// Installs handlers for SIGINT, SIGTERM and SIGHUP: they remove every Unfinished, print a line on stderr and
-/// end the process. Signals that are ignored or already have a handler keep their disposition.
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP: they remove every unfinished file and folder, print
+/// a line on stderr and end the process. Leaves alone signals that are ignored or already have a handler.
 void endCleanlyWhenInterrupted() noexcept;
 
-/// Blocks these signals in the calling thread during its lifetime, so that a file and its Unfinished are
-/// created together. If another thread takes the signal, the constructor of Unfinished removes the file.
+/// Blocks SIGINT, SIGTERM and SIGHUP in the calling thread during this object's lifetime, so that none of
+/// them interrupts the thread between creating a file and creating the file's Unfinished. If another thread
+/// handles the signal in the meantime, the constructor of Unfinished removes the file.
 class Uninterrupted {
  public:
   Uninterrupted() noexcept;
@@ -25,9 +26,9 @@ class Uninterrupted {
   sigset_t before_{};
 };
 
-/// Marks a file or a folder as unfinished: if a signal ends the process during its lifetime, the file or the
-/// whole folder is removed. Calls endCleanlyWhenInterrupted(). Thread safe.
-/// Create it before the file, or under the same Uninterrupted.
+/// Marks a file or a folder as unfinished: a signal that ends the process during this object's lifetime also
+/// removes the file or the whole folder. Calls endCleanlyWhenInterrupted(). Thread safe.
+/// Create an Unfinished before its file, or create both under the same Uninterrupted.
 class Unfinished {
  public:
   Unfinished() = default;  ///< marks nothing
@@ -36,7 +37,7 @@ class Unfinished {
   Unfinished(Unfinished&& other) noexcept;
   Unfinished& operator=(Unfinished&& other) noexcept;
 
-  /// Keeps the file from now on.
+  /// Removes the mark: signals keep the file or folder from now on.
   void finish() noexcept;
 
  private:

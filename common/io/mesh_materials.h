@@ -16,7 +16,7 @@ struct MaterialGroup {
   std::vector<uint32_t> triangles;
 };
 
-/// Groups triangles by material, in ascending order; a mesh without materials is one group of material 0.
+/// Groups triangles by material, in ascending order. A mesh without materials forms one group of material 0.
 std::vector<MaterialGroup> groupByMaterial(const Mesh& mesh);
 
 /// Returns the name of a material's image, or an empty string if it has none.
@@ -24,8 +24,8 @@ std::string imageOf(const Mesh& mesh, const TextureSet& textures, uint16_t mater
 
 /// Textures of a mesh to be written, with the names of its image files.
 struct ImageFiles {
-  TextureSet set;               ///< names of image files; a texture without a file keeps its name
-  std::vector<bool> has_alpha;  ///< by texture; false beyond the end
+  TextureSet set;  ///< textures named after their image files; a texture without a file keeps its own name
+  std::vector<bool> has_alpha;  ///< whether the image has alpha, by texture; false beyond the end
 };
 
 /// Returns true if the image of a material has alpha.

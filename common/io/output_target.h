@@ -8,8 +8,8 @@ namespace lode {
 
 /// Resolved output of a command.
 struct OutputTarget {
-  std::filesystem::path path;  ///< target of symbolic links; need not exist
-  bool is_stream = false;      ///< a pipe or a character device, written directly and never replaced
+  std::filesystem::path path;  ///< file to write, after following symbolic links; need not exist
+  bool is_stream = false;      ///< true for a pipe or a character device, never replaced
 };
 
 /// Follows symbolic links to the file to write.
@@ -17,7 +17,7 @@ struct OutputTarget {
 /// a loop of links.
 OutputTarget findOutput(const std::filesystem::path& asked);
 
-/// Returns the extension in lower case with its dot: ".png" for "a.PNG"; empty without one.
+/// Returns the extension in lower case with its dot: ".png" for "a.PNG"; empty if the name has none.
 std::string fileEnding(const std::filesystem::path& path);
 
 /// Returns true if a path is this process's standard output, under any name.
@@ -27,7 +27,8 @@ bool isStandardOutput(const std::filesystem::path& output) noexcept;
 /// writing. @throws Error kUsage if the output is stdout and the report is JSON.
 std::FILE* reportStream(const std::filesystem::path& output, bool as_json);
 
-/// @throws Error kUsage if the output is a pipe or a device: image files need a folder beside it.
+/// Refuses an output beside which no image files can be written.
+/// @throws Error kUsage if the output is a pipe or a device.
 void refuseFilesBesideStream(const std::filesystem::path& output);
 
 }  // namespace lode

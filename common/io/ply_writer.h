@@ -10,7 +10,8 @@ namespace lode {
 
 /// Writes a mesh as binary little-endian PLY in true coordinates (double if the lattice needs it, else
 /// float), with its attributes, as an AtomicFile.
-/// @param textures  texture coordinates and names of image files; each is a comment TextureFile.
+/// @param textures  mapping of texture coordinates, and names of image files; the header lists each name in a
+/// comment TextureFile.
 /// @throws Error kIo. @see writeMesh().
 void writePly(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
               const TextureSet& textures = {});

@@ -6,8 +6,8 @@
 
 namespace lode {
 
-/// Unique names for the image files beside a mesh file: STEM_NAME.png, with the stem of the mesh file and the
-/// texture's name without folders and extension.
+/// Makes unique names for the image files beside a mesh file: STEM_NAME.png. STEM is the stem of the mesh
+/// file, NAME is the texture's name without folders and extension.
 class ImageNames {
  public:
   explicit ImageNames(const std::filesystem::path& mesh) : stem_(mesh.stem().string()) {}

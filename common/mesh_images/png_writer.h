@@ -13,7 +13,7 @@ namespace lode {
 using FillRow = std::function<void(uint32_t y, std::span<glm::u8vec4> row)>;
 
 /// Writes an sRGB PNG row by row as an AtomicFile. Needs memory for one row.
-/// @param has_alpha  false omits the alpha channel. @throws Error kIo, and what `fill` throws.
+/// @param has_alpha  false omits the alpha channel. @throws Error kIo, and the exceptions of `fill`.
 void writePng(const std::filesystem::path& path, glm::uvec2 size, bool has_alpha, const FillRow& fill);
 
 }  // namespace lode
