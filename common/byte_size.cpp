@@ -15,7 +15,7 @@
 namespace lode {
 namespace {
 
-/// @param name  in lower case, "" for bytes.
+/// @param name  unit in lower case; "" means bytes.
 std::optional<uint64_t> unitOf(std::string_view name) {
   if (name.empty() || name == "b") return 1;
   const size_t power = std::string_view("kmgt").find(name[0]);
@@ -63,7 +63,9 @@ std::string describeBytes(uint64_t bytes) {
   constexpr std::array kUnits{"bytes", "KB", "MB", "GB", "TB"};
   double value = static_cast<double>(bytes);
   size_t unit = 0;
-  const auto isTooLong = [&] { return value >= (unit == 0 ? 1000 : 999.95); };  // as it is rounded
+  const auto isTooLong = [&] {
+    return value >= (unit == 0 ? 1000 : 999.95);
+  };  // 999.95 would print as 1000.0
   for (; isTooLong() && unit + 1 < kUnits.size(); ++unit) value /= 1000;
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), unit == 0 ? "%.0f %s" : "%.1f %s", value, kUnits[unit]);
@@ -72,7 +74,7 @@ std::string describeBytes(uint64_t bytes) {
 
 std::string byteSizeAtLeast(uint64_t bytes) {
   if (bytes < 1000) return std::to_string(bytes);
-  uint64_t step = 10;  // the last of three digits
+  uint64_t step = 10;  // value of the last of three digits
   for (const char* unit : {"KB", "MB", "GB", "TB"}) {
     for (int decimals = 2; decimals >= 0; --decimals, step *= 10) {
       const uint64_t steps = bytes / step + (bytes % step != 0 ? 1 : 0);

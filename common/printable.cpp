@@ -8,7 +8,7 @@ namespace lode {
 
 namespace {
 
-/// Marks that change the direction of the text around them, so that it reads as another.
+/// Returns true for marks that change the direction of the text around them, which could disguise the text.
 bool turnsText(uint32_t code) {
   return code == 0x61C || code == 0x200E || code == 0x200F || (code >= 0x202A && code <= 0x202E) ||
          (code >= 0x2066 && code <= 0x2069);

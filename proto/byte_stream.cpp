@@ -33,7 +33,7 @@ bool hasClosed(const asio::error_code& error) {
   return error == asio::error::eof || error == asio::ssl::error::stream_truncated;
 }
 
-/// OpenSSL's short reason, without the part of OpenSSL that it comes from.
+/// Returns OpenSSL's short reason without the name of OpenSSL's component, or the system's message.
 std::string reasonOf(const asio::error_code& error) {
   if (hasClosed(error)) return "the other side closed it";
   const bool is_openssl = error.category() == asio::error::get_ssl_category();

@@ -13,7 +13,7 @@ namespace lode::proto {
 
 namespace {
 
-constexpr size_t kFirstBodyBytes = 4096;  ///< taken for a body before any of it has come
+constexpr size_t kFirstBodyBytes = 4096;  ///< memory allocated for a body before its first byte arrives
 
 [[noreturn]] void lost(const char* doing, const asio::error_code& error) {
   throw Error(ErrorCode::kNetwork,

@@ -27,12 +27,12 @@ constexpr size_t kBuilderBytes = 64;
 template <typename Table>
 using Offset = flatbuffers::Offset<Table>;
 
-/// @throws Error kProtocol with `what` unless `good`.
+/// Checks a condition. @throws Error kProtocol with `what` unless `good`.
 void require(bool good, const char* what) {
   if (!good) throw Error(ErrorCode::kProtocol, std::string("a malformed message: ") + what);
 }
 
-/// @throws Error kLimit with the value and the limit if value > limit.
+/// Checks a limit. @throws Error kLimit with the value and the limit if value > limit.
 void requireAtMost(uint64_t value, uint64_t limit, const char* what) {
   if (value > limit)
     throw Error(ErrorCode::kLimit, "a message has " + std::to_string(value) + " " + what + "; the limit is " +
@@ -45,7 +45,7 @@ std::string_view checkText(std::string_view text, uint32_t limit, const char* wh
   return text;
 }
 
-/// Makes a text for people valid: cuts it to kMaxStringBytes and replaces what is not printable by '?'.
+/// Makes a text for people valid: cuts it to kMaxStringBytes and replaces unprintable characters by '?'.
 std::string sanitized(std::string_view text) {
   std::string out(text.substr(0, kMaxStringBytes));
   // A cut inside a character removes the whole character: continuation bytes here, the lead byte below.
@@ -66,7 +66,8 @@ std::string read(const flatbuffers::String* text, uint32_t limit, const char* wh
   return std::string(checkText({text->c_str(), text->size()}, limit, what));
 }
 
-// Parts of messages: write() gives the part as FlatBuffers has it, read() checks and converts it.
+// Parts of messages: write() converts a part to its FlatBuffers type, read() checks a part and converts it
+// back.
 
 wire::Digest write(const Digest& digest) {
   std::array<uint8_t, 16> bytes;
@@ -268,7 +269,7 @@ auto write(Builder& builder, const ErrorMessage& message) {
 void read(const wire::Error& from, ErrorMessage& into) {
   const bool known = from.code() >= static_cast<uint8_t>(WireError::kMalformed) &&
                      from.code() <= static_cast<uint8_t>(WireError::kInternal);
-  // A later version may add codes: they count as kInternal.
+  // A later version of the protocol may add codes. Unknown codes count as kInternal.
   into = {known ? static_cast<WireError>(from.code()) : WireError::kInternal, from.request(), from.closes(),
           read(from.message(), kMaxStringBytes, "bytes in an error's text")};
 }
@@ -303,7 +304,7 @@ auto write(Builder& builder, const Closed& message) { return wire::CreateClosed(
 
 void read(const wire::Closed& from, Closed& into) { into = {from.handle()}; }
 
-/// The generated type of a message's table.
+/// Maps a message to the generated type of its table.
 template <typename Message>
 struct TableOf;
 #define LODE_MESSAGE(number, name, type) \

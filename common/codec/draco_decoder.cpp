@@ -23,7 +23,8 @@ using namespace draco_stream;
 
 using draco_stream::refuse;
 
-// Everything by which Draco sizes its tables. Source: Draco's bitstream specification 2.2, sections 3 and 6.
+// Checks all numbers by which Draco sizes its tables. Source: Draco's bitstream specification 2.2, sections 3
+// and 6.
 void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& expected) {
   if (expected.triangles > kMaxLodTriangles || expected.vertices > kMaxLodVertices)
     throw Error(ErrorCode::kLimit, "a payload of " + std::to_string(expected.triangles) + " triangles and " +
@@ -43,7 +44,7 @@ void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& exp
   if (vertices > expected.vertices)
     refuse("it declares " + std::to_string(vertices) + " vertices where " +
            std::to_string(expected.vertices) + " are announced");
-  if (header.u8() != 0) refuse("it has seams of its own");  // tables of faces for each, up to 255
+  if (header.u8() != 0) refuse("it has seams of its own");  // each would need a table of faces
   const uint32_t symbols = header.varint();
   if (symbols > faces || header.varint() > symbols)
     refuse("its connectivity has more symbols than triangles");
@@ -54,8 +55,8 @@ bool leavesNormalsOut(const draco::Mesh& in, AttributeSet attributes) {
          in.GetNamedAttribute(GeometryAttribute::NORMAL) == nullptr;
 }
 
-// Draco's decoder, which stops between declaration and decoding of attributes to compare the former with what
-// the model has: a hostile payload could declare any number of any width.
+// Draco's decoder with a check before it decodes attributes: the payload must declare exactly the model's
+// attributes. A hostile payload could declare any number of attributes of any width.
 class GuardedDecoder : public draco::MeshEdgebreakerDecoder {
  public:
   explicit GuardedDecoder(const PayloadExpectation& expected) : expected_(expected) {}
@@ -115,7 +116,7 @@ void forEachValue(const draco::Mesh& in, const PointAttribute& attribute, int co
   }
 }
 
-// @return value / step, where that is a lattice coordinate.
+// Returns value / step. Refuses the payload unless the result is a lattice coordinate.
 uint32_t wholeSteps(float value, double step) {
   const double steps = value / step;
   if (!(steps >= 0 && steps <= kMaxLattice) || steps != std::floor(steps))
@@ -123,8 +124,8 @@ uint32_t wholeSteps(float value, double step) {
   return static_cast<uint32_t>(steps);
 }
 
-// Draco's integers are taken as they are: origin + q * range / (2^bits - 1) is exact in float for all that
-// the encoder above writes, so that a decoder that goes by floats finds the same positions.
+// Reads positions from Draco's integers q. Decoders that use Draco's floats find the same positions, because
+// origin + q * range / (2^bits - 1) is exact in float for all payloads of our encoder.
 void readPositions(const draco::Mesh& in, double step, const LatticeBox& box, Mesh& mesh) {
   const PointAttribute& attribute = *in.GetNamedAttribute(GeometryAttribute::POSITION);
   draco::AttributeQuantizationTransform transform;
@@ -206,10 +207,10 @@ void readTriangles(const draco::Mesh& in, Mesh& mesh) {
   }
 }
 
-/// @return what follows the stream.
+/// Decodes a stream by GuardedDecoder. @return the bytes that follow the stream.
 std::span<const std::byte> decodeGuarded(std::span<const std::byte> bytes, const PayloadExpectation& expected,
                                          draco::Mesh& out) {
-  draco::DecoderOptions options;  // the quantized integers are wanted, not floats made of them
+  draco::DecoderOptions options;  // keep the quantized integers instead of converting them to floats
   for (const auto type :
        {GeometryAttribute::POSITION, GeometryAttribute::NORMAL, GeometryAttribute::TEX_COORD})
     options.SetAttributeBool(type, "skip_attribute_transform", true);

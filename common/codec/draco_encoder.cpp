@@ -25,18 +25,21 @@ namespace {
 using draco::GeometryAttribute;
 using namespace draco_stream;
 
-// Below 4, texture coordinates take a predictor that damaged input keeps busy for seconds.
+// Draco's speed setting. Below 4, Draco predicts texture coordinates by a method that decodes damaged input
+// for seconds.
 constexpr int kSpeed = 4;
-// Draco then goes on wherever most of a vertex's neighbours are known: up to 15 % fewer bytes where triangles
-// are regular. Beside other attributes it does not do so.
+// Speed setting for meshes with positions alone. Draco then visits the vertex with the most known neighbours
+// next, which saves up to 15 % of the bytes if triangles are regular. With other attributes Draco does not.
 constexpr int kSpeedOfPositionsAlone = 0;
-// Draco looks for an edge's other triangle among all of those around its end.
+// Largest number of triangles per vertex. To find an edge's other triangle, Draco searches all triangles
+// around one end of the edge, which takes long around a vertex with very many triangles.
 constexpr uint32_t kMostTrianglesOfVertex = 1024;
-// For each normal that is listed: one takes some 18 bits, one that Draco encodes 5 to 8.
+// Least number of vertices per listed normal. A listed normal takes some 18 bits, a normal that Draco encodes
+// takes 5 to 8.
 constexpr size_t kLeastVerticesForOther = 4;
 
-// n steps as text that strtof reads back exactly, whatever the locale's decimal point. Draco keeps options as
-// text; numbers that it writes itself have six decimals.
+// Returns n steps as text that strtof() reads back exactly in any locale. Draco stores options as text and
+// would write numbers with six decimals only.
 std::string hexFloat(uint32_t n, double step) {
   int exponent = 0;
   const auto eighths = static_cast<uint32_t>(8 * std::frexp(step, &exponent));
@@ -62,8 +65,8 @@ void requireSound(const Mesh& mesh) {
   }
 }
 
-/// The same mesh with copies of those vertices that very many triangles use: it decodes to the same
-/// triangles, and takes time in proportion to them. @return nothing where no vertex has so many.
+/// Copies vertices until none has more than kMostTrianglesOfVertex triangles. The new mesh decodes to the
+/// same triangles, in a time proportional to their number. @return nothing if no vertex needs a copy.
 std::optional<Mesh> spreadTriangles(const Mesh& mesh) {
   std::vector<uint32_t> uses(mesh.positions.size());
   for (const glm::u32vec3 t : mesh.triangles)
@@ -71,7 +74,7 @@ std::optional<Mesh> spreadTriangles(const Mesh& mesh) {
   if (std::ranges::all_of(uses, [](uint32_t count) { return count <= kMostTrianglesOfVertex; }))
     return std::nullopt;
   Mesh spread = mesh;
-  std::vector<uint32_t> copy(uses.size());  // that the next triangle uses, and of how many before
+  std::vector<uint32_t> copy(uses.size());  // by vertex: the copy that the next triangle uses
   std::iota(copy.begin(), copy.end(), 0u);
   std::ranges::fill(uses, 0);
   for (glm::u32vec3& t : spread.triangles)
@@ -95,7 +98,7 @@ LatticeBox boxOf(const Mesh& mesh) {
   return box;
 }
 
-// Adds an attribute whose value of vertex i is what `write(i, T*)` puts down.
+// Adds an attribute. `write(i, T*)` writes the value of vertex i. Returns the attribute's id.
 template <typename T, typename Write>
 int addAttribute(draco::Mesh& out, GeometryAttribute::Type type, draco::DataType data_type, int components,
                  bool normalized, size_t vertices, Write write) {
@@ -134,7 +137,7 @@ void addPositions(draco::Mesh& out, const Mesh& mesh, double step) {
                       });
 }
 
-// Ids of the attributes in the Draco mesh, where they are.
+// Ids of the attributes in the Draco mesh; nothing for an attribute that the mesh lacks.
 struct AttributeIds {
   int position = 0;
   std::optional<int> normal, texture;
@@ -174,8 +177,8 @@ void setQuantization(draco::ExpertEncoder& encoder, const AttributeIds& ids, con
   const int bits = std::max(1, static_cast<int>(std::bit_width(std::max({extent.x, extent.y, extent.z}))));
   const std::string origin =
       hexFloat(box.min.x, step) + " " + hexFloat(box.min.y, step) + " " + hexFloat(box.min.z, step);
-  // From several sides: saves 3 to 20 % where valences are regular, 5 to 8 where most vertices are locked, 1
-  // elsewhere; slower by a third to decode.
+  // The multi-parallelogram predictor saves 3 to 20 % of the bytes if valences are regular, 5 to 8 % if most
+  // vertices are locked, and 1 % otherwise. Decoding is slower by a third.
   const auto prediction = source == MeshSource::kSimplified
                               ? draco::MESH_PREDICTION_PARALLELOGRAM
                               : draco::MESH_PREDICTION_CONSTRAINED_MULTI_PARALLELOGRAM;
@@ -185,13 +188,14 @@ void setQuantization(draco::ExpertEncoder& encoder, const AttributeIds& ids, con
                             draco::MESH_PREDICTION_PARALLELOGRAM);
   if (ids.normal) {
     encoder.SetAttributeQuantization(*ids.normal, kNormalBits);
-    // Saves a tenth to a quarter of a payload with normals, for half as much decoding time again.
+    // The geometric predictor saves a tenth to a quarter of a payload with normals. Decoding takes half as
+    // long again.
     encoder.SetAttributePredictionScheme(*ids.normal, draco::MESH_PREDICTION_GEOMETRIC_NORMAL);
   }
 }
 
-// Without seams of its own a payload decodes to as many vertices as its header says; to have Draco count them
-// again takes a twentieth of the time.
+// Reads the number of decoded vertices from the payload's header, which is exact because attributes have no
+// seams. Draco could count the vertices too, but would take a twentieth of the encoding time.
 uint32_t verticesOf(std::span<const std::byte> payload) {
   draco_stream::Cursor header(payload);
   header.skipStart();
@@ -227,7 +231,8 @@ EncodedPayload encodeByDraco(const Mesh& mesh, double step, MeshSource source) {
   return payload;
 }
 
-/// Of a mesh whose computed normals are for the most part those of its own triangles, as in a leaf.
+/// Encodes a mesh whose computed normals mostly follow from the mesh's own triangles, as in a leaf.
+/// @return nothing for other meshes.
 std::optional<EncodedPayload> encodeWithoutNormals(const Mesh& mesh, double step, MeshSource source) {
   if (!mesh.attributes.has(AttributeSet::kNormal) || !mesh.attributes.has(AttributeSet::kComputedNormal))
     return std::nullopt;

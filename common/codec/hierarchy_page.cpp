@@ -81,7 +81,7 @@ class PageReader {
     for (size_t i = 0; i < width; ++i) value |= std::to_integer<uint64_t>(bytes[i]) << 8 * i;
     return value;
   }
-  // Only the shortest form of a number is one: equal pages have equal bytes.
+  // Accepts only the shortest form of a number, so that equal pages have equal bytes.
   uint64_t varint() {
     uint64_t value = 0;
     for (int shift = 0; shift < 64; shift += 7) {
@@ -179,7 +179,7 @@ Node readNode(PageReader& in) {
   return node;
 }
 
-// What one page shows of the tree: each node's parent, and which of its children are there.
+// Checks the tree in one page: order of nodes, each node's parent, children, box and errors.
 class TreeCheck {
  public:
   TreeCheck(const HierarchyPage& page, NodeKey owner, bool is_root_page)
@@ -205,7 +205,7 @@ class TreeCheck {
     const Node& node = nodes_[i];
     const NodeKey parent_key = node.key.parent();
     if (node.key == owner_ || (!is_root_page_ && parent_key == owner_)) return;
-    // Parents stand in key order too, so that one walk meets them all.
+    // Parents are in key order too, so one pass over the nodes finds all parents.
     while (parent_ < i && nodes_[parent_].key < parent_key) ++parent_;
     const Node& parent = nodes_[parent_];
     if (parent.key != parent_key) refuseNode(node.key, "lacks its parent");
@@ -227,7 +227,7 @@ class TreeCheck {
   const NodeKey owner_;
   const bool is_root_page_;
   size_t parent_ = 0;
-  std::array<uint8_t, kMaxPageNodes> seen_{};  // children met, as a mask, by number of the parent
+  std::array<uint8_t, kMaxPageNodes> seen_{};  // mask of the children found, by index of the parent
 };
 
 }  // namespace

@@ -6,11 +6,13 @@
 namespace lode {
 namespace {
 
-constexpr int kCentre = 127;        // of the square: the direction +x
-constexpr int kLast = 2 * kCentre;  // largest coordinate; one below 255, so that there is a centre
+constexpr int kCentre = 127;        // centre of the square, which means the direction +x
+constexpr int kLast = 2 * kCentre;  // largest coordinate; 254 instead of 255, so that the square has a centre
 
-// Along the square's edges two codes mean one direction: halves of each edge mirror each other, and all four
-// corners are -x. The grid keeps the lower left and upper right ones, and the upper right corner.
+// Returns the one code that is used for a direction. On the square's edges two codes mean the same direction,
+// because the halves of each edge mirror each other; all four corners mean -x. Used are the lower half of the
+// left edge, the left half of the lower edge, the upper half of the right edge, the right half of the upper
+// edge, and the upper right corner.
 glm::ivec2 canonical(glm::ivec2 p) noexcept {
   const bool left = p.x == 0, right = p.x == kLast, bottom = p.y == 0, top = p.y == kLast;
   if ((left || right) && (bottom || top)) return glm::ivec2(kLast);
@@ -23,7 +25,7 @@ double lengthOnOctahedron(glm::dvec3 vector) noexcept {
   return std::abs(vector.x) + std::abs(vector.y) + std::abs(vector.z);
 }
 
-// The direction as a point of the octahedron |x| + |y| + |z| = kCentre with integer coordinates.
+// Rounds a direction to a point of the octahedron |x| + |y| + |z| = kCentre with integer coordinates.
 glm::ivec3 toIntegerOctahedron(glm::dvec3 direction) noexcept {
   glm::ivec3 p;
   p.x = static_cast<int>(std::floor(direction.x * kCentre + 0.5));
@@ -48,7 +50,7 @@ uint16_t encodeOctahedral(glm::vec3 normal) noexcept {
   if (!hasDirection(normal)) return encodeOctahedral({0, 0, 1});
   const glm::ivec3 p = toIntegerOctahedron(glm::dvec3(normal) / lengthOnOctahedron(normal));
   glm::ivec2 square(p.y + kCentre, p.z + kCentre);
-  if (p.x < 0) {  // the far half is folded out over the square's corners
+  if (p.x < 0) {  // the half with x < 0 is folded outwards to the square's corners
     square.x = p.y < 0 ? std::abs(p.z) : kLast - std::abs(p.z);
     square.y = p.z < 0 ? std::abs(p.y) : kLast - std::abs(p.y);
   }

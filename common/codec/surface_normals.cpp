@@ -12,7 +12,7 @@ namespace {
 
 using draco_stream::refuse;
 
-constexpr int kNibbleBias = 8;  ///< a coordinate that is -8 to 7 off takes four bits
+constexpr int kNibbleBias = 8;  ///< bias of differences from -8 to 7, which take four bits
 
 glm::ivec2 fromCode(uint16_t code) noexcept { return {code & 255, code >> 8}; }
 
@@ -23,11 +23,11 @@ void putVarint(std::vector<std::byte>& out, uint32_t value) {
 
 constexpr int kMiddle = 127, kEnd = 2 * kMiddle;
 constexpr int64_t kLargestSum = 1 << 29;
-constexpr int kFar = kMiddle / 2;  ///< the prediction tells nothing
+constexpr int kFar = kMiddle / 2;  ///< difference above which the prediction is useless
 
 int64_t sumOf(glm::i64vec3 v) noexcept { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
-/// As Draco does, which rounds towards zero.
+/// Returns the coordinates of the code that Draco predicts; Draco rounds towards zero.
 glm::ivec2 predicted(glm::i64vec3 sum) noexcept {
   if (sumOf(sum) > kLargestSum) sum /= sumOf(sum) / kLargestSum;
   glm::ivec3 p(kMiddle, 0, 0);
@@ -115,7 +115,7 @@ uint16_t cheapNormal(uint16_t wanted, glm::i64vec3 sum) noexcept {
   if (std::max(std::abs(off.x), std::abs(off.y)) > kFar) return wanted;
   const glm::ivec2 cheap = from + glm::ivec2(roundedToSteps(off.x), roundedToSteps(off.y));
   const bool is_at_edge = std::min(cheap.x, cheap.y) < 1 ||
-                          std::max(cheap.x, cheap.y) >= kEnd;  // where two codes are one direction
+                          std::max(cheap.x, cheap.y) >= kEnd;  // there two codes mean one direction
   return is_at_edge ? wanted : static_cast<uint16_t>(cheap.x | cheap.y << 8);
 }
 

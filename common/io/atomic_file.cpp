@@ -33,7 +33,7 @@ std::filesystem::path directoryOf(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
-// A name beside the target that no other writer uses, in this process or another.
+// Returns a name beside the target that no other writer uses, in this process or in another.
 std::filesystem::path temporaryName(const std::filesystem::path& path) {
   static std::atomic<unsigned> counter{0};
   std::filesystem::path name = path;
@@ -46,7 +46,7 @@ void syncDirectory(const std::filesystem::path& directory) {
   if (file < 0) fail("open folder", directory, errno);
   const int error = ::fsync(file) == 0 ? 0 : errno;
   ::close(file);
-  // Some network file systems cannot sync a folder; the rename stands all the same.
+  // Some network file systems cannot sync a folder. The rename succeeded nevertheless.
   if (error != 0 && error != EINVAL) fail("sync folder", directory, error);
 }
 
@@ -68,7 +68,7 @@ AtomicFile::AtomicFile(std::filesystem::path path, std::filesystem::path tempora
     return;
   }
   const Uninterrupted until_it_is_known;
-  do {  // the number of a process that was killed may come again
+  do {  // a killed process with the same number may have left this name
     temporary_ = temporaryName(target_);
     file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   } while (file_ < 0 && errno == EEXIST);

@@ -24,19 +24,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Numbers of the specification.
+// Constants of the glTF specification.
 constexpr uint32_t kMagic = 0x46546c67, kGlbVersion = 2, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
 constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kVertexBuffer = 34962, kIndexBuffer = 34963;
 constexpr uint64_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
 
-/// Codes in the range of floats with a margin: an exponent of a step beyond it has none that are exact.
+/// Smallest and largest step whose multiples are exact floats, with a margin.
 constexpr double kLeastStep = 0x1p-120, kLargestStep = 0x1p100;
 
-/// A byte of sRGB as linear light, 0 to 65535.
+/// Converts an sRGB byte to linear light, 0 to 65535.
 uint16_t toLinear(uint8_t byte) { return static_cast<uint16_t>(std::lround(65535 * linearOf(byte))); }
 
-/// A file name as a relative reference (RFC 3986).
+/// Converts a file name to a relative reference (RFC 3986).
 std::string toUri(const std::string& name) {
   constexpr std::string_view kHexadecimal = "0123456789ABCDEF";
   std::string uri;
@@ -52,10 +52,11 @@ std::string toUri(const std::string& name) {
   return uri;
 }
 
-/// The description of the binary chunk's parts, which are written in the order in which they are added here.
+/// Describes the parts of the binary chunk. The caller writes the parts in the order in which it adds them
+/// here.
 class Parts {
  public:
-  /// @return the number of its accessor.
+  /// Adds a part. @return the number of the part's accessor.
   size_t add(const char* type, int component, uint64_t count, uint64_t element_bytes, int target) {
     views_.push_back(
         {{"buffer", 0}, {"byteOffset", bytes_}, {"byteLength", count * element_bytes}, {"target", target}});
@@ -82,7 +83,7 @@ glm::vec3 positionOf(PositionCode code, const Lattice& lattice) {
   return glm::vec3(glm::dvec3(unpackPosition(code)) * lattice.step);
 }
 
-/// Adds the arrays of the vertices. @return which accessor holds which attribute.
+/// Adds the arrays of vertices. @return the number of each attribute's accessor.
 Json addVertices(Parts& parts, const Mesh& mesh, const Lattice& lattice) {
   const uint64_t count = mesh.positions.size();
   Json attributes;
@@ -108,15 +109,15 @@ Json addVertices(Parts& parts, const Mesh& mesh, const Lattice& lattice) {
   return attributes;
 }
 
-/// Whether vertices' alpha says anything. Where all are clear nobody has filled the channel: a viewer would
-/// show nothing, and our own pictures show such a mesh as it is.
+/// Returns false if alpha is 0 at all vertices: then nobody filled the channel. A viewer that used such alpha
+/// would show nothing, but our own pictures show the mesh.
 bool hasAlpha(const Mesh& mesh) {
   return mesh.attributes.has(AttributeSet::kAlpha) &&
          std::ranges::any_of(mesh.vertex_attributes,
                              [](const VertexAttributes& vertex) { return vertex.colour.a != 0; });
 }
 
-/// Whether any vertex of a group is not opaque.
+/// Returns true if a vertex of the group is not opaque.
 bool hasTransparency(const Mesh& mesh, const MaterialGroup& group) {
   const auto isClear = [&](uint32_t vertex) { return mesh.vertex_attributes[vertex].colour.a != 255; };
   return std::ranges::any_of(group.triangles, [&](uint32_t number) {
@@ -125,8 +126,9 @@ bool hasTransparency(const Mesh& mesh, const MaterialGroup& group) {
   });
 }
 
-/// A material that is matt and seen from both sides, and its image.
-/// @param alpha_mode  of the specification; empty: alpha is left out of account.
+/// Adds a matt, double-sided material.
+/// @param image  file name of the material's image, or empty.
+/// @param alpha_mode  alphaMode of the specification; empty for the default, which ignores alpha.
 void addMaterial(Json& document, const std::string& image, const std::string& alpha_mode) {
   Json surface{{"metallicFactor", 0}, {"roughnessFactor", 1}};
   if (!image.empty()) {
@@ -144,7 +146,7 @@ Json describe(const Mesh& mesh, const Lattice& lattice, const ImageFiles& images
   Json document;
   document["asset"] = {{"version", "2.0"}, {"generator", "Lodestream"}};
   document["scene"] = 0;
-  if (groups.empty()) {  // a scene may be empty, a mesh may not
+  if (groups.empty()) {  // glTF allows an empty scene but no empty mesh
     document["scenes"] = Json::array({Json::object()});
     return document;
   }
@@ -195,7 +197,7 @@ void writeVertices(AtomicFile& file, const Mesh& mesh, const Lattice& lattice, c
   if (mesh.attributes.has(AttributeSet::kTexture))
     for (const VertexAttributes& vertex : mesh.vertex_attributes) {
       const glm::dvec2 uv = trueTextureCoordinates(textures, vertex);
-      writeNumbers(file, glm::vec2(uv.x, 1 - uv.y));  // v = 0 at the image's top
+      writeNumbers(file, glm::vec2(uv.x, 1 - uv.y));  // in glTF v is 0 at the top of the image
     }
 }
 

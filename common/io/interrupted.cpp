@@ -18,14 +18,15 @@ namespace lode {
 namespace {
 
 constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
-constexpr size_t kMostUnfinished = 64;  // more at a time stay behind
-constexpr int kMostTries = 100;         // while threads go on to write into a folder
+constexpr size_t kMostUnfinished = 64;  // a signal does not remove any beyond this number
+constexpr int kMostTries = 100;         // other threads may add files to a folder during its removal
 constexpr int kDeepestFolder = 8;
 
 std::array<std::atomic<const char*>, kMostUnfinished> unfinished;
 std::atomic<bool> is_ending = false;
 
-// What follows runs in a signal's handler: system calls alone, no memory taken, no locks.
+// The functions below run in a signal handler: they only make system calls, allocate no memory and lock
+// nothing.
 
 void removeFolder(int in, const char* name, int depth) noexcept;
 
@@ -55,7 +56,7 @@ void removeFolder(int in, const char* name, int depth) noexcept {
   }
 }
 
-/// @return whether there was anything.
+/// Removes a file or a folder. @return false if the path did not exist.
 bool remove(const char* path) noexcept {
   if (::unlink(path) == 0) return true;
   if (errno != EISDIR) return false;
@@ -63,7 +64,8 @@ bool remove(const char* path) noexcept {
   return true;
 }
 
-/// Another thread, which ends the process, may have looked too early.
+/// Removes a file or a folder for which another thread, which is ending the process, may have looked too
+/// early. Waits until the process ends.
 [[noreturn]] void removeAndWait(const char* path) noexcept {
   remove(path);
   while (true) ::pause();
@@ -73,7 +75,7 @@ void say(const char* text) noexcept {
   [[maybe_unused]] const ssize_t ignored = ::write(STDERR_FILENO, text, std::strlen(text));
 }
 
-/// Ends the process by the signal, as whoever started it expects.
+/// Removes everything unfinished, then ends the process by the signal, as the parent process expects.
 void endBy(int signal) {
   is_ending = true;
   bool is_removed = false;
@@ -86,7 +88,7 @@ void endBy(int signal) {
   struct sigaction action {};
   action.sa_handler = SIG_DFL;
   ::sigaction(signal, &action, nullptr);
-  ::raise(signal);  // blocked until this handler returns
+  ::raise(signal);  // the signal is blocked until this handler returns
 }
 
 }  // namespace
@@ -136,7 +138,7 @@ Unfinished& Unfinished::operator=(Unfinished&& other) noexcept {
 void Unfinished::finish() noexcept {
   if (slot_ == nullptr) return;
   std::exchange(slot_, nullptr)->store(nullptr);
-  while (is_ending) ::pause();  // another thread may be reading the path, and ends the process
+  while (is_ending) ::pause();  // the thread that ends the process may still read the path
   path_.reset();
 }
 

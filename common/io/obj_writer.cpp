@@ -14,7 +14,7 @@
 namespace lode {
 namespace {
 
-/// Words and numbers, a space between them, in lines.
+/// Writes lines of words and numbers, separated by spaces.
 class TextFile {
  public:
   explicit TextFile(const std::filesystem::path& path) : file_(path) {}
@@ -24,7 +24,7 @@ class TextFile {
     line_ += text;
     return *this;
   }
-  /// The shortest text without an exponent that is this very number.
+  /// Adds the shortest text without an exponent that reads back as exactly this number.
   template <typename Number>
   TextFile& number(Number value) {
     std::array<char, 512> text{};
@@ -70,7 +70,7 @@ void writeVertices(TextFile& file, const Mesh& mesh, const Lattice& lattice, con
     }
 }
 
-/// One corner: v, v/vt, v//vn or v/vt/vn, all the vertex's own number.
+/// Returns one corner of a face: v, v/vt, v//vn or v/vt/vn. All indices are the vertex's number.
 std::string corner(uint32_t vertex, AttributeSet attributes) {
   const std::string number = std::to_string(uint64_t{vertex} + 1);
   std::string text = number;
@@ -80,7 +80,7 @@ std::string corner(uint32_t vertex, AttributeSet attributes) {
   return text;
 }
 
-/// @return false, and nothing is written, if no material wears an image.
+/// Writes the material file. @return false, without writing a file, if no material has an image.
 bool writeMaterials(const std::filesystem::path& path, const Mesh& mesh, const ImageFiles& images,
                     const std::vector<MaterialGroup>& groups) {
   bool any = false;

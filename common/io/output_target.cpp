@@ -15,25 +15,26 @@
 namespace lode {
 namespace {
 
-constexpr int kMostLinks = 40;  // as the kernel follows
+constexpr int kMostLinks = 40;  // the kernel follows as many
 
 [[noreturn]] void refuse(const std::filesystem::path& asked, const char* what) {
   throw Error(ErrorCode::kUsage, asked.string() + ": is " + what + ": name a file to write");
 }
 
-/// Also where the last of the links leads to nothing.
+/// Follows symbolic links, even if the last link points to a missing file.
 std::filesystem::path behindLinks(const std::filesystem::path& asked) {
   std::filesystem::path path = asked;
   for (int links = 0; links < kMostLinks; ++links) {
     std::error_code no_link;
     const std::filesystem::path next = std::filesystem::read_symlink(path, no_link);
     if (no_link) return path;
-    path = path.parent_path() / next;  // of an absolute one, itself
+    path = path.parent_path() / next;  // an absolute `next` replaces the parent path
   }
   throw Error(ErrorCode::kIo, asked.string() + ": " + std::strerror(ELOOP) + ": name a file to write");
 }
 
-/// It is written by a file that takes its name: whatever else is printed there would be lost.
+/// Returns true if a new file may replace the file that is standard output: the latter must be empty so far
+/// and not be appended to, because the replacement loses everything printed before or after.
 bool mayReplaceStandardOutput(const std::filesystem::path& file) noexcept {
   const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
   return isStandardOutput(file) && flags != -1 && (flags & O_APPEND) == 0 &&
@@ -45,7 +46,7 @@ bool mayReplaceStandardOutput(const std::filesystem::path& file) noexcept {
 OutputTarget findOutput(const std::filesystem::path& asked) {
   if (asked.empty()) throw Error(ErrorCode::kUsage, "the output's name is empty: name a file to write");
   struct stat status {};
-  // What is no file is not looked for behind links: those of /proc/self/fd lead to no name.
+  // Check for pipes and devices before following links: the links in /proc/self/fd lead to no name.
   const bool is_there = ::stat(asked.c_str(), &status) == 0;
   if (is_there && (S_ISFIFO(status.st_mode) || S_ISCHR(status.st_mode))) return {asked, true};
   if (is_there && S_ISDIR(status.st_mode)) refuse(asked, "a folder");
@@ -74,7 +75,7 @@ std::FILE* reportStream(const std::filesystem::path& output, bool as_json) {
 
 void refuseFilesBesideStream(const std::filesystem::path& output) {
   const bool is_device_of_a_file =
-      isStandardOutput(output) && !output.has_extension();  // /dev/stdout > a.ply
+      isStandardOutput(output) && !output.has_extension();  // for example /dev/stdout > a.ply
   if (is_device_of_a_file || findOutput(output).is_stream)
     throw Error(ErrorCode::kUsage,
                 output.string() + ": is a pipe or a device, beside which no images can be: name a file");

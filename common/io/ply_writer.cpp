@@ -72,7 +72,7 @@ void writeVertices(AtomicFile& file, const Mesh& mesh, const Lattice& lattice, b
 
 int32_t texnumberOf(uint16_t material) { return material == kNoMaterial ? -1 : material; }
 
-// A material holds for a face: all of a triangle's wedges have it.
+// Writes one material per face, because all wedges of a triangle have the same material.
 void writeFaces(AtomicFile& file, const Mesh& mesh) {
   for (const glm::u32vec3 triangle : mesh.triangles) {
     LittleEndianRow row;

@@ -7,7 +7,8 @@
 namespace lode {
 namespace {
 
-/// The last part of a name, without its ending, in characters that every file system takes.
+/// Returns the last part of a name without its ending, at most 100 bytes long. Replaces characters that some
+/// file systems reject.
 std::string baseName(const std::string& name) {
   std::string base = name.substr(name.find_last_of("/\\") + 1);
   if (const size_t dot = base.rfind('.'); dot != std::string::npos && dot > 0) base.resize(dot);

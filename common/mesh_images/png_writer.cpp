@@ -14,11 +14,11 @@
 namespace lode {
 namespace {
 
-/// Whoever is jumped to says what went wrong: libpng would print a line of its own.
+/// Handles errors of libpng: jumps to the last setjmp(). The default handler would also print a line.
 [[noreturn]] void jumpInSilence(png_structp png, png_const_charp) { png_longjmp(png, 1); }
 void ignore(png_structp, png_const_charp) {}
 
-/// What libpng holds for a file that it writes; null if there was no memory.
+/// Owns libpng's state for writing a file. The pointers are null if memory ran out.
 struct PngHandle {
   PngHandle() = default;
   ~PngHandle() { png_destroy_write_struct(&writer, &info); }
@@ -29,15 +29,15 @@ struct PngHandle {
   png_infop info = writer ? png_create_info_struct(writer) : nullptr;
 };
 
-/// Writes a PNG file row by row. libpng reports errors by a jump; no call but its own lies between that and
-/// where it lands.
+/// Writes a PNG file row by row. libpng reports errors by a jump to the last setjmp(), so each setjmp() is in
+/// a function without destructors.
 class PngWriter {
  public:
   PngWriter(const std::filesystem::path& path, glm::uvec2 size, bool has_alpha) : path_(path), file_(path) {
     if (!png_.info || !begin(size, has_alpha)) fail();
   }
 
-  /// @param row  of the image's width; without alpha that channel is left out.
+  /// @param row  texels, as many as the image is wide; their alpha is omitted if the file has no alpha.
   void write(std::span<const glm::u8vec4> row) {
     if (!tryToWrite(row.data())) fail();
   }
