@@ -35,12 +35,12 @@ struct MeasuredPoint {
 template <typename Surface>
 class FarthestInTriangle {
  public:
-  /// @param tolerance distances up to this value need not be exact. @param lower_bound initial value of
+  /// @param tolerance  distances up to this value need not be exact. @param lower_bound  initial value of
   /// largest().
   FarthestInTriangle(const Surface& surface, float tolerance, float lower_bound)
       : surface_(surface), tolerance_(tolerance), largest_(lower_bound) {}
 
-  /// Processes one triangle. @param corners the corners, each with its distance from the surface; distances
+  /// Processes one triangle. @param corners  the corners, each with its distance from the surface; distances
   /// up to precision() need not be exact.
   void process(const std::array<MeasuredPoint, 3>& corners) {
     for (const MeasuredPoint& corner : corners) note(corner);

@@ -20,9 +20,9 @@ struct FarthestOfInput {
 /// only triangles that may contain the farthest point, according to the distances of their corners and the
 /// planes of the LOD near the corners. (LodCheck measures all triangles; boundaryGap() covers points that are
 /// far along a boundary.)
-/// @param surface the LOD's surface.
-/// @param places for each position of the input, its place on the LOD; see placesOn().
-/// @param lower_bound the function ignores smaller distances. @return at least lower_bound.
+/// @param surface  the LOD's surface.
+/// @param places  for each position of the input, its place on the LOD; see placesOn().
+/// @param lower_bound  the function ignores smaller distances. @return at least lower_bound.
 FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input, const LodSurface& surface,
                                 std::span<const SurfaceWalk::Place> places, float lower_bound);
 

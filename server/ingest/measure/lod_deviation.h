@@ -39,9 +39,9 @@ LodDeviation lodDeviation(const SimplifiedMesh& lod, const LodInput& input, cons
 /// large, because an LOD cancels some of its input's deviation. For a large LOD the function therefore trusts
 /// the distances of samples of the original: the LOD has many places that are nearly as bad as its worst, and
 /// samples do not miss all of them.
-/// @param from_input distance between the LOD and its input. @param off deviation of the input from the
+/// @param from_input  distance between the LOD and its input. @param off  deviation of the input from the
 /// original.
-/// @param triangles number of triangles in the LOD. @return at least each of the three distances.
+/// @param triangles  number of triangles in the LOD. @return at least each of the three distances.
 float deviationOfReduced(float from_input, float off, float farthest_sample, size_t triangles);
 
 }  // namespace lode::ingest

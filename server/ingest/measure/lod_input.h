@@ -33,9 +33,9 @@ constexpr int kMostSearchesOfInput = 32;  ///< exhaustive searches before buildi
 /// Input that a node's LODs are made of and measured against. Const functions are thread safe.
 class LodInput {
  public:
-  /// @param depth depth of the node; positions that are locked at this depth lie on the node's borders.
+  /// @param depth  depth of the node; positions that are locked at this depth lie on the node's borders.
   /// @param off_steps  deviation of the mesh from the original; empty if it is the original.
-  /// @param references references whose `near` are positions of the mesh.
+  /// @param references  references whose `near` are positions of the mesh.
   LodInput(NodeMesh mesh, int depth, std::optional<float> off_steps = {},
            ReferenceBoundaries references = {});
 
@@ -70,7 +70,7 @@ glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> remap) noexcep
 
 /// Returns the references of an LOD that replaces its input. These are the input's references, without
 /// vanished ones; if that would be more than `most`, the LOD's own boundary edges replace them.
-/// @param boundary_gap_steps gap of the LOD's boundaries; see boundaryGap()
+/// @param boundary_gap_steps  gap of the LOD's boundaries; see boundaryGap()
 ReferenceBoundaries referencesIn(const LodInput& input, std::span<const uint32_t> remap,
                                  float boundary_gap_steps, size_t most);
 

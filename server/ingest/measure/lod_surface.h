@@ -13,7 +13,7 @@ namespace lode::ingest {
 /// much as fifty searches). Not thread safe.
 class LodSurface {
  public:
-  /// @param lod a mesh with triangles; must outlive this object.
+  /// @param lod  a mesh with triangles; must outlive this object.
   explicit LodSurface(const NodeMesh& lod) : lod_(lod), walk_(lod) {}
 
   const SurfaceWalk& walk() const noexcept { return walk_; }

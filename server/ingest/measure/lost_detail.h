@@ -15,7 +15,7 @@ namespace lode::ingest {
 /// coordinates, the size is the distance by which the texture slides over the surface. The worst thousandth
 /// of the area is ignored, so that no single stray point decides. See
 /// docs/decisions/0024-appearance-error.md.
-/// @param places for each position of the input, its place on the LOD; see placesOn().
+/// @param places  for each position of the input, its place on the LOD; see placesOn().
 float lostDetail(const SimplifiedMesh& lod, const NodeMesh& input,
                  std::span<const SurfaceWalk::Place> places);
 

@@ -23,11 +23,11 @@ struct SurfaceSample {
 /// Thins out samples to `capacity`, without changing their order. For each position keeps the sample with the
 /// largest deviation among those near it, so that every piece of the mesh has a sample; then keeps the
 /// samples with the largest deviations among the rest.
-/// @param positions number of positions in the mesh.
+/// @param positions  number of positions in the mesh.
 void selectSamples(std::vector<SurfaceSample>& samples, size_t positions, size_t capacity);
 
 /// Adds the positions that are locked in a node's coarsest mesh: these have never moved, so they are points
-/// of the original, even if all samples near them were dropped. @param depth depth of the node.
+/// of the original, even if all samples near them were dropped. @param depth  depth of the node.
 void addLockedPositions(std::vector<SurfaceSample>& samples, const NodeMesh& mesh, int depth);
 
 /// Removes duplicates: of samples with equal position and `near`, keeps the one with the largest deviation.
@@ -35,7 +35,7 @@ void addLockedPositions(std::vector<SurfaceSample>& samples, const NodeMesh& mes
 void dropDuplicates(std::vector<SurfaceSample>& samples);
 
 /// Maps each position of an LOD's input to its place on the LOD; undefined for vanished positions.
-/// @param walk a walk over the LOD's mesh.
+/// @param walk  a walk over the LOD's mesh.
 std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& lod, const NodeMesh& input,
                                          const SurfaceWalk& walk);
 
@@ -46,7 +46,7 @@ struct Deviation {
 };
 
 /// Measures the distances of samples from an LOD. The largest distance is exact; the others are upper bounds.
-/// @param surface the LOD's surface. @param places see placesOn(). @param samples samples whose `near` are
+/// @param surface  the LOD's surface. @param places  see placesOn(). @param samples  samples whose `near` are
 /// positions of the input.
 std::vector<Deviation> deviationsFrom(const SimplifiedMesh& lod, const NodeMesh& input,
                                       const LodSurface& surface, std::span<const SurfaceWalk::Place> places,

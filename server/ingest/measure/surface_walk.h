@@ -37,10 +37,10 @@ struct TriangleChain {
 /// point is known. Const functions are thread safe.
 class SurfaceWalk {
  public:
-  /// @param mesh the mesh to walk on.
+  /// @param mesh  the mesh to walk on.
   explicit SurfaceWalk(const NodeMesh& mesh);
 
-  /// @param point in lattice steps, like all points in this class.
+  /// @param point  in lattice steps, like all points in this class.
   /// @param start  a position of the mesh; the result is infinite if no triangle has this position.
   /// @param tolerance  the walk ends within this distance.
   float distance(glm::vec3 point, uint32_t start, float tolerance) const noexcept;
@@ -62,7 +62,7 @@ class SurfaceWalk {
   };
   /// Returns the projection of `point` into a triangle around `start`; if there is no such triangle, the
   /// place at which a walk from `start` ends.
-  /// @param start a position that is a corner of some triangle.
+  /// @param start  a position that is a corner of some triangle.
   Place placeOf(glm::vec3 point, uint32_t start) const noexcept;
   /// Returns the place of a position that is a corner of some triangle.
   Place placeAt(uint32_t position) const noexcept;
@@ -72,7 +72,7 @@ class SurfaceWalk {
   /// @return false if no such chain exists, or if the direct way does not find one.
   bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
                   TriangleChain& chain) const noexcept;
-  /// Exact search over all triangles. @param bound the result if no triangle is nearer.
+  /// Exact search over all triangles. @param bound  the result if no triangle is nearer.
   TriangleTree::Nearest nearestOfAll(glm::vec3 point, TriangleTree::Nearest bound) const noexcept;
 
  private:

@@ -20,9 +20,9 @@ constexpr uint64_t spreadBits(uint64_t x) noexcept {
   return (x | x << 2) & 0x1249249249249249ULL;
 }
 
-/// Octree cells of triangles. The root cell is the cube from lattice point 0 with the model's longest extent
-/// as side, so the first split divides the model at any lattice step. A triangle's code is the Morton code of
-/// the depth-20 cell that holds its centroid, computed in integers.
+/// Octree cells of triangles. The root cell is a cube with one corner at lattice point 0 and the model's
+/// longest extent as side, so the first split divides the model whatever the lattice step is. A triangle's
+/// code is the Morton code of the depth-20 cell that holds its centroid, computed in integers.
 class CellGrid {
  public:
   explicit CellGrid(glm::uvec3 extent) noexcept
@@ -39,12 +39,12 @@ class CellGrid {
   uint64_t side_thirds_;
 };
 
-/// The node at a depth that contains a code.
+/// Returns the node at a depth that contains a code.
 constexpr NodeKey cellAt(uint64_t code, int depth) noexcept {
   return {uint64_t{1} << 3 * depth | code >> 3 * (kMaxDepth - depth)};
 }
 
-/// Depth of the deepest node that contains both codes.
+/// Returns the depth of the deepest node that contains both codes.
 constexpr int commonDepth(uint64_t a, uint64_t b) noexcept {
   return a == b ? kMaxDepth : kMaxDepth - (static_cast<int>(std::bit_width(a ^ b)) + 2) / 3;
 }

@@ -45,14 +45,15 @@ class FourTriangles {
     part(p.ab_, q.ab_, r.ab_, s.ab_, ab_, ab_ac_);
     part(p.ac_, q.ac_, r.ac_, s.ac_, ac_, ac_ac_);
   }
-  /// From their corners.
+  /// Makes triangles from their corners.
   FourTriangles(const FourVectors& a, const FourVectors& b, const FourVectors& c) noexcept
       : a_(a), ab_(b - a), ac_(c - a), ab_ab_(dot(ab_, ab_)), ab_ac_(dot(ab_, ac_)), ac_ac_(dot(ac_, ac_)) {}
 
-  /// squaredDistanceToTriangle() of each point and triangle, bit-identical.
+  /// Returns the squared distance of each point from its triangle, bit-identical to
+  /// squaredDistanceToTriangle().
   Four squaredDistances(const FourVectors& points) const noexcept;
 
-  /// Like squaredDistances() if the point projects into the triangle, else infinity.
+  /// Like squaredDistances(), but infinity for a point that does not project into its triangle.
   Four squaredHeights(const FourVectors& points) const noexcept;
 
   const FourVectors& a() const noexcept { return a_; }

@@ -6,13 +6,13 @@
 
 namespace lode::ingest {
 
-/// Four floats for SIMD, by the vector extensions of GCC and Clang.
+/// Four floats for SIMD; a vector extension of GCC and Clang.
 using Four = float __attribute__((vector_size(16)));
 /// Comparison result of two Fours.
 using FourTruths = int32_t __attribute__((vector_size(16)));
 
 inline Four fourOf(float value) noexcept { return Four{value, value, value, value}; }
-// Compilers do not always find the single instruction.
+// Compilers do not always use the single instruction for a minimum or maximum.
 #ifdef __SSE__
 inline Four smaller(Four a, Four b) noexcept { return __builtin_ia32_minps(a, b); }
 inline Four larger(Four a, Four b) noexcept { return __builtin_ia32_maxps(a, b); }
@@ -45,7 +45,7 @@ struct FourVectors {
   explicit FourVectors(glm::vec3 all) noexcept : x(fourOf(all.x)), y(fourOf(all.y)), z(fourOf(all.z)) {}
   FourVectors(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) noexcept
       : x{a.x, b.x, c.x, d.x}, y{a.y, b.y, c.y, d.y}, z{a.z, b.z, c.z, d.z} {}
-  /// Transposes the first three components of each.
+  /// Makes vectors from the first three components of each argument.
   FourVectors(Four a, Four b, Four c, Four d) noexcept {
     const Four ab = __builtin_shufflevector(a, b, 0, 4, 1, 5), cd = __builtin_shufflevector(c, d, 0, 4, 1, 5),
                ab_z = __builtin_shufflevector(a, b, 2, 6, 2, 6),

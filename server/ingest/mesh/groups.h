@@ -17,7 +17,7 @@ class Groups {
     while (towards_[i] != i) i = towards_[i] = towards_[towards_[i]];
     return i;
   }
-  /// @return whether they were in two groups.
+  /// Joins the groups of two numbers. @return whether these were two different groups.
   bool join(uint32_t a, uint32_t b) noexcept {
     a = find(a);
     b = find(b);

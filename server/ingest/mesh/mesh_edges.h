@@ -12,9 +12,9 @@
 
 namespace lode::ingest {
 
-/// Calls visit(lower, upper, uses) for each edge of a mesh with the numbers of its positions and of the
-/// triangles that have it. Visits edges by ascending lower number; the order within one lower number is
-/// unspecified.
+/// Calls visit(lower, upper, uses) for each edge of a mesh. `lower` and `upper` are the edge's positions,
+/// `uses` is the number of triangles that have the edge. Visits edges by ascending `lower`; the order of
+/// edges with equal `lower` is unspecified.
 template <typename Visit>
 void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
   const auto forEachSide = [&mesh](auto&& visit_side) {
@@ -25,12 +25,14 @@ void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
       visit_side(std::min(c, a), std::max(c, a));
     }
   };
-  std::vector<uint32_t> begin(mesh.positions.size() + 1), uppers(3 * mesh.triangles.size());  // by lower
+  std::vector<uint32_t> begin(mesh.positions.size() + 1),
+      uppers(3 * mesh.triangles.size());  // edges grouped by lower position
   forEachSide([&](uint32_t lower, uint32_t) { ++begin[lower]; });
   uint32_t end = 0;
   for (uint32_t& first : begin) first = end += first;
   forEachSide([&](uint32_t lower, uint32_t upper) { uppers[--begin[lower]] = upper; });
-  std::vector<uint32_t> uses(mesh.positions.size());  // by upper, for one lower
+  std::vector<uint32_t> uses(
+      mesh.positions.size());  // number of triangles by upper position, for the current lower position
   for (uint32_t lower = 0; lower < mesh.positions.size(); ++lower) {
     const auto ends = std::span(uppers).subspan(begin[lower], begin[lower + 1] - begin[lower]);
     for (const uint32_t upper : ends) ++uses[upper];
@@ -42,11 +44,11 @@ void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
 /// Sort order of edges.
 inline bool isBefore(glm::u32vec2 e, glm::u32vec2 f) noexcept { return e.x != f.x ? e.x < f.x : e.y < f.y; }
 
-/// Edges with an odd number of triangles, sorted.
+/// Returns the edges with an odd number of triangles, sorted.
 std::vector<glm::u32vec2> openEdges(const NodeMesh& mesh);
 
-/// Positions on an edge that not exactly two triangles have, sorted: on the border to another leaf, on a
-/// boundary, or non-manifold.
+/// Returns the ends of all edges with one triangle or more than two, sorted. Such edges lie on the border to
+/// another leaf or on a boundary, or are non-manifold.
 std::vector<uint32_t> findBorder(const NodeMesh& mesh);
 
 }  // namespace lode::ingest

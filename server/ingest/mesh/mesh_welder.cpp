@@ -70,8 +70,8 @@ NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<u
 }
 
 void joinEqualWedges(NodeMesh& mesh) {
-  std::vector<uint32_t> last(mesh.positions.size(), NumberTable::kAbsent);  // last wedge, by position
-  std::vector<uint32_t> before;  // previous wedge of the same position, by wedge
+  std::vector<uint32_t> last(mesh.positions.size(), NumberTable::kAbsent);  // last wedge of each position
+  std::vector<uint32_t> before;  // for each wedge, the previous wedge of the same position
   std::vector<uint32_t> number(mesh.wedge_position.size());
   for (size_t wedge = 0; wedge < number.size(); ++wedge) {
     const uint32_t position = mesh.wedge_position[wedge];

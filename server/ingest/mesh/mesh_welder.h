@@ -9,11 +9,12 @@
 
 namespace lode::ingest {
 
-/// Welds meshes vertex by vertex: merges equal positions, and at a position wedges with equal attributes.
-/// Numbers follow the order of addition. Reused between leaves. Not thread safe.
+/// Welds meshes vertex by vertex: merges equal positions, and merges wedges with equal attributes at the same
+/// position. Numbers positions and wedges in order of addition. Use one welder for many leaves, to keep its
+/// memory. Not thread safe.
 class MeshWelder {
  public:
-  /// @param expected_positions  reserves memory; more may be added.
+  /// @param expected_positions  number of positions to reserve memory for; the mesh may have more.
   void begin(AttributeSet attributes, size_t expected_positions, size_t expected_triangles);
 
   /// @return the wedge's number.
@@ -27,11 +28,11 @@ class MeshWelder {
  private:
   NodeMesh mesh_;
   NumberTable table_;
-  std::vector<uint32_t> first_wedge_;  ///< by position
+  std::vector<uint32_t> first_wedge_;  ///< first wedge of each position
   std::vector<uint32_t> next_wedge_;   ///< next wedge of the same position, or NumberTable::kAbsent
 };
 
-/// Welds the meshes of several nodes. A position that is locked at different depths gets the lower one.
+/// Welds the meshes of several nodes. If meshes lock a position at different depths, it gets the lower depth.
 /// @param remap  receives for each mesh the numbers of its positions in the union; all positions must have
 /// wedges.
 NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<uint32_t>>& remap);
@@ -39,7 +40,7 @@ NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<u
 /// Merges equal wedges of each position.
 void joinEqualWedges(NodeMesh& mesh);
 
-/// Converts to the payload form: one vertex per wedge.
+/// Converts a mesh to the form that payloads store: one vertex per wedge.
 Mesh toMesh(const NodeMesh& mesh);
 
 }  // namespace lode::ingest

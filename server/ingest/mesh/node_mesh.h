@@ -13,12 +13,15 @@ constexpr uint8_t kNeverLocked = 255;
 struct NodeMesh {
   AttributeSet attributes;
   std::vector<PositionCode> positions;  ///< distinct
-  std::vector<uint8_t> lca_depth;  ///< by position: depth of the lowest common ancestor of the leaves that
-                                   ///< share it, or kNeverLocked; locked in nodes deeper than that
-  std::vector<uint32_t> wedge_position;            ///< position of each wedge
-  std::vector<VertexAttributes> wedge_attributes;  ///< by wedge; empty if the model has no attributes;
-                                                   ///< (position, attributes) pairs are distinct
-  std::vector<glm::u32vec3> triangles;             ///< wedges; their three positions are distinct
+  std::vector<uint8_t>
+      lca_depth;  ///< for each position, the depth of the lowest common ancestor of the leaves that share it,
+                  ///< or kNeverLocked; nodes below that depth lock the position
+  std::vector<uint32_t> wedge_position;  ///< position of each wedge
+  std::vector<VertexAttributes>
+      wedge_attributes;  ///< attributes of each wedge; empty if the model has no attributes; wedges of one
+                         ///< position have different attributes
+  std::vector<glm::u32vec3>
+      triangles;  ///< wedges of each triangle's corners; the corners have three distinct positions
 };
 
 constexpr uint32_t kVanished = ~0u;
@@ -26,12 +29,12 @@ constexpr uint32_t kVanished = ~0u;
 /// Result of simplification.
 struct SimplifiedMesh {
   NodeMesh mesh;
-  std::vector<uint32_t> remap;  ///< by position of the input: a position of the mesh, or kVanished if it has
-                                ///< lost its last triangle
-  bool is_clustered = false;    ///< made by clustering, which may connect separate parts
+  std::vector<uint32_t> remap;  ///< for each position of the input, the position of the mesh that it maps to,
+                                ///< or kVanished if that position has lost its last triangle
+  bool is_clustered = false;    ///< the mesh results from clustering, which may connect separate parts
 };
 
-/// For each position of a simplified mesh, the nearest input position that maps to it.
+/// Returns for each position of a simplified mesh the nearest input position that maps to it.
 std::vector<uint32_t> sourcesOf(const SimplifiedMesh& simplified, const NodeMesh& input);
 
 }  // namespace lode::ingest

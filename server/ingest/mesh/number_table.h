@@ -9,13 +9,14 @@
 
 namespace lode::ingest {
 
-/// Open-addressing hash table from 64-bit keys to 32-bit numbers. Has no iteration, so key order cannot
-/// matter. Reused between nodes to keep its memory.
+/// Open-addressing hash table from 64-bit keys to 32-bit numbers. Does not support iteration, so results
+/// cannot depend on the order of keys. Use one table for many nodes, to keep its memory.
 class NumberTable {
  public:
   static constexpr uint32_t kAbsent = UINT32_MAX;
 
-  /// Clears the table. @param expected  number of keys to reserve memory for; grows beyond.
+  /// Clears the table. @param expected  number of keys to reserve memory for; the table grows if there are
+  /// more.
   void reset(size_t expected) {
     const size_t wanted = std::bit_ceil(std::max<size_t>(expected, 8) * 2);
     if (slots_.size() < wanted) slots_.resize(wanted);
@@ -46,7 +47,7 @@ class NumberTable {
     uint32_t number;
   };
 
-  /// Slot of a key, or the free slot for it.
+  /// Returns the slot of a key, or the free slot in which a new key belongs.
   size_t slotOf(uint64_t key) const noexcept {
     size_t at = hash(key) & mask_;
     while (slots_[at].number != kAbsent && slots_[at].key != key) at = (at + 1) & mask_;

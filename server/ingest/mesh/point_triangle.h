@@ -11,7 +11,7 @@ namespace lode::ingest {
 struct TriangleSides {
   TriangleSides(glm::vec3 to_b, glm::vec3 to_c) noexcept
       : TriangleSides(to_b, to_c, glm::dot(to_b, to_b), glm::dot(to_b, to_c), glm::dot(to_c, to_c)) {}
-  /// With precomputed dot products.
+  /// Makes a triangle from its sides and their dot products.
   TriangleSides(glm::vec3 to_b, glm::vec3 to_c, float b_b, float b_c, float c_c) noexcept
       : ab(to_b), ac(to_c), ab_ab(b_b), ab_ac(b_c), ac_ac(c_c) {}
 
@@ -27,8 +27,9 @@ struct PlaceInTriangle {
 
 /// Returns the nearest point of a triangle: the projection if it is inside, else the nearest point of an
 /// edge.
-/// @param ap  from a to the point.
-/// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5, for the products.
+/// @param ap  vector from corner a to the point.
+/// Source: Ericson, Real-Time Collision Detection, 2005, section 5.1.5, for the products that classify the
+/// point.
 inline PlaceInTriangle nearestInTriangle(glm::vec3 ap, const TriangleSides& sides) noexcept {
   const float d1 = glm::dot(sides.ab, ap), d2 = glm::dot(sides.ac, ap), d3 = d1 - sides.ab_ab,
               d4 = d2 - sides.ab_ac, d5 = d1 - sides.ab_ac, d6 = d2 - sides.ac_ac;
@@ -55,7 +56,7 @@ inline PlaceInTriangle nearestInTriangle(glm::vec3 ap, const TriangleSides& side
   return nearest;
 }
 
-/// Squared distance from a point to a triangle; see nearestInTriangle().
+/// Returns the squared distance from a point to a triangle; see nearestInTriangle().
 inline float squaredDistanceToTriangle(glm::vec3 ap, const TriangleSides& sides) noexcept {
   return nearestInTriangle(ap, sides).squared;
 }

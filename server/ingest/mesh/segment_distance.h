@@ -14,7 +14,7 @@ struct FourSegments {
   FourVectors from, to;
 };
 
-/// Squared distances of four pairs of segments. One segment of a pair may be a point.
+/// Returns the squared distances of four pairs of segments. One segment of a pair may be a point.
 /// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.9.
 inline Four squaredDistances(const FourSegments& p, const FourSegments& q) noexcept {
   const FourVectors along_p = p.to - p.from, along_q = q.to - q.from, between = p.from - q.from;
@@ -25,7 +25,9 @@ inline Four squaredDistances(const FourSegments& p, const FourSegments& q) noexc
   };
   const Four of_p = share(pq * qb - pb * qq, pp * qq - pq * pq);  // on infinite lines; 0 if parallel
   const Four of_q = share(pq * of_p + qb, qq);
-  const Four back = share(pq * of_q - pb, pp);  // nearest to the point of q, clamped if that is an end
+  const Four back = share(
+      pq * of_q - pb,
+      pp);  // share on p nearest to the point on q; differs from of_p if that point was clamped to an end
   const FourVectors away = between + back * along_p - of_q * along_q;
   return dot(away, away);
 }

@@ -8,8 +8,8 @@
 namespace lode::ingest {
 
 /// Bitmap of vertex numbers with the rank of each member in ascending order, for at most 2^32 - 1 members.
-/// Data of the members, read in one sweep, can be found by rank without sorting. Ranks are stored per word:
-/// reading is faster than counting bits.
+/// A caller that reads the members' data in one sweep can store them by rank without sorting. The set stores
+/// the rank of each word's first member, because reading a rank is faster than counting all bits before it.
 class VertexSet {
  public:
   explicit VertexSet(uint64_t vertices) : words_((vertices + 63) / 64) {}

@@ -5,17 +5,17 @@
 
 namespace lode::ingest {
 
-/// A node whose payloads have no blob numbers yet, with their places in the spool.
+/// A finished node and the places of its payloads in the spool; the payloads have no blob numbers yet.
 struct FinishedNode {
   Node node;
-  std::vector<PayloadSpool::Place> payloads;  ///< one per LOD
+  std::vector<PayloadSpool::Place> payloads;  ///< one place per LOD
 };
 
 void putFinishedNode(RecordWriter& record, const Node& node, std::span<const PayloadSpool::Place> payloads);
 /// @throws Error kFormat, kLimit.
 FinishedNode getFinishedNode(RecordReader& record);
 
-/// Records of everything that a node's parent needs.
+/// Writes everything that a node's parent needs as a record.
 void putBuiltNode(RecordWriter& record, const BuiltNode& built);
 /// @throws Error kFormat, kLimit.
 BuiltNode getBuiltNode(RecordReader& record);

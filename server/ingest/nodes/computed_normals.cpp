@@ -16,7 +16,7 @@ constexpr float kShortest = 1e-3f;    ///< smallest usable length of a sum of no
 constexpr float kLeastShare = 1e-3f;  ///< smallest usable sum of a corner's weights
 
 /// Distinct normals of a mesh by position; wedges that differ in other attributes share one. The first normal
-/// of a position has the position's number; further ones follow after all positions.
+/// of a position has the position's number; further normals have numbers after all positions.
 struct NormalsByPosition {
   explicit NormalsByPosition(const NodeMesh& mesh)
       : codes(mesh.positions.size()), next(codes.size(), kNoNormal), of_wedge(mesh.wedge_position) {
@@ -65,7 +65,8 @@ bool hasCreases(const NodeMesh& mesh) {
   return false;
 }
 
-/// For each position of an LOD, whether it is unchanged from the input and may be shared between leaves.
+/// Returns for each position of an LOD whether the position is unchanged from the input and may be shared
+/// between leaves.
 std::vector<bool> positionsThatKeep(const NodeMesh& lod, const NodeMesh& mesh,
                                     std::span<const uint32_t> sources) {
   std::vector<bool> keep(sources.size());
@@ -92,8 +93,8 @@ void joinSmoothed(NodeMesh& lod, const std::vector<bool>& keep, const CreaseAngl
     lod.wedge_attributes[wedge].normal = own.codes[same.find(own.of_wedge[wedge])];
 }
 
-/// For each normal of the LOD, the mean of the input's normals that map to it, else the source position's
-/// normal.
+/// Returns for each normal of the LOD the mean of the input's normals that map to it; without such normals,
+/// the source position's normal.
 std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& lod, const NormalsByPosition& own,
                                      const NormalsByPosition& given, std::span<const uint32_t> sources) {
   std::vector<glm::vec3> means(own.codes.size(), glm::vec3(0));
@@ -137,7 +138,7 @@ std::vector<glm::vec3> sharpened(const SimplifiedMesh& lod, const NormalsByPosit
   return normals;
 }
 
-/// For each normal of the LOD, the sum of areaNormal() of its triangles.
+/// Returns for each normal of the LOD the sum of areaNormal() over the normal's triangles.
 std::vector<glm::i64vec3> sumsOfSurface(const NodeMesh& lod, const NormalsByPosition& own) {
   std::vector<glm::i64vec3> sums(own.codes.size(), glm::i64vec3(0));
   for (const glm::u32vec3& t : lod.triangles) {

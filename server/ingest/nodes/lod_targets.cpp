@@ -10,26 +10,28 @@ namespace lode::ingest {
 namespace {
 
 constexpr int kFineStepDepth = 2;
-constexpr uint64_t kFineStepNodes = 16;  ///< node capacities below a node that allow fine steps
+constexpr uint64_t kFineStepNodes = 16;  ///< least number of node capacities below a node with fine steps
 constexpr size_t kTrianglesPerLocked = 8;
 constexpr size_t kTrianglesPerLockedBelowRoot = 12;
 // Nodes above these sizes, in node capacities or triangles, get fewer triangles per locked vertex, which
 // bounds the size of their parent. The root has the largest input and takes the most memory.
 constexpr size_t kLargeNodes = 8;
 constexpr size_t kLargeTriangles = 1 << 17;
-constexpr size_t kLeastLargeTriangles = 1 << 14;  ///< in nodes that are not children of the root
+constexpr size_t kLeastLargeTriangles =
+    1 << 14;  ///< lower bound of the limit in nodes that are not children of the root
 constexpr size_t kTrianglesPerLockedOfLarge = 4;
 constexpr double kInnerFactor =
-    2.0 / 3;  ///< a step leaves at least this share of the factor to triangles of unlocked vertices
-constexpr uint64_t kFarLodNodes = 8;             ///< node capacities below a node that allow far LODs
-constexpr size_t kFarLodShare = 4;               ///< far LODs end at this fraction of the node capacity,
+    2.0 / 3;  ///< share of the step's factor that a step leaves at least to triangles of unlocked vertices
+constexpr uint64_t kFarLodNodes = 8;  ///< least number of node capacities below a node with far LODs
+constexpr size_t kFarLodShare = 4;    ///< far LODs end at this fraction of the node capacity,
 constexpr size_t kFarLodTrianglesPerLocked = 2;  ///< or at this multiple of the locked vertices
 
 bool hasMuchBelow(const LodRule& rule) {
   return rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
 }
 
-/// Next triangle count below `target`. `locked` of these triangles belong to locked vertices.
+/// Returns the next triangle count below `target`. Of the `target` triangles, `locked` belong to locked
+/// vertices.
 double stepFrom(double target, double locked, double factor) {
   return std::max(factor * target, locked + factor * kInnerFactor * (target - locked));
 }

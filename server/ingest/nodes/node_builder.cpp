@@ -22,9 +22,9 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kReferencesPerTriangle = 2;  ///< per triangle of the node capacity
+constexpr size_t kReferencesPerTriangle = 2;  ///< number of references per triangle of the node capacity
 constexpr uint32_t kTrianglesPerSample =
-    2;  ///< triangles of the node capacity per sample, above the lowest inner nodes
+    2;  ///< number of triangles of the node capacity per sample, except in the lowest inner nodes
 constexpr uint32_t kSamplesOfSmallNode = 8192, kSamplesPerTriangle = 16;  ///< the smaller one is the minimum
 
 }  // namespace
@@ -156,7 +156,8 @@ void NodeBuilder::simplify(NodeMesh mesh, int depth, std::span<const size_t> tar
   (is_cluster ? cluster : collapse)(withoutSmoothNormals(std::move(mesh)), targets, options, sink);
 }
 
-/// Makes a node's LODs with no other data in memory. @return the input mesh, followed by the LODs.
+/// Simplifies a node to all its LODs, with no other data in memory. @return the input mesh, followed by the
+/// LODs.
 LodSpool NodeBuilder::spoolLods(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const {
   LodSpool lods_on_disk(folder_.file("lods-" + std::to_string(key.value)));
   SimplifiedMesh input{std::move(mesh), {}};
@@ -226,8 +227,8 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
   addFarLods(built, farLodTargets(built.coarsest.triangles.size(), rule));
 }
 
-/// Adds LODs made of the coarsest one, which remains the input of the parent. They are measured like the
-/// parent's LODs.
+/// Adds far LODs, simplified from the coarsest LOD, which remains the input of the parent. Measures far LODs
+/// like the parent's LODs.
 void NodeBuilder::addFarLods(BuiltNode& built, std::span<const size_t> targets) {
   if (targets.empty()) return;
   const int depth = built.node.key.depth();
@@ -258,7 +259,7 @@ LodError NodeBuilder::errorOf(const BuiltNode& built, const FinishedLod& lod) co
 }
 
 LodError NodeBuilder::errorOf(const Lod& lod) const noexcept {
-  // Rounds up so that the value in model units does not become smaller, which would break I3.
+  // Rounds up, because an error that becomes smaller in model units would break I3.
   const auto inSteps = [&](float model) {
     const auto steps = static_cast<float>(model / settings_.lattice.step);
     const bool is_less = static_cast<float>(steps * settings_.lattice.step) < model;

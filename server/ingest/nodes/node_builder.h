@@ -22,20 +22,23 @@
 
 namespace lode::ingest {
 
-/// An LOD with its payload and its errors: against its input, and of its boundaries against the original's.
-/// Lengths are in lattice steps.
+/// An LOD with its payload, its errors relative to its input, and the gap between its boundaries and the
+/// original's. Lengths are in lattice steps.
 struct FinishedLod {
   SimplifiedMesh simplified;
   EncodedPayload payload;
-  std::vector<Deviation> deviations;      ///< one per sample; see deviationsFrom()
+  std::vector<Deviation> deviations;      ///< one deviation per sample; see deviationsFrom()
   float deviation_steps = 0;              ///< see lodDeviation()
-  std::optional<SurfaceSample> farthest;  ///< see LodDeviation; here `near` is a position of the LOD
+  std::optional<SurfaceSample> farthest;  ///< farthest point of the original, as in LodDeviation, except that
+                                          ///< `near` is a position of the LOD
   float boundary_gap_steps = 0;           ///< see boundaryGap()
   float lost_detail_steps = 0;            ///< see lostDetail()
 };
 
-/// Computes a simplified mesh's normals unless they are the file's, measures and encodes it. Thread safe.
-/// @param samples  near positions of the input. @param step_model  of the lattice.
+/// Measures and encodes a simplified mesh, after computing its normals unless they come from the file. Thread
+/// safe.
+/// @param samples  samples whose `near` are positions of the input. @param step_model  length of a lattice
+/// step in model units.
 FinishedLod finishLod(SimplifiedMesh&& simplified, const LodInput& input,
                       std::span<const SurfaceSample> samples, double step_model, const CreaseAngle& crease,
                       MeshSource source);
@@ -48,24 +51,25 @@ struct LodError {
 
 /// A node with all its LODs, and the data that its parent needs.
 struct BuiltNode {
-  Node node;                                  ///< payloads have no blob numbers yet
-  std::vector<PayloadSpool::Place> payloads;  ///< one per LOD
+  Node node;                                  ///< the node; its payloads have no blob numbers yet
+  std::vector<PayloadSpool::Place> payloads;  ///< place of each LOD's payload in the spool
   NodeMesh coarsest;                          ///< coarsest mesh except far LODs; input of the parent
-  uint64_t original_triangles = 0;            ///< in the leaves below
+  uint64_t original_triangles = 0;            ///< number of triangles in the leaves below
   LodError inherited;                         ///< largest error of the children's source LODs
-  ReferenceBoundaries references;             ///< near positions of `coarsest`
-  std::vector<SurfaceSample>
-      samples;  ///< near positions of `coarsest`; empty in a leaf, whose vertices are its samples
+  ReferenceBoundaries references;             ///< references whose `near` are positions of `coarsest`
+  std::vector<SurfaceSample> samples;  ///< samples whose `near` are positions of `coarsest`; empty in a leaf,
+                                       ///< because a leaf's vertices serve as samples
 };
 
-/// Builds single nodes: simplifies, measures and encodes. Use one builder per thread; shared data is thread
-/// safe.
+/// Builds single nodes: simplifies, measures and encodes. Use one builder per thread; the data that builders
+/// share is thread safe.
 class NodeBuilder {
  public:
   struct Settings {
     Lattice lattice;
     glm::uvec3 extent{0};
-    AttributeSet attributes;  ///< payload attributes: the file's, plus computed normals if it has none
+    AttributeSet
+        attributes;  ///< attributes in payloads: the file's, plus computed normals if the file has none
     uint32_t triangles_per_node = 0;
     Simplifier simplifier = Simplifier::kCollapse;
     float snap_error_steps = 0;  ///< rounding error of the leaves' vertices
@@ -73,15 +77,15 @@ class NodeBuilder {
   };
   /// Resources for building a node.
   struct Room {
-    Helpers& helpers;       ///< threads that finish LODs beside the builder
-    bool is_tight = false;  ///< the node is large: LODs go to disk until all are made
+    Helpers& helpers;       ///< threads that measure and encode LODs besides the builder's own
+    bool is_tight = false;  ///< the node is large, so its LODs wait on disk until all are simplified
   };
-  /// @param folder  for LODs on disk.
+  /// @param folder  folder for LODs on disk.
   NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads,
               const TemporaryFolder& folder);
 
   BuiltNode buildLeaf(uint32_t leaf, Room room);
-  /// @param children  non-empty, in octant order; their data is consumed.
+  /// @param children  children that have triangles, in octant order; the function moves their data out.
   BuiltNode buildInner(NodeKey key, std::span<BuiltNode> children, Room room);
 
  private:
@@ -90,7 +94,7 @@ class NodeBuilder {
   /// Collects the children's samples, mapped to positions of `input`, the union of their meshes.
   static void gatherSamples(BuiltNode& built, std::span<BuiltNode> children, std::span<const NodeMesh> meshes,
                             const NodeMesh& input, std::span<const std::vector<uint32_t>> remap);
-  /// Collects the children's references, mapped to the same input.
+  /// Collects the children's references, mapped to positions of the union of the children's meshes.
   static void gatherReferences(BuiltNode& built, std::span<BuiltNode> children,
                                std::span<const std::vector<uint32_t>> remap);
   void addFarLods(BuiltNode& built, std::span<const size_t> targets);
@@ -99,8 +103,9 @@ class NodeBuilder {
   LodSpool spoolLods(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const;
   void addLod(BuiltNode& built, const FinishedLod& lod);
   void addLod(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, LodError error);
-  /// Error of an LOD in lattice steps: its deviation, combined with the lattice's rounding as an independent
-  /// error; at least the gap of its boundaries (I2) and the finer LOD's error (I3).
+  /// Returns the error of an LOD in lattice steps: the LOD's deviation, combined with the lattice's rounding
+  /// as an independent error. The result is at least the gap of the LOD's boundaries (I2) and the error of
+  /// the next finer LOD (I3).
   LodError errorOf(const BuiltNode& built, const FinishedLod& lod) const;
   LodError errorOf(const Lod& lod) const noexcept;
 

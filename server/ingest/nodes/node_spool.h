@@ -16,7 +16,7 @@
 namespace lode::ingest {
 
 /// A node's LODs on disk between simplification and measurement: a large node's LODs do not fit into memory
-/// with either. Not thread safe. All functions throw Error kIo.
+/// beside the data of either step. Not thread safe. All functions throw Error kIo.
 class LodSpool {
  public:
   explicit LodSpool(TemporaryFile file) : spool_(std::move(file)) {}
@@ -49,7 +49,7 @@ class PayloadSpool {
   static constexpr std::string_view kFile = "payloads";
 
   explicit PayloadSpool(const TemporaryFolder& folder) : spool_(folder.lastingFile(kFile)) {}
-  /// Keeps the first `bytes` bytes that a killed build wrote and appends after them. @throws Error kIo,
+  /// Keeps the first `bytes` bytes of a killed build's file and appends after them. @throws Error kIo,
   /// kFormat.
   PayloadSpool(const TemporaryFolder& folder, uint64_t bytes) : spool_(folder.lastingFile(kFile), bytes) {}
 
@@ -65,8 +65,8 @@ class PayloadSpool {
   Spool spool_;
 };
 
-/// Spool of finished nodes until the store is written; keeps a key and a place per node in memory. Thread
-/// safe.
+/// Spool of finished nodes until the store is written; keeps only a key and a place per node in memory.
+/// Thread safe.
 class NodeSpool {
  public:
   /// File name.
@@ -92,7 +92,7 @@ class NodeSpool {
  private:
   std::mutex mutex_;
   Spool spool_;
-  uint64_t flushed_ = 0;  ///< readable bytes
+  uint64_t flushed_ = 0;  ///< number of bytes that can be read from the file
   std::vector<Place> places_;
 };
 

@@ -13,30 +13,34 @@
 
 namespace lode::ingest {
 
-/// Nodes that a killed build had finished, according to its journal. For every node, all nodes below are
-/// included, and either its parent is too or its mesh is kept, so that the parent can be built.
+/// Nodes that a killed build had finished, according to its journal. With each node, all nodes below are
+/// included. Either the node's parent is included too, or the node's mesh is kept, so that the parent can be
+/// built.
 struct FinishedNodes {
   struct Place {
     uint64_t offset = 0, bytes = 0, checksum = 0;
   };
   std::vector<FinishedNode> nodes;
-  std::map<NodeKey, Place> roots;  ///< roots of finished subtrees: place of the data that their parents need
-  uint64_t payload_bytes = 0;      ///< size of the payload file
-  uint64_t root_bytes = 0;         ///< size of the root file
+  std::map<NodeKey, Place>
+      roots;  ///< for each root of a finished subtree, the place of the data that the root's parent needs
+  uint64_t payload_bytes = 0;  ///< size of the payload file
+  uint64_t root_bytes = 0;     ///< size of the root file
 
   /// Adds an entry written by SimplifyLog. @throws Error kFormat, kLimit.
   void add(RecordReader& record);
 };
 
-/// Logs finished nodes during simplification: collects an entry, then writes it. Single-threaded, except
-/// where noted.
+/// Logs finished nodes during simplification: collects the content of an entry, then writes the entry.
+/// Single-threaded, except where noted.
 class SimplifyLog {
  public:
-  /// File with the data that parents need of the roots of finished subtrees; it survives a killed build.
+  /// File with the data of finished subtrees' roots that their parents need; the file survives a killed
+  /// build.
   static constexpr std::string_view kRootFile = "subtrees";
   using Append = std::function<void(std::span<const std::byte>)>;
 
-  /// @param before  nodes that a killed build had finished. @param append  adds an entry to the journal.
+  /// @param before  nodes that a killed build had finished. @param append  function that adds an entry to the
+  /// journal.
   SimplifyLog(const TemporaryFolder& folder, PayloadSpool& payloads, FinishedNodes before, Append append);
 
   /// Moves out the nodes that a killed build had finished.
@@ -47,9 +51,9 @@ class SimplifyLog {
   BuiltNode readRoot(NodeKey key) const;
 
   bool isDue() const noexcept { return clock_.isDue(CheckpointClock::Clock::now()); }
-  /// @param record  of a finished node, as written by putFinishedNode().
+  /// @param record  record of a finished node, as written by putFinishedNode().
   void addFinished(std::span<const std::byte> record);
-  /// Adds a finished node whose parent is not finished and has not taken it yet.
+  /// Adds a finished node that its parent has not used yet.
   void addRoot(const BuiltNode& built);
   /// Writes the entry. Returns when everything added since the last entry is on the disk.
   void write();

@@ -101,7 +101,7 @@ class Scheduler {
   struct Taken {
     uint32_t number = 0;
     uint64_t bytes = 0;
-    bool is_large = false;  ///< relative to the available memory
+    bool is_large = false;  ///< the node is large relative to the available memory
   };
   struct Finished {
     uint32_t number = 0;
@@ -142,7 +142,7 @@ class Scheduler {
     std::unique_lock lock(mutex_);
     ++idle_;
     while (!failure_ && done_ < plan_.size()) {
-      if (idle_ > 0) {  // a lent worker must be returned first
+      if (idle_ > 0) {  // the loan of a worker must end before the worker builds a node
         if (const std::optional<Taken> next = nextWithRoom()) return next;
       }
       changed_.wait(lock);
@@ -245,8 +245,9 @@ class Scheduler {
   }
 
   /// Logs the nodes from which another build can continue: those whose parent is logged, and inner nodes
-  /// whose parent has not taken them yet, with the data that it needs. Leaves are rebuilt instead. Workers
-  /// wait for the disk only if they need the node that is being written.
+  /// whose parent has not taken them yet, with the data that the parent needs. Does not log leaves, because a
+  /// continued build rebuilds them. Workers wait for the disk only if they need the node that is being
+  /// written.
   void writeLog() {
     std::vector<Finished> finished;
     {
@@ -320,17 +321,17 @@ class Scheduler {
   const uint64_t memory_bytes_, leaf_bytes_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<std::unique_ptr<BuiltNode>> built_;  ///< built, and not yet taken by the parent
-  std::vector<Finished> finished_;                 ///< built, and not yet logged
-  std::vector<bool> logged_;                       ///< by node
-  uint32_t being_logged_ = kNoNode;                ///< temporarily moved out of built_
-  std::vector<uint32_t> input_triangles_;          ///< triangles of the children built so far
-  std::vector<uint8_t> waiting_for_;               ///< children not built yet
+  std::vector<std::unique_ptr<BuiltNode>> built_;  ///< built nodes that their parents have not used yet
+  std::vector<Finished> finished_;                 ///< built nodes that are not logged yet
+  std::vector<bool> logged_;                       ///< for each node, whether the log contains it
+  uint32_t being_logged_ = kNoNode;        ///< node that the log writes now, temporarily moved out of built_
+  std::vector<uint32_t> input_triangles_;  ///< triangles of the children built so far
+  std::vector<uint8_t> waiting_for_;       ///< number of children that are not built yet, for each node
   std::priority_queue<uint32_t, std::vector<uint32_t>, std::greater<>> ready_;
   uint32_t next_leaf_ = 0;
   size_t leaves_left_ = 0, taken_ = 0, done_ = 0;
-  size_t idle_ = 0;          ///< waiting for a node, and not lent
-  uint64_t held_bytes_ = 0;  ///< estimated memory of nodes being built, and of built_
+  size_t idle_ = 0;          ///< number of workers that wait for a node and are not lent
+  uint64_t held_bytes_ = 0;  ///< estimated memory of the nodes being built and of the nodes in built_
   std::exception_ptr failure_;
 };
 

@@ -12,16 +12,16 @@ namespace lode::ingest {
 /// Resources for building a tree.
 struct TreeResources {
   unsigned threads = 1;
-  uint64_t memory_bytes =
-      0;  ///< for nodes being built, built nodes waiting for their parents, and the tree itself
+  uint64_t memory_bytes = 0;  ///< memory for nodes being built, for built nodes that wait for their parents,
+                              ///< and for the tree itself
 };
 
-/// Builds all nodes on several threads, children before parents, including encoding, and leaves them in
-/// `nodes`. An inner node is built as soon as its children are, so only about one path of coarsest LODs is in
-/// memory. A node that does not fit into memory with the current ones waits. The calling thread reports
+/// Builds and encodes all nodes on several threads, children before parents, and adds them to `nodes`. Builds
+/// an inner node as soon as its children are built, so the coarsest LODs of about one path are in memory. A
+/// node waits if it does not fit into memory beside the nodes being built. The calling thread reports
 /// progress and writes finished nodes to the log. Continues from the nodes in the log. Throws the first error
 /// of any thread.
-/// @param folder  for LODs of large nodes.
+/// @param folder  folder for LODs of large nodes.
 void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, PayloadSpool& payloads,
                const TemporaryFolder& folder, SimplifyLog& log, NodeSpool& nodes,
                const TreeResources& resources, const BuildProgress& progress);

@@ -12,7 +12,7 @@ namespace lode::ingest {
 /// functions are thread safe.
 class TreePlan {
  public:
-  /// @param leaves  of one tree, in Morton order.
+  /// @param leaves  all leaves of one tree, in Morton order.
   explicit TreePlan(const std::vector<NodeKey>& leaves);
 
   size_t size() const noexcept { return entries_.size(); }
@@ -30,8 +30,8 @@ class TreePlan {
   struct Entry {
     NodeKey key;
     uint32_t parent = 0;
-    uint32_t first = 0;  ///< lowest number of the subtree
-    uint32_t leaf = 0;   ///< index of the first leaf that follows the subtree's beginning
+    uint32_t first = 0;  ///< lowest number of a node in the subtree
+    uint32_t leaf = 0;   ///< index of the subtree's first leaf
   };
   void plan(NodeKey key, const std::vector<NodeKey>& leaves, size_t& next);
 

@@ -89,7 +89,8 @@ struct CollapseMesh {
       for (const Edge& edge : edges) visit(edge);
     }
   }
-  /// Classifies every position from all edges. @param visit the function calls visit(edge) like forEachEdge()
+  /// Classifies every position from all edges. @param visit  the function calls visit(edge) like
+  /// forEachEdge()
   template <typename Visit>
   void classifyPositions(Visit&& visit) {
     std::vector<Features> features(positions.size());
@@ -122,7 +123,7 @@ struct CollapseMesh {
   void removeFolds(uint32_t position);
 
   /// Returns the remaining mesh, compacted, in the order of the input.
-  /// @param new_position receives for each position its number in the result, or kVanished.
+  /// @param new_position  receives for each position its number in the result, or kVanished.
   NodeMesh compact(std::vector<uint32_t>& new_position) const;
 
   AttributeSet attributes;

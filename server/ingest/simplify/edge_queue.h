@@ -52,7 +52,7 @@ class EdgeQueue {
   }
 
   /// Takes an item of the lowest occupied bucket; returns false if the queue is empty.
-  /// @param soon the function calls soon(item) with an item that will leave the queue a few calls later;
+  /// @param soon  the function calls soon(item) with an item that will leave the queue a few calls later;
   /// `soon` may change the item
   template <typename Soon>
   bool pop(Item& item, Soon&& soon) noexcept {

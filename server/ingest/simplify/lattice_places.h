@@ -50,7 +50,7 @@ class TakenPlaces {
 /// multiples of a power of two compress better.
 class LatticePlaces {
  public:
-  /// @param mesh  the unsimplified mesh. @param highest upper corner of the model's box, in lattice steps.
+  /// @param mesh  the unsimplified mesh. @param highest  upper corner of the model's box, in lattice steps.
   LatticePlaces(const CollapseMesh& mesh, glm::dvec3 highest);
 
   /// Adapts the grid to the edge length that the mesh will have at this number of triangles.
@@ -60,7 +60,7 @@ class LatticePlaces {
   /// with the lowest quadric error; without such a point, returns the better end of the edge. (The nearest
   /// grid point may lie off the surface, which would add noise; one of the eight points is usually close to
   /// the surface.)
-  /// @param off mean distance of the surface from `point`, in lattice steps.
+  /// @param off  mean distance of the surface from `point`, in lattice steps.
   glm::dvec3 settle(glm::dvec3 point, const Quadric& q, double off, glm::dvec3 at_u, glm::dvec3 at_v) const;
   void take(glm::dvec3 place) { taken_.add(place); }
 

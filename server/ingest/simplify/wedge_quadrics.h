@@ -27,8 +27,8 @@ class WedgeQuadrics {
  public:
   /// Adds the terms without s of all triangles to the positions' quadrics, and sums the other terms per
   /// wedge.
-  /// @param diagonal the model's diagonal, in lattice steps
-  /// @param weight weight of attributes relative to geometry; 1: the default, 0: ignore attributes
+  /// @param diagonal  the model's diagonal, in lattice steps
+  /// @param weight  weight of attributes relative to geometry; 1: the default, 0: ignore attributes
   WedgeQuadrics(CollapseMesh& mesh, double diagonal, double weight);
 
   /// Returns whether the mesh has no attributes that add errors.
