@@ -33,11 +33,12 @@ class ReaderThreads {
   void join();
 
  private:
-  std::unique_ptr<asio::thread_pool> pool_;  ///< one thread: asio hangs if it cannot start all of several
+  std::unique_ptr<asio::thread_pool> pool_;  ///< pool with one thread, because asio hangs if a pool with
+                                             ///< several threads cannot start all of them
   std::vector<std::jthread> others_;         ///< further threads of the pool
 };
 
-/// State that a reload replaces at once.
+/// State of the server that a reload replaces in a single step.
 struct Published {
   ServedSet served;
   std::shared_ptr<asio::ssl::context> tls;
@@ -55,7 +56,7 @@ class Worker {
   void halt() { context_.stop(); }
   void join();
 
-  /// Number of connections, including those that give() has queued.
+  /// Returns the number of connections, including those that give() has queued.
   uint32_t load() const noexcept { return load_.load(std::memory_order_relaxed); }
   /// Takes over a connection. @throws std::bad_alloc after closing it.
   void give(asio::ip::tcp::socket socket, Slot slot, MemoryAccount memory, std::string client);

@@ -4,9 +4,10 @@
 
 namespace lode::serve {
 
-/// Blocks for small allocations after malloc has failed. Asio calls std::terminate() where it cannot allocate
-/// the state of an operation. The program's operator new takes blocks from here (server/operator_new.cpp);
-/// larger requests still throw std::bad_alloc. One object in a process; thread safe.
+/// Reserve of memory blocks for small allocations after malloc has failed. Without the reserve the process
+/// would end, because asio calls std::terminate() if it cannot allocate the state of an operation. The
+/// program's operator new (server/operator_new.cpp) uses these blocks. Allocations larger than a block still
+/// throw std::bad_alloc. A process can have one object. Thread safe.
 class MemoryReserve {
  public:
   static constexpr size_t kBlocks = 128, kBlockBytes = 8u << 10;
@@ -16,10 +17,11 @@ class MemoryReserve {
   MemoryReserve(const MemoryReserve&) = delete;
   MemoryReserve& operator=(const MemoryReserve&) = delete;
 
-  /// Returns a block for std::free(), or null if `bytes` is larger, no block is left or no reserve exists.
+  /// Returns a block, which the caller frees by std::free(). Returns null if `bytes` exceeds the size of a
+  /// block, no block is left, or no reserve exists.
   static void* take(size_t bytes) noexcept;
 
-  /// Replaces the blocks that were taken. @return how many were missing.
+  /// Replaces the blocks that take() returned. @return number of blocks that were missing.
   size_t refill() noexcept;
 };
 

@@ -24,8 +24,8 @@ namespace lode::serve {
 /// @return the new limit.
 uint64_t raiseOpenFileLimit() noexcept;
 
-/// A spare descriptor. When the process has no descriptor left, the acceptor releases it to accept one more
-/// connection and refuse it with a reason. Not thread safe.
+/// A spare descriptor. When the process has no other descriptor left, the acceptor releases the spare one,
+/// accepts one more connection and refuses the connection with a reason. Not thread safe.
 class ReserveDescriptor {
  public:
   ReserveDescriptor() noexcept { acquire(); }
@@ -34,32 +34,33 @@ class ReserveDescriptor {
   ReserveDescriptor& operator=(const ReserveDescriptor&) = delete;
 
   void release() noexcept;
-  void acquire() noexcept;  ///< reopens it if the system has a descriptor
+  void acquire() noexcept;  ///< opens the spare descriptor again if the system has one left
 
  private:
   int descriptor_ = -1;
 };
 
 struct AcceptorOptions {
-  bool count_addresses = true;    ///< false behind a balancer, whose header names the address later
-  uint64_t connection_bytes = 0;  ///< charged to the memory budget for each connection
+  bool count_addresses = true;    ///< whether to limit connections per address; false behind a balancer,
+                                  ///< because its header names the client's address later
+  uint64_t connection_bytes = 0;  ///< memory charged to the budget per connection
 };
 
-/// Accepts connections and refuses those over a limit with a reason. Not thread safe; runs on its context's
-/// thread.
+/// Accepts connections. If a connection would exceed a limit, refuses the connection with a reason. Runs on
+/// the thread of its context. Not thread safe.
 class Acceptor {
  public:
-  /// Receives each connection that was admitted.
+  /// Receives each admitted connection.
   using Handler = std::function<void(asio::ip::tcp::socket, Slot, MemoryAccount, std::string client)>;
 
   Acceptor(asio::ip::tcp::acceptor acceptor, AcceptorOptions options, Admission& admission,
            MemoryBudget& budget, ThreadCounters& counters, Log& log, Handler handler);
 
-  /// Accepts until close(); an error of one connection does not stop it. Call it again after an exception has
-  /// left the context's run().
+  /// Starts to accept connections until close(). An error of one connection does not stop the acceptor. Call
+  /// open() again after the context's run() has thrown an exception.
   void open();
   void close();
-  /// Sets the TLS context in which refusals are sent; null for plain connections.
+  /// Sets the TLS context that encrypts refusals; null for connections without TLS.
   void setTls(std::shared_ptr<asio::ssl::context> tls) { tls_ = std::move(tls); }
 
  private:

@@ -13,18 +13,19 @@ namespace lode::serve {
 
 class Admission;
 
-/// Returns the IPv4 address of an IPv4-mapped IPv6 address, which dual-stack sockets report, and other
+/// Converts an IPv4-mapped IPv6 address, which dual-stack sockets report, to the IPv4 address. Returns other
 /// addresses unchanged.
 asio::ip::address plainAddress(const asio::ip::address& address);
 
-/// A connection's slot in the limits of Admission. The destructor frees it.
+/// A connection's slot in the limits of Admission. The destructor frees the slot.
 class Slot {
  public:
   Slot(Slot&& other) noexcept;
   Slot& operator=(Slot&&) = delete;
   ~Slot();
 
-  /// Counts the connection under an address. @return false if the address has the maximum already.
+  /// Counts the connection under an address. @return false if the address already has the maximum of
+  /// connections.
   bool countUnder(const asio::ip::address& address);
   /// Adds the connection to the load of the thread that serves it.
   void countIn(std::atomic<uint32_t>& load) noexcept;
@@ -38,19 +39,20 @@ class Slot {
   std::atomic<uint32_t>* load_ = nullptr;
 };
 
-/// Limits the connections in total and by address. Thread safe; must outlive its slots.
+/// Limits the number of connections, in total and per address. Must outlive its slots. Thread safe.
 class Admission {
  public:
-  /// @param per_address  limit of an IPv4 address or an IPv6 /64 network; without it
-  /// kMaxConnectionsPerAddress, and none for loopback.
+  /// @param per_address  limit per IPv4 address or IPv6 /64 network. If it is not set, the limit is
+  /// kMaxConnectionsPerAddress, and loopback has no limit.
   Admission(uint32_t total, std::optional<uint32_t> per_address);
 
-  /// @return a slot, or nothing at the limit.
+  /// Admits a connection. @return a slot, or nothing if the total limit is reached.
   std::optional<Slot> enter();
   uint32_t count() const;
   uint32_t total() const noexcept { return total_; }
 
-  /// Calls `empty` once when no connection is left, immediately if there is none, from any thread.
+  /// Calls `empty` once, when no connection is left; at once if there is no connection now. The call can come
+  /// from any thread.
   void whenEmpty(std::function<void()> empty);
 
  private:

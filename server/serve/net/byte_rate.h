@@ -6,20 +6,20 @@
 
 namespace lode::serve {
 
-/// Limits the bytes a second of one connection or of all connections. A sender takes a turn, waits until its
-/// time and gives back the bytes that it did not send. Turns come in the order in which they were taken,
-/// which shares the rate fairly. Thread safe.
+/// Limits the bytes per second of one connection or of all connections. A sender calls take(), waits until
+/// the returned time, sends, and returns the bytes that it did not send by give(). The times of several
+/// senders follow the order of their calls, which shares the rate fairly. Thread safe.
 class ByteRate {
  public:
   using Clock = std::chrono::steady_clock;
-  /// A sender that is late by up to this much loses none of its rate.
+  /// Longest delay of a sender that does not reduce its rate.
   static constexpr std::chrono::milliseconds kGrace{20};
 
-  /// @param bytes_per_second  0: no limit; every turn is now.
+  /// @param bytes_per_second  limit; 0: no limit, so that a sender never waits.
   explicit ByteRate(uint64_t bytes_per_second) noexcept;
 
   bool limited() const noexcept { return ns_per_byte_ > 0; }
-  /// @return the time at which this many bytes may be sent.
+  /// Reserves bytes of the rate. @return the time from which the sender can send them.
   Clock::time_point take(uint64_t bytes, Clock::time_point now) noexcept;
   void give(uint64_t bytes) noexcept;
 
@@ -29,7 +29,7 @@ class ByteRate {
   }
 
   double ns_per_byte_;
-  std::atomic<int64_t> next_ns_{0};  ///< start of the next turn, time since the epoch of Clock
+  std::atomic<int64_t> next_ns_{0};  ///< time from which the next bytes can be sent, since the epoch of Clock
 };
 
 }  // namespace lode::serve

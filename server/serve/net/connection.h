@@ -23,10 +23,11 @@
 
 namespace lode::serve {
 
-/// Buffer of one write: a full chunk, or several chunks of small blobs. A connection borrows one from its
-/// thread's pool while it sends.
+/// Buffer for one write, which is a full chunk or several chunks of small blobs. A connection borrows a
+/// buffer from the pool of its thread while the connection sends.
 struct ChunkBuffer {
-  /// The kernel splits segments above 64 KiB with headers; this size stays whole and wakes the receiver once.
+  /// Size of a buffer. The kernel splits a segment if it exceeds 64 KiB with headers. A buffer of this size
+  /// is not split and wakes the receiver once.
   static constexpr size_t kBytes = 60u << 10;
   std::unique_ptr<std::byte[]> bytes;  ///< kBytes long, or null
   size_t used = 0;
@@ -44,13 +45,13 @@ class BufferPool {
 
 class Connection;
 
-/// State shared by the connections of one thread; outlives them. Used on that thread only.
+/// State that the connections of one thread share. Must outlive the connections. Only that thread uses it.
 struct ConnectionHost {
   ServedSet served;
-  std::shared_ptr<asio::ssl::context> tls;  ///< for new connections; null: no TLS
+  std::shared_ptr<asio::ssl::context> tls;  ///< TLS context for new connections; null: no TLS
   Log* log = nullptr;
   ThreadCounters* counters = nullptr;
-  ByteRate* rate = nullptr;  ///< shared by all connections of the server
+  ByteRate* rate = nullptr;  ///< rate limit that all connections of the server share
   MemoryBudget* budget = nullptr;
   asio::thread_pool* readers = nullptr;  ///< threads for reads that wait for the disk
   BufferPool buffers;
@@ -59,17 +60,17 @@ struct ConnectionHost {
 
 struct ConnectionLimits {
   SessionLimits session;
-  Clock::duration write = proto::kWriteDeadline;              ///< time in which the client must take a write
-  uint64_t bytes_per_second = 0;                              ///< rate of blobs; 0: no limit
-  size_t queued_answer_bytes = proto::kMaxQueuedAnswerBytes;  ///< above it no frame is read
-  bool proxy_protocol = false;                                ///< expect a balancer's header first
+  Clock::duration write = proto::kWriteDeadline;  ///< time in which the client must receive a write
+  uint64_t bytes_per_second = 0;                  ///< rate limit for blobs; 0: no limit
+  size_t queued_answer_bytes = proto::kMaxQueuedAnswerBytes;  ///< limit above which no frame is read
+  bool proxy_protocol = false;                                ///< expect a balancer's header at the start
 };
 
 /// Memory charged for an idle connection.
 constexpr uint64_t kPlainConnectionBytes = 8u << 10, kTlsConnectionBytes = 80u << 10;
 
-/// A client's connection: a Session, its stream, a reading and a writing coroutine. Both run on the socket's
-/// thread and keep the connection alive. Not thread safe.
+/// A client's connection, which consists of a Session, the stream, a reading coroutine and a writing
+/// coroutine. Both coroutines run on the socket's thread and keep the connection alive. Not thread safe.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   /// @param client  the client's address, for the log.
@@ -84,16 +85,16 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void servedSetChanged();
   /// Closes the connection if a deadline has passed.
   void sweep(Clock::time_point now);
-  /// Ends the connection because it holds much of the memory budget.
+  /// Ends the connection because it uses much of the memory budget.
   void endForMemory();
   uint64_t heldBytes() const noexcept { return memory_.held(); }
 
  private:
-  /// A chunk that is read from disk. Its request is parked meanwhile.
+  /// A chunk that a reader thread reads from disk. Until then, the request of the chunk is parked.
   struct ColdRead {
     Chunk chunk;
     std::vector<std::byte> bytes;
-    ReadResult result = ReadResult::kCold;  ///< kCold: not read yet
+    ReadResult result = ReadResult::kCold;  ///< kCold until the read is finished
   };
 
   asio::awaitable<void> read();
@@ -120,20 +121,22 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   Slot slot_;
   MemoryAccount memory_;
-  MemoryAccount reading_;  ///< chunks read from disk, apart from memory_: they must not limit requests
+  MemoryAccount reading_;  ///< memory of chunks read from disk; not part of memory_, because reads must not
+                           ///< limit requests
   ConnectionHost& host_;
   ConnectionLimits limits_;
   proto::FrameStream stream_;
   Session session_;
   std::vector<std::shared_ptr<ColdRead>> cold_;
   ByteRate rate_;
-  std::optional<Clock::time_point> turn_;  ///< when the rates allow the next kSlowWriteBytes
-  asio::steady_timer to_write_, to_read_;  ///< cancelled to wake the coroutine
+  std::optional<Clock::time_point> turn_;  ///< time at which the rates allow the next kSlowWriteBytes
+  asio::steady_timer to_write_, to_read_;  ///< timers that are cancelled to wake a coroutine
   bool write_woken_ = false, read_woken_ = false;
-  bool gone_ = false;                               ///< the client has closed or the connection broke
-  bool slow_ = true;                                ///< unsent bytes may wait in the kernel
-  std::optional<Clock::time_point> linger_until_;   ///< all is sent; the client should close before this time
-  std::optional<Clock::time_point> writing_since_;  ///< set while a write is under way
+  bool gone_ = false;  ///< the client has closed the connection, or it broke
+  bool slow_ = true;   ///< unsent bytes may wait in the kernel
+  std::optional<Clock::time_point>
+      linger_until_;  ///< set when all is sent: time until which the client should close
+  std::optional<Clock::time_point> writing_since_;  ///< start of the write that is under way
   std::optional<EndReason> end_;
   std::string why_;  ///< reason of a refusal, for the log
   std::string client_;

@@ -37,13 +37,13 @@ asio::ip::tcp::acceptor adoptListener(asio::io_context& context, int descriptor)
 /// Formats an endpoint as "127.0.0.1:7400" or "[::1]:7400".
 std::string toString(const asio::ip::tcp::endpoint& endpoint);
 
-/// Makes the server's context for TLS 1.3 from a certificate chain and its key in PEM. TLS sessions hold no
-/// buffers while they neither send nor receive.
+/// Creates the server's context for TLS 1.3 from PEM files with a certificate chain and its key. An idle TLS
+/// session of this context has no buffers.
 /// @throws Error kUsage if a file cannot be read or the key does not match the certificate.
 std::shared_ptr<asio::ssl::context> openTls(const std::filesystem::path& certificate,
                                             const std::filesystem::path& key);
 
-/// Returns when the context's own certificate expires, or nothing without a certificate.
+/// Returns the time at which the context's own certificate expires, or nothing without a certificate.
 std::optional<std::chrono::sys_seconds> expiryOf(asio::ssl::context& context);
 
 }  // namespace lode::serve

@@ -10,24 +10,25 @@
 
 namespace lode::serve {
 
-/// Longest header: addresses take up to 232 bytes, and proxies add extensions about TLS.
+/// Limit of a header's length. Addresses have up to 232 bytes, and proxies add extensions about TLS.
 constexpr size_t kMaxProxyHeaderBytes = 2048;
 
 /// Header of HAProxy's PROXY protocol, version 1 (a line of text) or 2 (binary). A balancer sends it before
 /// the client's own bytes.
 struct ProxyHeader {
-  size_t bytes = 0;  ///< length of the header
-  std::optional<asio::ip::address>
-      client;  ///< empty for connections of the balancer itself, such as health checks
+  size_t bytes = 0;                         ///< length of the header
+  std::optional<asio::ip::address> client;  ///< the client's address; not set for connections of the balancer
+                                            ///< itself, such as health checks
 };
 
+/// Parses the header at the start of a connection. Thread safe.
 /// @param bytes  all bytes received so far.
-/// @return nothing until the header is complete, which takes at most kMaxProxyHeaderBytes.
-/// @throws Error kProtocol or kLimit as soon as the bytes cannot be a header. Thread safe.
+/// @return nothing until the header is complete. A header has at most kMaxProxyHeaderBytes.
+/// @throws Error kProtocol or kLimit as soon as the bytes cannot be a header.
 std::optional<ProxyHeader> parseProxyHeader(std::span<const std::byte> bytes);
 
-/// Reads the balancer's header and leaves the client's bytes, which may be TLS, in the socket.
-/// @return nothing if the peer closed before the first byte, as health checks do.
+/// Reads the balancer's header. Leaves the bytes of the client, which can be TLS, in the socket.
+/// @return nothing if the peer closed the connection before the first byte, as health checks do.
 /// @throws Error kNetwork if the header is malformed or the connection ends within it. A peer that sends no
 /// valid header gets no answer.
 asio::awaitable<std::optional<ProxyHeader>> readProxyHeader(asio::ip::tcp::socket& socket);

@@ -13,21 +13,24 @@
 
 namespace lode::serve {
 
-/// Refused connections that still read the reason: closing a socket with unread bytes would reset the
-/// connection and lose the reason. Each holds a descriptor and little memory. Not thread safe.
+/// Refused connections whose client has not read the reason yet. To close a socket with unread bytes would
+/// reset the connection, and the client would lose the reason. Each refused connection needs a descriptor and
+/// little memory. Not thread safe.
 class Refusals {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr size_t kMost = 512;           ///< at a time; one more closes the oldest
-  static constexpr size_t kMostHandshakes = 32;  ///< TLS handshakes at a time; each takes memory and CPU
+  static constexpr size_t kMost = 512;  ///< limit of connections at a time; another refusal closes the oldest
+  static constexpr size_t kMostHandshakes =
+      32;  ///< limit of TLS handshakes at a time, because they need memory and CPU
   static constexpr Clock::duration kLinger = std::chrono::seconds(2);
 
-  /// Sends the frame, then waits for the client to close.
+  /// Sends the frame, then waits until the client closes the connection.
   void refuse(asio::ip::tcp::socket socket, std::span<const std::byte> last_word, Clock::time_point now);
-  /// Does the same under TLS, after the handshake. Sends nothing if too many handshakes are under way.
+  /// Like refuse(), but sends the frame under TLS after the handshake. Sends nothing if kMostHandshakes are
+  /// under way.
   void refuseUnderTls(asio::ip::tcp::socket socket, std::shared_ptr<asio::ssl::context> tls,
                       proto::Bytes last_word, Clock::time_point now);
-  /// Sends the frame and closes at once, for when there is no descriptor to spare.
+  /// Sends the frame and closes the connection at once. Used if no descriptor can be spared.
   static void refuseAtOnce(asio::ip::tcp::socket socket, std::span<const std::byte> last_word);
   /// Closes the connections whose client has closed or whose time is over.
   void sweep(Clock::time_point now);
@@ -36,7 +39,7 @@ class Refusals {
  private:
   struct Lingering {
     std::shared_ptr<proto::ByteStream>
-        stream;  ///< under TLS a coroutine sends the frame and closes the stream
+        stream;  ///< stream; under TLS a coroutine sends the frame and closes the stream
     Clock::time_point until;
   };
   void linger(std::shared_ptr<proto::ByteStream> stream, Clock::time_point now);

@@ -14,14 +14,15 @@ namespace lode::serve {
 
 constexpr size_t kMaxHealthRequestBytes = 8192;
 
-/// First line of an HTTP request from Prometheus, a balancer or curl; its other lines are ignored.
+/// First line of an HTTP request from Prometheus, a balancer or curl. The other lines are ignored.
 struct HealthRequest {
-  std::string path;        ///< without the query after '?'
-  bool head_only = false;  ///< HEAD: send no body
+  std::string path;        ///< path without the query after '?'
+  bool head_only = false;  ///< method is HEAD, so that the response has no body
   bool known_method = true;
 };
 
-/// @param text  bytes received so far. @return nothing until the request's head is complete.
+/// Parses a request. @param text  bytes received so far. @return nothing until the request's head is
+/// complete.
 /// @throws Error kProtocol (not HTTP), kLimit (head too long). Thread safe.
 std::optional<HealthRequest> parseHealthRequest(std::string_view text);
 
@@ -34,19 +35,20 @@ struct HealthAnswers {
   std::function<bool()> ready;           ///< true while a balancer should send clients to this server
 };
 
-/// A second port with a minimal HTTP server: GET /metrics; /healthz, which answers 200 while the context
-/// runs; /readyz, which answers 503 while the server is not ready. It serves a few connections at a time and
-/// gives each a short deadline.
+/// A minimal HTTP server on a second port. It answers GET /metrics with the metrics, /healthz with 200 while
+/// the context runs, and /readyz with 200 while the server is ready, else with 503. The endpoint serves a few
+/// connections at a time, each with a short deadline.
 class HealthEndpoint {
  public:
-  /// Starts to listen; answers while the context runs. @param listen  ADDR:PORT; port 0 picks a free one.
+  /// Starts to listen. The endpoint answers while the context runs.
+  /// @param listen  ADDR:PORT; port 0 selects a free port.
   /// @throws Error kUsage, kIo.
   HealthEndpoint(asio::io_context& context, const std::string& listen, HealthAnswers answers);
-  ~HealthEndpoint();  ///< call it on the context's thread, or after the context has stopped
+  ~HealthEndpoint();  ///< must run on the context's thread, or after the context has stopped
   HealthEndpoint(const HealthEndpoint&) = delete;
   HealthEndpoint& operator=(const HealthEndpoint&) = delete;
 
-  std::string address() const;  ///< "127.0.0.1:9400"
+  std::string address() const;  ///< address of the port, such as "127.0.0.1:9400"
 
  private:
   struct State;

@@ -19,7 +19,7 @@ namespace lode::serve {
 enum class LogKind : uint8_t {
   kServer,           ///< start, stop, reload
   kConnectionEnd,    ///< one line for each connection
-  kRefused,          ///< a connection was refused; the line says why
+  kRefused,          ///< a connection was refused; the line states the reason
   kUnauthorized,     ///< a token is unknown or has expired
   kProtocolMistake,  ///< a client broke a rule of the protocol
   kDamagedStore,     ///< a blob does not match its checksum, or a store file changed
@@ -30,16 +30,16 @@ constexpr size_t kLogKinds = 7;
 /// Returns the kind's name in the log: "connection", "refused" and so on.
 std::string_view logKindName(LogKind kind) noexcept;
 
-/// Token bucket for each kind of line: kBurst lines at once, then kPerSecond. Not thread safe.
+/// Limits each kind of line by a token bucket: kBurst lines at once, then kPerSecond. Not thread safe.
 class LogLimit {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
   static constexpr double kBurst = 50, kPerSecond = 5;
 
-  /// Returns true if a line of this kind may be written now; otherwise counts it as left out.
+  /// Returns true if a line of this kind can be written now. Otherwise counts the line as left out.
   bool admit(LogKind kind, TimePoint now) noexcept;
-  /// Returns how many lines of this kind were left out and resets the count, once a line of this kind may be
-  /// written again. Returns 0 until then.
+  /// Returns and resets the number of left-out lines of this kind if a line of this kind can be written
+  /// again, else returns 0.
   uint64_t takeLeftOut(LogKind kind, TimePoint now) noexcept;
 
  private:
@@ -58,55 +58,56 @@ struct LogField {
   std::variant<uint64_t, double, std::string_view> value;
 };
 
-/// Longest line with its newline. A pipe takes writes of up to PIPE_BUF (4096) bytes whole or not at all.
+/// Limit of a line's length, with the newline. A pipe accepts a write of up to PIPE_BUF (4096) bytes either
+/// completely or not at all.
 constexpr size_t kMaxLogLineBytes = 4096;
 
-/// Formats "2026-11-22T03:18:12.123Z refused: the message (name=value, ...)" or, as JSON, one object with the
-/// keys time, kind, message and the fields' names. Replaces bytes that are not printable by '?' and ends with
-/// a newline. Thread safe.
+/// Formats a line with its newline: "2026-11-22T03:18:12.123Z refused: the message (name=value, ...)", or, as
+/// JSON, one object with the keys time, kind, message and the names of the fields. Replaces unprintable bytes
+/// by '?'. Thread safe.
 std::string logLine(bool json, std::chrono::system_clock::time_point time, LogKind kind,
                     std::string_view message, std::span<const LogField> fields);
 
-/// Writes lines to a file, terminal, pipe or socket without blocking, even if its reader is gone or has
-/// stopped reading. Leaves the descriptor's flags unchanged because other processes share them. Not thread
-/// safe. The calling thread must block SIGPIPE.
+/// Writes lines to a file, terminal, pipe or socket. Never blocks, even if the reader of a pipe or socket is
+/// gone or has stopped to read. Leaves the descriptor's flags unchanged because other processes share them.
+/// Not thread safe. The calling thread must block SIGPIPE.
 class LogSink {
  public:
-  /// @param descriptor  stays open and is not owned.
+  /// @param descriptor  open descriptor that the caller owns.
   explicit LogSink(int descriptor) noexcept;
   ~LogSink();
   LogSink(const LogSink&) = delete;
   LogSink& operator=(const LogSink&) = delete;
 
-  /// @param line  at most kMaxLogLineBytes. @return true if the descriptor took all of it.
+  /// Writes a line of at most kMaxLogLineBytes. @return true if the whole line was written.
   bool write(std::string_view line) noexcept;
 
  private:
   bool ready() const noexcept;
 
   int descriptor_;
-  int own_ = -1;  ///< the same pipe, opened again: O_NONBLOCK then affects this process alone
+  int own_ = -1;  ///< the same pipe, opened again, so that O_NONBLOCK affects only this process
   bool is_socket_ = false;
 };
 
-/// Returns an exception's message for operators; for std::bad_alloc, whose what() is no sentence, a text of
-/// our own. Valid as long as the exception.
+/// Returns an exception's message for operators. Returns an own text for std::bad_alloc, because its what()
+/// is no sentence. The text is valid as long as the exception.
 std::string_view reasonOf(const std::exception& error) noexcept;
 
 struct LogOptions {
   bool json = false;
-  int descriptor = 2;         ///< stderr; not owned
+  int descriptor = 2;         ///< descriptor to write to, which the caller owns; default: stderr
   size_t queue_lines = 1024;  ///< lines that wait for the descriptor; a full queue drops its oldest line
   std::function<std::chrono::steady_clock::time_point()> clock = std::chrono::steady_clock::now;
 };
 
-/// The server's log. write() never blocks and never fails: a bounded queue (spdlog's) hands lines to a thread
-/// that writes them without blocking and counts those that it drops. LogLimit bounds each kind of line, and a
-/// line of its own says how many were left out. Thread safe.
+/// The server's log. write() never blocks and never fails. It adds the line to a bounded queue (spdlog's),
+/// and a thread writes the lines without blocking and counts dropped lines. LogLimit limits each kind of
+/// line; a separate line reports the number of lines left out. Thread safe.
 class Log {
  public:
   explicit Log(LogOptions options = {});
-  ~Log();  ///< writes the queued lines that the descriptor takes without blocking
+  ~Log();  ///< writes queued lines as far as the descriptor accepts them without blocking
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;
 
@@ -114,11 +115,12 @@ class Log {
   void write(LogKind kind, std::string_view message, std::initializer_list<LogField> fields = {}) noexcept {
     write(kind, message, std::span(fields.begin(), fields.size()));
   }
-  /// Reports left-out lines of the kinds that may be written again. Call it about once a second.
+  /// Reports left-out lines of the kinds that can be written again. Call tick() about once a second.
   void tick() noexcept;
 
-  uint64_t linesDropped() const noexcept;  ///< lines that neither the queue nor the descriptor took
-  uint64_t linesLeftOut() const noexcept;  ///< lines over the rate limits
+  uint64_t linesDropped() const noexcept;  ///< number of lines that did not fit in the queue or that the
+                                           ///< descriptor did not accept
+  uint64_t linesLeftOut() const noexcept;  ///< number of lines that exceeded the limits of LogLimit
 
  private:
   struct State;

@@ -26,7 +26,7 @@ class Counter {
   std::atomic<uint64_t> value_{0};
 };
 
-/// Upper bounds of the latency buckets in seconds; one more bucket holds longer latencies.
+/// Upper bounds of the latency buckets in seconds. One more bucket counts longer latencies.
 constexpr std::array kLatencyBoundsSeconds{0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02,
                                            0.05,   0.1,    0.2,    0.5,   1.0,   2.0,   5.0,  10.0};
 
@@ -50,15 +50,15 @@ class LatencyCounter {
   Counter sum_ns_;
 };
 
-/// Reason of a refused connection. The first four apply at accept(), the others after it; behind a balancer
-/// kAddress also applies after it.
+/// Reason of a refused connection. The first four reasons apply at accept(), the others after accept().
+/// Behind a balancer, kAddress also applies after accept().
 enum class RefusalReason : uint8_t {
-  kConnections,  ///< --max-connections
-  kAddress,      ///< --max-connections-per-address
-  kMemory,       ///< --memory-budget
-  kDescriptors,  ///< the process's limit of open files
-  kToken,        ///< missing, unknown or expired
-  kProxyHeader,  ///< with --proxy-protocol
+  kConnections,  ///< --max-connections is reached
+  kAddress,      ///< --max-connections-per-address is reached
+  kMemory,       ///< the memory budget (--memory-budget) is used up
+  kDescriptors,  ///< the process has reached its limit of open files
+  kToken,        ///< the token is missing, unknown or expired
+  kProxyHeader,  ///< --proxy-protocol is set and the balancer's header is missing or malformed
   kTls,          ///< the handshake failed
 };
 constexpr size_t kRefusalReasons = 7;
@@ -67,14 +67,14 @@ std::string_view refusalName(RefusalReason reason) noexcept;
 /// Reason why an accepted connection ended.
 enum class EndReason : uint8_t {
   kClient,       ///< the client closed it
-  kBroken,       ///< reset, or closed within a frame
+  kBroken,       ///< the connection was reset, or closed within a frame
   kProxyHeader,  ///< the balancer's header was missing or malformed
   kTls,          ///< the handshake failed
   kMistake,      ///< the client broke a rule of the protocol
-  kHandshake,    ///< no Hello before the deadline
-  kIdle,         ///< no frame before the deadline
-  kStalled,      ///< the client took no bytes before the write deadline
-  kMemory,       ///< closed as one of the largest when the memory budget ran short
+  kHandshake,    ///< the client sent no Hello before the deadline
+  kIdle,         ///< the client sent no frame before the deadline
+  kStalled,      ///< the client received no bytes before the write deadline
+  kMemory,       ///< the memory budget ran short and the connection was one of the largest
   kStopping,
 };
 constexpr size_t kEndReasons = 10;
@@ -95,11 +95,13 @@ class ThreadCounters {
   std::array<Counter, kEndReasons> ended;
   std::array<Counter, kRequestClasses> requests;
   std::array<LatencyCounter, kRequestClasses>
-      queue;  ///< from a request to its first chunk, without the time in `held`
-  std::array<LatencyCounter, kRequestClasses> held;  ///< part of that time in which the client took no chunk
-  std::array<LatencyCounter, kRequestClasses> send;  ///< from a request to its last chunk
+      queue;  ///< time from a request to its first chunk, without the time in `held`
+  std::array<LatencyCounter, kRequestClasses> held;  ///< time before the first chunk in which the
+                                                     ///< client could not receive a chunk
+  std::array<LatencyCounter, kRequestClasses> send;  ///< time from a request to its last chunk
 
-  /// Returns the counters of a model; the reference stays valid. Takes a lock: call it once for each Open.
+  /// Returns the counters of a model. The reference stays valid. Call model() once per Open, because it locks
+  /// a mutex.
   ModelCounters& model(const std::string& name);
   template <typename Visit>  ///< visit(name, counters)
   void forEachModel(const Visit& visit) const {
@@ -115,13 +117,13 @@ class ThreadCounters {
 /// Current values that are not sums of counters.
 struct ServerGauges {
   uint64_t connections = 0, models = 0;
-  uint64_t certificate_expires_s = 0;  ///< Unix time; 0 without a certificate
+  uint64_t certificate_expires_s = 0;  ///< Unix time at which the certificate expires; 0 without one
   uint64_t memory_bytes = 0, memory_budget_bytes = 0, allocated_bytes = 0;
   uint64_t log_lines_dropped = 0, log_lines_left_out = 0;
   bool stopping = false;
 };
 
-/// Counters of all threads. Thread safe, except that each ThreadCounters has one writer.
+/// Counters of all threads. Thread safe, except that only one thread can write to each ThreadCounters.
 class Metrics {
  public:
   /// @param threads  number of threads that count.

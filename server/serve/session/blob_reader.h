@@ -19,7 +19,7 @@ namespace lode::serve {
 /// Result of a read.
 enum class ReadResult {
   kDone,
-  kCold,     ///< not in the page cache, or too large for a quick check: use readCold()
+  kCold,     ///< the blob is not in the page cache, or too large for a quick check; use readCold()
   kDamaged,  ///< the blob's checksum does not match, or the file was truncated
   kFailed,   ///< the operating system reported an error, or memory ran out
 };
@@ -35,8 +35,8 @@ struct BlobReaderOptions {
   std::chrono::nanoseconds check_file_every = std::chrono::milliseconds(20);
   /// Time after which a damaged blob is verified again, because the store may have been repaired.
   std::chrono::seconds retry_damaged{10};
-  /// Receives a line for the operator, from any thread: one for each blob found damaged, one for each change
-  /// of the file in place.
+  /// Receives a line for the operator when a blob is found damaged or when the file has changed in place. Any
+  /// thread can call the function.
   std::function<void(std::string_view)> report = [](std::string_view) {};
 };
 
@@ -46,15 +46,15 @@ class BlobReader {
  public:
   BlobReader(store::Reader reader, BlobReaderOptions options);
 
-  /// Reads without waiting for the disk. @param into  at least range.bytes long.
+  /// Reads without waiting for the disk. @param into  buffer of at least range.bytes.
   ReadResult readHot(const BlobRange& range, std::span<std::byte> into) const noexcept;
-  /// Reads and may wait for the disk. Reads the whole blob if it is not verified yet.
+  /// Reads and waits for the disk if necessary. Reads the whole blob if the blob is not verified yet.
   ReadResult readCold(const BlobRange& range, std::span<std::byte> into) const noexcept;
 
   const store::Reader& store() const noexcept { return reader_; }
   /// Returns true if `file` is the status of the open file and the file has not changed since it was opened.
   bool isStill(const struct stat& file) const noexcept;
-  /// Number of reads of damaged blobs.
+  /// Returns the number of reads of damaged blobs.
   uint64_t damagedReads() const noexcept { return damaged_reads_.load(std::memory_order_relaxed); }
 
  private:
@@ -78,7 +78,7 @@ class BlobReader {
 
   store::Reader reader_;
   BlobReaderOptions options_;
-  int hot_flags_;  ///< flags of preadv2: none on file systems in memory
+  int hot_flags_;  ///< flags of preadv2; 0 on file systems in memory
   std::unique_ptr<std::atomic<uint32_t>[]> notes_;
   mutable std::atomic<uint32_t> generation_{0};  ///< incremented when the file changes
   mutable std::atomic<int64_t> checked_ns_{0};   ///< time of the last check of the file

@@ -18,13 +18,13 @@ namespace lode::serve {
 class BlobReader;
 struct ModelCounters;
 
-/// A served model: its summary, the sizes of its blobs and their reader. Immutable except for the reader's
-/// notes. Lives until no connection has it open.
+/// A served model: summary, sizes of the blobs, and the reader of the blobs. Immutable except for the notes
+/// of the reader. A replaced model exists until the last connection closes it.
 struct Model {
   ModelSummary summary;
-  std::vector<uint32_t> blob_bytes;         ///< by blob number; 0 if there is no such blob
-  uint32_t coarsest_blob = 0;               ///< payload of the root's coarsest LOD; 0 without triangles
-  std::shared_ptr<const BlobReader> blobs;  ///< null in tests of sessions, which read nothing
+  std::vector<uint32_t> blob_bytes;  ///< size of each blob, by number; 0 if there is no blob with this number
+  uint32_t coarsest_blob = 0;        ///< payload of the root's coarsest LOD; 0 without triangles
+  std::shared_ptr<const BlobReader> blobs;  ///< null in tests of sessions, which read no blobs
 
   uint32_t blobBytes(uint32_t number) const noexcept {
     return number < blob_bytes.size() ? blob_bytes[number] : 0;
@@ -43,12 +43,12 @@ struct OpenedModel {
 class Catalog {
  public:
   Catalog() = default;
-  /// @throws Error kUsage (duplicate or invalid name), kLimit (more than a Models frame holds).
+  /// @throws Error kUsage (duplicate or invalid name), kLimit (more models than fit in a Models frame).
   explicit Catalog(std::vector<std::shared_ptr<const Model>> models);
 
   /// Returns the models sorted by name.
   std::span<const std::shared_ptr<const Model>> models() const noexcept { return models_; }
-  /// Returns null if no model has that name.
+  /// Returns the model with this name, or null.
   std::shared_ptr<const Model> find(std::string_view name) const noexcept;
 
  private:
@@ -61,16 +61,16 @@ class Catalog {
 std::shared_ptr<const Catalog> openCatalog(std::span<const std::filesystem::path> stores,
                                            const BlobReaderOptions& options);
 
-/// Opens the stores again for a reload. Unchanged stores stay open. A store that cannot be opened is
-/// reported, and the model of its name in `before` stays. Folders may be empty.
-/// @param refused  incremented for each store that cannot be opened; may be null.
-/// @throws Error as openCatalog() does, also if a path in `stores` is gone that named no model in `before`,
-/// such as a folder.
+/// Opens the stores again for a reload. Unchanged stores stay open. If a store cannot be opened, reports the
+/// error and keeps the model with the same name in `before`, if any. Folders can be empty.
+/// @param refused  counter that is incremented per store that cannot be opened; can be null.
+/// @throws Error as openCatalog() does, and also if a path in `stores` is missing and belongs to no model in
+/// `before`. An example is a missing folder.
 std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before,
                                              std::span<const std::filesystem::path> stores,
                                              const BlobReaderOptions& options, size_t* refused = nullptr);
 
-/// The models and the tokens of a server. A reload replaces both at once.
+/// The models and the tokens of a server. A reload replaces models and tokens in a single step.
 struct ServedSet {
   std::shared_ptr<const Catalog> catalog;
   std::shared_ptr<const TokenFile> tokens;  ///< null: clients need no token

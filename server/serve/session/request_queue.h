@@ -29,14 +29,14 @@ struct OpenRequest {
   uint32_t blob = 0;
   uint32_t sent_bytes = 0;
   uint32_t call = 0;
-  bool parked = false;  ///< waits for the disk; first() skips it
-  uint64_t serial = 0;  ///< distinguishes it from an earlier request with the same id
+  bool parked = false;  ///< the request waits for the disk, so that first() skips the request
+  uint64_t serial = 0;  ///< number that distinguishes requests with the same id
   std::chrono::steady_clock::time_point asked;
   std::chrono::steady_clock::duration
       held_before{};  ///< Session's backpressure time when the request arrived
 };
 
-/// The open requests of a session in the order of sending. Not thread safe.
+/// The open requests of a session, in the order in which their blobs are sent. Not thread safe.
 class RequestQueue {
  public:
   size_t size() const noexcept { return requests_.size(); }

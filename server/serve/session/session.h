@@ -24,23 +24,25 @@ using Clock = std::chrono::steady_clock;
 
 struct SessionLimits {
   uint32_t max_open_requests = proto::kMaxOpenRequests;
-  Clock::duration handshake = proto::kHandshakeDeadline;  ///< from the connection to Hello
-  Clock::duration idle = proto::kIdleDeadline;            ///< from one frame of the client to the next
+  Clock::duration handshake = proto::kHandshakeDeadline;  ///< time from the connection to Hello
+  Clock::duration idle = proto::kIdleDeadline;            ///< time from one frame of the client to the next
   uint32_t max_open_models = proto::kMaxOpenModels;
 };
 
 /// Objects of the session's owner, which must outlive the session.
 struct SessionHost {
-  const ServedSet* served = nullptr;   ///< the owner may replace its contents, then calls servedSetChanged()
-  MemoryAccount* memory = nullptr;     ///< charged for open requests, open models and queued answers
+  const ServedSet* served = nullptr;   ///< models and tokens; after replacing them the owner calls
+                                       ///< servedSetChanged()
+  MemoryAccount* memory = nullptr;     ///< account for open requests, open models and queued answers
   ThreadCounters* counters = nullptr;  ///< null: count nothing
 };
 
 /// Memory charged for an open model and the two blobs that follow Opened.
 constexpr uint64_t kOpenModelBytes = 256;
 
-/// The window must have room for this much of a blob, or for all of a shorter rest, before a chunk is sent.
-/// It avoids tiny chunks when the window opens in small steps (silly window syndrome, RFC 1122, 4.2.3.4).
+/// Least size of a chunk, unless the rest of the blob is shorter. A chunk is sent only if the window has room
+/// for this size. This avoids tiny chunks if the window opens in small steps (silly window syndrome, RFC
+/// 1122, 4.2.3.4).
 constexpr uint32_t kMinChunkBytes = 4096;
 
 /// Sums the time under backpressure.
@@ -59,16 +61,16 @@ class BackpressureClock {
 
  private:
   Clock::duration before_{};
-  std::optional<Clock::time_point> since_;  ///< start of the backpressure that lasts now
+  std::optional<Clock::time_point> since_;  ///< start of the current backpressure
 };
 
 /// The part of a blob to send next.
 struct Chunk {
-  const OpenedModel* opened = nullptr;  ///< valid while its request is open
+  const OpenedModel* opened = nullptr;  ///< valid while the request of the chunk is open
   uint32_t blob = 0;
   uint32_t bytes = 0;
   uint32_t call = 0;
-  uint64_t serial = 0;  ///< serial of its request
+  uint64_t serial = 0;  ///< serial of the request
   proto::RequestClass request_class = proto::RequestClass::kVisible;
   Clock::time_point asked;
   Clock::duration held_before{};  ///< backpressure time when the request arrived
@@ -78,10 +80,11 @@ struct Chunk {
   bool last() const noexcept { return header.offset_bytes + bytes == header.total_bytes; }
 };
 
-/// Protocol state of one connection on the server, without sockets, files or clocks: takes frames, produces
-/// control frames and chunks to send. It owns the request queue and the byte window. Memory is bounded and
-/// charged: open requests and models by SessionLimits, control frames by the answers to one frame if the
-/// caller reads no frame while controlBytes() is above its limit. Not thread safe.
+/// Protocol state of one connection on the server, without sockets, files or clocks. The session receives
+/// frames and produces the control frames and chunks to send. It owns the request queue and the byte window.
+/// All memory is charged and bounded. SessionLimits bounds open requests and models. If the caller reads no
+/// frame while controlBytes() is above its limit, the control frames exceed that limit at most by the answers
+/// to one frame. Not thread safe.
 ///
 /// The caller sends control frames before any chunk that began after they were queued.
 class Session {
@@ -91,68 +94,71 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Handles a frame of the client. Answers mistakes with an Error frame and throws nothing for them.
+  /// Handles a frame of the client. Answers a mistake with an Error frame instead of an exception.
   void receive(const proto::FrameHeader& header, std::span<const std::byte> body, Clock::time_point now);
   /// Queues an Error that closes the connection, for input that is not a frame.
   void refuse(proto::WireError code, const std::string& why, uint32_t call = 0);
-  /// Queues GoAway and a Ping; before Hello, GoAway alone. The session is finished once no request is open
-  /// and the Pong has arrived or stopWaitingForPong() gave up: requests sent before the Pong are still
-  /// served.
+  /// Queues GoAway and a Ping, or before Hello only GoAway. The session is finished when no request is open
+  /// and the Pong has arrived or stopWaitingForPong() has returned true. Requests that the client sent before
+  /// the Pong are therefore still served.
   void drain(const std::string& reason, Clock::time_point now);
   /// Stops waiting for the Pong after kHearDeadline. @return true if it stopped waiting now.
   bool stopWaitingForPong(Clock::time_point now) noexcept;
-  /// The owner replaced the served set: queues ModelReplaced for handles whose model has a new build, and
-  /// ends the session if its token is no longer valid.
+  /// Handles a new served set. Queues ModelReplaced for handles whose model has a new build, and ends the
+  /// session if its token is no longer valid.
   void servedSetChanged();
   /// Ends the session if its token has expired.
   void checkExpiry(std::chrono::system_clock::time_point now);
 
-  /// Returns all queued control frames in order. They stay charged until controlSent().
+  /// Moves out all queued control frames in order. Their memory stays charged until controlSent().
   proto::Bytes takeControl() { return std::exchange(control_, {}); }
   void controlSent(size_t bytes) noexcept { host_.memory->give(bytes); }
   size_t controlBytes() const noexcept { return control_.size(); }
 
   /// Begins the next chunk of the most urgent request, if the window has room and no control frame is queued.
-  /// No other chunk can begin until one of the functions below ends this one.
+  /// No other chunk can begin until finishChunk(), abandonChunk(), parkChunk() or failChunk() ends this
+  /// chunk.
   /// @param max_bytes  maximum size of the chunk.
   std::optional<Chunk> beginChunk(uint32_t max_bytes = proto::kMaxChunkBytes);
-  /// Counts the chunk as sent. @return false if its request has ended; the chunk must not be sent then.
+  /// Counts the chunk as sent. @return false if the request of the chunk has ended, so that the caller must
+  /// not send the chunk.
   bool finishChunk();
   /// Undoes beginChunk().
   void abandonChunk() noexcept { under_way_.reset(); }
   /// Undoes beginChunk() and skips the request until unpark().
   void parkChunk();
-  /// @return false if the request has ended.
+  /// Ends the effect of parkChunk(). @return false if the request has ended.
   bool unpark(const Chunk& chunk);
-  /// Ends the request with an Error because its blob cannot be read.
+  /// Ends the chunk's request with an Error because the blob cannot be read.
   void failChunk(proto::WireError code, const std::string& why);
 
-  /// True after an Error that closes the connection: frames are ignored, and control frames are still sent.
+  /// Returns true after an Error that closes the connection. The session then ignores frames, but control
+  /// frames are still sent.
   bool closing() const noexcept { return closing_; }
-  /// Message of the Error that closes the connection.
+  /// Returns the message of the Error that closes the connection.
   const std::string& refusal() const noexcept { return refusal_; }
-  /// True if only control frames are left to send before the connection closes.
+  /// Returns true if only control frames are left to send before the connection closes.
   bool finished() const noexcept { return closing_ || (draining_ && !pong_deadline_ && !wantsToSend()); }
-  /// True if blobs are to be sent, now or after the window opens or the disk has answered.
+  /// Returns true if blobs are left to send, even if they wait for the window or for the disk.
   bool wantsToSend() const noexcept { return !requests_.empty() || !unasked_.empty(); }
-  /// True if only the client's window prevents sending a chunk.
+  /// Returns true if a chunk is ready and waits only for room in the client's window.
   bool waitsForWindow();
-  /// Start and end of a time in which the client takes no chunk because its window is shut or its link is
-  /// full.
+  /// Tells the session when backpressure starts and ends. Under backpressure the client cannot receive a
+  /// chunk because its window has no room or its link is full.
   void onBackpressure(Clock::time_point now) noexcept { held_.start(now); }
   void onWritable(Clock::time_point now) noexcept { held_.stop(now); }
-  /// Backpressure time since the chunk's request arrived.
+  /// Returns the time under backpressure since the chunk's request arrived.
   Clock::duration heldSince(const Chunk& chunk, Clock::time_point now) const noexcept {
     return held_.total(now) - chunk.held_before;
   }
-  /// Time at which the connection ends unless a frame arrives before.
+  /// Returns the time at which the connection ends if no frame arrives until then.
   Clock::time_point deadline() const noexcept { return deadline_; }
   bool greeted() const noexcept { return greeted_; }
   bool unauthorized() const noexcept { return unauthorized_; }
   size_t openRequests() const noexcept { return requests_.size(); }
 
  private:
-  /// A blob that follows Opened without a request; sent as request 0.
+  /// A blob that follows Opened without a request. The session sends it as request 0.
   struct Unasked {
     uint32_t handle = 0;
     const OpenedModel* opened = nullptr;
@@ -163,7 +169,7 @@ class Session {
     bool parked = false;
   };
   struct UnderWay {
-    uint32_t request;  ///< 0: the first unasked blob
+    uint32_t request;  ///< id of the request; 0: the first unasked blob
     uint32_t bytes;
     bool last;
   };
@@ -192,7 +198,7 @@ class Session {
   Clock::time_point deadline_;
   Clock::time_point now_;  ///< time of the last frame
   bool greeted_ = false, closing_ = false, draining_ = false, unauthorized_ = false;
-  std::optional<Clock::time_point> pong_deadline_;  ///< set while the Pong after GoAway is missing
+  std::optional<Clock::time_point> pong_deadline_;  ///< set while the session waits for the Pong after GoAway
   std::string token_, refusal_;
   std::shared_ptr<const TokenFile> tokens_;  ///< owns grant_
   const TokenGrant* grant_ = nullptr;        ///< null: all models are allowed
@@ -205,7 +211,7 @@ class Session {
   BackpressureClock held_;
   std::optional<UnderWay> under_way_;
   uint64_t granted_bytes_ = proto::kInitialWindowBytes;
-  uint64_t sent_bytes_ = 0;  ///< bytes of Blob frame bodies
+  uint64_t sent_bytes_ = 0;  ///< total size of the Blob frame bodies sent so far
 };
 
 }  // namespace lode::serve

@@ -18,10 +18,10 @@ constexpr size_t kMaxTokens = 4096;
 /// Rights of a token.
 struct TokenGrant {
   bool all_models = false;
-  std::vector<std::string>
-      models;  ///< sorted names of the models that it may list and open; unused with all_models
+  std::vector<std::string> models;  ///< sorted names of the models that a client with the token can list and
+                                    ///< open; unused with all_models
   std::optional<std::chrono::sys_seconds>
-      expires;  ///< in seconds, because nanoseconds overflow before the year 9999
+      expires;  ///< end of validity, in seconds because nanoseconds overflow before the year 9999
 
   bool allows(std::string_view model) const noexcept;
   bool hasExpired(std::chrono::system_clock::time_point now) const noexcept {
@@ -29,7 +29,7 @@ struct TokenGrant {
   }
 };
 
-/// The tokens of a server. Immutable. A line of the file is
+/// The tokens of a server. Immutable. Each line of the file has the form
 ///
 ///     TOKEN  EXPIRY  MODEL [MODEL ...]
 ///
@@ -38,13 +38,14 @@ struct TokenGrant {
 /// memory. Thread safe.
 class TokenFile {
  public:
-  /// @throws Error kUsage, whose message names the line and never the token; kLimit.
+  /// Parses the text of a token file. @throws Error kUsage (the message names the line, but never the token),
+  /// kLimit.
   static TokenFile parse(std::string_view text);
-  /// @throws Error as parse() does, and kIo.
+  /// Reads a token file. @throws Error as parse() does, and kIo.
   static TokenFile read(const std::filesystem::path& path);
 
-  /// Finds the rights of a token in constant time: always compares all tokens.
-  /// @return null if the token is unknown or has expired; valid as long as this object.
+  /// Finds the rights of a token. Always compares all tokens, so that the time does not depend on the token.
+  /// @return the rights, valid as long as this object, or null if the token is unknown or has expired.
   const TokenGrant* find(std::string_view token, std::chrono::system_clock::time_point now) const;
 
   /// Returns the model names of all lines, sorted and without duplicates.
