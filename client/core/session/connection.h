@@ -10,29 +10,31 @@
 
 namespace lode::core {
 
-constexpr std::chrono::milliseconds kFirstRetry{500};  ///< longest wait before the first retry; grows by 1/2
-constexpr std::chrono::seconds kLastRetry{30};         ///< longest wait before any retry
-constexpr std::chrono::milliseconds kMoveOn{200};      ///< longest wait after a server announces its shutdown
+/// Longest wait before the first retry; each retry increases it by half.
+constexpr std::chrono::milliseconds kFirstRetry{500};
+constexpr std::chrono::seconds kLastRetry{30};  ///< longest wait before any retry
+/// Longest wait before reconnecting when the server announces its shutdown.
+constexpr std::chrono::milliseconds kMoveOn{200};
 
 /// The two sessions of a connection: the active one, and the previous one, whose server is shutting down.
 enum class SessionRole : uint8_t { kActive, kDraining };
 inline constexpr std::array kSessionRoles{SessionRole::kActive, SessionRole::kDraining};
 
-/// Reconnects to a server: starts a new session when the last one has ended. Waits longer after each failed
-/// attempt, with jitter, so that the clients of a restarted server do not reconnect all at once. When a
-/// server announces its shutdown, its session drains its open requests while the next session starts. Not
-/// thread safe.
+/// Reconnects to a server: starts a new session when the last session has ended. Waits longer after each
+/// failed attempt, with jitter, so that the clients of a restarted server do not all reconnect at once. When
+/// a server announces its shutdown, the old session drains its open requests while the next session starts.
+/// Not thread safe.
 class Connection {
  public:
-  /// @param options      awaits_model applies once the model has been open.
-  /// @param jitter_seed  for the waiting times.
+  /// @param options      options of each session; awaits_model takes effect once the model has been open.
+  /// @param jitter_seed  seed of the random waiting times.
   Connection(SessionOptions options, uint32_t jitter_seed)
       : options_(std::move(options)), random_(jitter_seed) {}
 
   /// Returns true if the caller should open a transport and call begin().
   bool due(TimePoint now) const noexcept { return (!session_ || is_draining_) && now >= retry_at_; }
   /// Starts a session on a new transport; its first bytes can be sent at once.
-  /// @param known_build_id  build of the model that the client has; zeros for none.
+  /// @param known_build_id  build of the model that the client has loaded; zeros for none.
   void begin(const Digest& known_build_id, TimePoint now);
   /// Null if there is no such session.
   Session* session(SessionRole role = SessionRole::kActive) noexcept {
@@ -42,10 +44,11 @@ class Connection {
   const Session* session(SessionRole role = SessionRole::kActive) const noexcept {
     return const_cast<Connection*>(this)->session(role);
   }
-  /// Returns true if requests may be sent: there is an active session, and its server is not shutting down.
+  /// Returns true if requests may be sent, because there is an active session whose server is not shutting
+  /// down.
   bool takesRequests() const noexcept { return session_ && !is_draining_; }
 
-  /// The model is open: resets the retry interval.
+  /// Notes that the model is open, and resets the retry interval.
   void succeeded() noexcept;
   /// Ends the active session and schedules a retry. @param why  text for users.
   void end(std::string why, TimePoint now);
@@ -54,14 +57,15 @@ class Connection {
   bool survives(const Error& error) const noexcept;
   /// Ends the active session after an error. @throws the error if a retry cannot help: see survives().
   void fail(const Error& error, TimePoint now);
-  /// The server is shutting down: schedules the next session soon and keeps this one until it ends.
+  /// Notes that the server is shutting down. Schedules the next session soon and keeps the current session
+  /// until it ends. If the model is not open, ends the current session at once.
   void leave(std::string why, TimePoint now);
   /// Ends the draining session.
   void endDraining() noexcept;
-  /// Ends the active session; the next one is due at once.
+  /// Ends the active session and makes the next session due at once.
   void restart(TimePoint now);
 
-  /// Why there is no connection; empty while one works.
+  /// Reason for the missing connection; empty while there is a connection.
   const std::string& trouble() const noexcept { return trouble_; }
   /// Bytes received by all sessions.
   uint64_t receivedBytes() const noexcept;
@@ -75,7 +79,7 @@ class Connection {
   std::optional<Session> session_, draining_;
   bool is_draining_ = false;  // the server of the active session is shutting down
   TimePoint retry_at_ = TimePoint::min();
-  std::chrono::milliseconds longest_wait_ = kFirstRetry;  // before the next attempt
+  std::chrono::milliseconds longest_wait_ = kFirstRetry;  // longest wait before the next attempt
   bool ever_open_ = false;
   uint64_t received_before_bytes_ = 0;
   std::string trouble_;

@@ -10,28 +10,29 @@
 namespace lode::core {
 
 constexpr uint64_t kMaxWindowBytes = 16u << 20;  ///< enough for 1 Gbit/s at 85 ms, with kWindowGain
-constexpr double kWindowGain = 1.5;              ///< window / (rate × round trip)
-constexpr double kGrowthGain = 3;                ///< the same while the measured rate still grows
-/// Shorter round trips count as this one: on a fast link, thread scheduling dominates.
+constexpr double kWindowGain = 1.5;              ///< window size divided by rate × round trip
+constexpr double kGrowthGain = 3;                ///< kWindowGain while the measured rate still grows
+/// Lower bound for round trips, because thread scheduling dominates on a fast link.
 constexpr std::chrono::milliseconds kShortestTrip{10};
-constexpr std::chrono::milliseconds kShortestSample{50};  ///< rate sample; a round trip if longer
-constexpr size_t kRateSamples = 8;                        ///< the rate is the maximum of the last samples
+/// Duration of a rate sample, unless the round trip is longer.
+constexpr std::chrono::milliseconds kShortestSample{50};
+constexpr size_t kRateSamples = 8;  ///< number of recent samples; the rate is their maximum
 
-/// Flow control: computes how many unacknowledged bytes the server may send. Enough to fill the link, but few
-/// enough that urgent blobs do not queue behind others. Measures the link by the received bytes. Not thread
-/// safe.
+/// Flow control: computes how many unacknowledged bytes the server may send. The window is large enough to
+/// fill the link, but small enough that urgent blobs do not queue behind other blobs. Measures the link's
+/// rate by the received bytes. Not thread safe.
 ///
-/// Source: Cardwell et al., BBR: Congestion-Based Congestion Control, 2016 (the largest rate and the smallest
-/// round trip, each over a while).
+/// Source: Cardwell et al., BBR: Congestion-Based Congestion Control, 2016 (the largest recent rate and the
+/// smallest round trip).
 class CreditWindow {
  public:
   /// Counts bytes received until `now`.
   void receive(uint64_t bytes, TimePoint now);
-  /// Stops measuring until bytes arrive again, since no blob is awaited.
+  /// Stops measuring the rate until bytes arrive again. Call it when no blob is awaited.
   void pause() noexcept { sample_begin_.reset(); }
   void measureTrip(std::chrono::nanoseconds trip) noexcept;
 
-  /// The window.
+  /// Returns the size of the window.
   uint64_t bytes() const noexcept;
   /// Measured rate of the link; 0: unknown.
   double bytesPerSecond() const noexcept;
@@ -45,7 +46,7 @@ class CreditWindow {
   std::optional<TimePoint> sample_begin_;
   uint64_t sample_bytes_ = 0;  // received since sample_begin_
   std::deque<double> rates_;   // bytes per second, newest last
-  bool growing_ = true;        // the newest sample is much faster than all before
+  bool growing_ = true;        // the newest sample is much faster than all earlier samples
 };
 
 }  // namespace lode::core

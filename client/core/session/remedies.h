@@ -2,8 +2,8 @@
 
 namespace lode::core {
 
-/// Advice at the end of error messages that an option of the program would solve. Programs replace the
-/// defaults by words that name their options.
+/// Advice that ends an error message if an option of the program can solve the problem. Programs replace the
+/// default texts by texts that name their own options.
 struct Remedies {
   const char* model = "name one that it has";
   const char* token = "give a token that it knows";

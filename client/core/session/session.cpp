@@ -13,7 +13,8 @@ namespace {
 
 constexpr uint32_t kHelloCall = 1, kSecondCall = 2;
 constexpr size_t kCompactBytes = 64u << 10;
-constexpr uint64_t kGrantsPerWindow = 8;  // grants are early enough that the server never waits for one
+// Each grant adds at least 1/8 window, early enough that the server never waits.
+constexpr uint64_t kGrantsPerWindow = 8;
 
 void require(bool allowed, const std::string& what) {
   if (!allowed) throw Error(ErrorCode::kProtocol, "the server violated the protocol: " + what);
@@ -76,7 +77,8 @@ std::optional<SessionEvent> Session::nextEvent() {
   return std::exchange(event_, std::nullopt);
 }
 
-/// An invalid header before the first frame means that another program answers.
+/// Parses a frame header. If the first header is invalid, reports that the other side is not a Lodestream
+/// server.
 proto::FrameHeader Session::headerOf(std::span<const std::byte, proto::kFrameHeaderBytes> bytes) const {
   try {
     return proto::decodeFrameHeader(bytes);
@@ -231,7 +233,7 @@ void Session::handleError(std::span<const std::byte> body) {
   endRequest(error.request);
 }
 
-/// The server refuses the session or the model.
+/// Handles an error by which the server refuses the session or the model.
 void Session::handleRefusal(const proto::ErrorMessage& error) {
   const std::string message = "the server says: " + error.message;
   switch (error.code) {
@@ -266,10 +268,11 @@ void Session::endRequest(uint32_t request) {
   requests_.erase(found);
 }
 
-/// Returns the received part of an incomplete frame.
+/// Returns the number of received bytes of an incomplete frame.
 uint64_t Session::bytesOfUnfinishedFrame() const { return input_.size() - input_begin_; }
 
-/// Counts the received part of a frame too, so that the server can send the next chunk before this one ends.
+/// Grants more bytes to the server. Counts the received part of an incomplete frame too, so that the server
+/// can send the next chunk before the current chunk ends.
 void Session::grantCredit() {
   if (state_ == State::kWelcome) return;
   const uint64_t window_bytes = window_.bytes();
@@ -361,7 +364,7 @@ void Session::tick(TimePoint now) {
   if (!ping_open_ &&
       (silence_ >= kPingInterval || (!requests_.empty() && now - last_ping_ >= kMeasureInterval)))
     sendPing();
-  // On a slow link a client may receive for minutes without sending, and the server would time out.
+  // On a slow link, a client may receive for minutes without sending anything; the server would time out.
   if (outgoing_.empty() && now - last_sent_ >= kPingInterval) sendCredit();
 }
 

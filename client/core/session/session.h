@@ -22,25 +22,29 @@
 
 namespace lode::core {
 
-constexpr std::chrono::seconds kPingInterval{10};    ///< silence after which a Ping is sent
-constexpr std::chrono::seconds kMeasureInterval{1};  ///< between Pings while requests are open
-constexpr std::chrono::seconds kSilenceLimit{30};    ///< the connection is lost after this
-/// A gap between two calls counts as at most kMaxGap of server silence, since received data may be queued.
+constexpr std::chrono::seconds kPingInterval{10};    ///< the session sends a Ping after this server silence
+constexpr std::chrono::seconds kMeasureInterval{1};  ///< interval between Pings while requests are open
+/// The connection counts as lost after this server silence.
+constexpr std::chrono::seconds kSilenceLimit{30};
+/// If the caller pauses longer than kMaxGap between two calls, only kMaxGap counts as server silence, because
+/// received data may wait to be passed in.
 constexpr std::chrono::seconds kMaxGap{2};
-constexpr uint64_t kMaxRequestedBytes = 32ull << 20;  ///< open requests together; one alone may be larger
-constexpr uint32_t kMaxRequestsAtOnce = 1024;         ///< enough to fill any window, few enough to sort again
-constexpr float kReprioritiseFactor = 1.19f;          ///< 2^1/4: smaller changes of a priority are not sent
+/// Largest total size of the open requests; a single blob may be larger.
+constexpr uint64_t kMaxRequestedBytes = 32ull << 20;
+/// Enough requests to fill any window, but few enough to sort often.
+constexpr uint32_t kMaxRequestsAtOnce = 1024;
+constexpr float kReprioritiseFactor = 1.19f;  ///< 2^1/4; smaller changes of a priority are not sent
 
 struct SessionOptions {
-  std::string model;      ///< empty: lists the models and opens none
-  Digest known_build_id;  ///< build of the model that the client has; zeros for none
+  std::string model;      ///< name of the model to open; empty: lists the models and opens none
+  Digest known_build_id;  ///< build of the model that the client has loaded; zeros for none
   std::string token;
   std::string program = "lodestream";
   Remedies remedies;
   uint64_t max_requested_bytes = kMaxRequestedBytes;
-  /// If the server does not have the model, waits for it to return instead of failing.
+  /// If the server does not have the model, the session waits for the model instead of failing.
   bool awaits_model = false;
-  /// Returns true if the bytes match the blob's digest. Empty: compares their SHA-256.
+  /// Returns true if the bytes match the blob's digest. If empty, the session compares the bytes' SHA-256.
   std::function<bool(const BlobRef&, std::span<const std::byte>)> matches_digest;
 };
 
@@ -50,18 +54,18 @@ struct ModelOpened {
 struct ModelsListed {
   std::vector<ModelSummary> models;
 };
-/// A blob is complete, and its bytes match the digest.
+/// A blob has arrived completely, and its bytes match the digest.
 struct BlobArrived {
   BlobRef blob;
   BlobUse use;
   std::vector<std::byte> bytes;
 };
-/// The server cannot give the blob.
+/// The server cannot send the blob.
 struct BlobRefused {
   BlobRef blob;
   BlobUse use;
   std::string message;
-  bool is_lost = false;  ///< the server does not have it; else a later request may succeed
+  bool is_lost = false;  ///< the server does not have the blob; if false, a later request may succeed
 };
 /// A cancelled request has ended without its blob; the blob may be requested again.
 struct RequestCancelled {
@@ -75,10 +79,10 @@ struct ModelChanged {};
 using SessionEvent = std::variant<ModelOpened, ModelsListed, BlobArrived, BlobRefused, RequestCancelled,
                                   ServerLeaving, ModelChanged>;
 
-/// The client side of the protocol as a state machine without a socket: takes received bytes, returns events
-/// and bytes to send. Validates all input; a violation throws Error kProtocol, kLimit or kFormat, and the
-/// session must not be used afterwards. Allocates memory only for requested blobs, whose sizes are known in
-/// advance. Not thread safe.
+/// The client side of the protocol as a state machine without a socket. The caller passes in received bytes,
+/// and gets events and bytes to send. The session validates all input and throws Error kProtocol, kLimit or
+/// kFormat for a violation; do not use the session after that. Allocates memory only for blobs that the
+/// client expects, whose sizes are known in advance. Not thread safe.
 class Session {
  public:
   Session(SessionOptions options, TimePoint now);
@@ -86,33 +90,35 @@ class Session {
   /// Takes received bytes, split anywhere. Call nextEvent() afterwards until it returns nothing.
   void receive(std::span<const std::byte> bytes, TimePoint now);
   /// Processes the received bytes up to the next event. @throws Error as above; kInput or kNetwork with the
-  /// server's words if it refuses the session or the model.
+  /// server's message if the server refuses the session or the model.
   std::optional<SessionEvent> nextEvent();
 
-  /// Announces the next blob that the server sends without a request (request 0). The session expects the
-  /// root page itself; the caller names the root's coarsest payload after reading that page.
+  /// Announces the next blob that the server sends without a request (request 0). The session announces the
+  /// root page itself. The caller announces the root's coarsest payload after reading the root page.
   void expectUnasked(const BlobRef& blob, const BlobUse& use);
 
-  /// Replaces the set of requests: adds new ones, changes priorities and cancels the rest. Requests above the
-  /// limits of the session wait for a later call, as do blobs whose cancel is not acknowledged yet. Cancelled
-  /// requests count towards no limit, because the server reads the cancels before the adds.
-  /// @param wanted  best first.
+  /// Replaces the set of requests: adds new requests, changes priorities and cancels requests that are not
+  /// wanted any more. Omits requests above the session's limits and blobs whose cancellation is not
+  /// acknowledged yet; pass them again in a later call. Cancelled requests count towards no limit, because
+  /// the server reads the cancels before the adds.
+  /// @param wanted  requests, best first.
   void setRequests(std::span<const Request> wanted);
 
-  /// Keeps the connection alive in both directions. @throws Error kTimeout after kSilenceLimit without a
-  /// byte: see kMaxGap.
+  /// Keeps the connection alive in both directions. @throws Error kTimeout if no byte arrives for
+  /// kSilenceLimit: see kMaxGap.
   void tick(TimePoint now);
 
   /// Returns the frames to send, in order; the first call returns Hello with Open or List.
   proto::Bytes takeOutgoing();
 
   /// Returns true if the server sends the root page and the root's coarsest LOD without a request, because
-  /// the client does not have this build.
+  /// the client has not loaded this build.
   bool givesFirstBlobs() const noexcept { return gives_first_blobs_; }
   bool opened() const noexcept { return state_ == State::kOpen; }
   bool isRequested(const BlobRef& blob) const { return request_of_blob_.contains(blob.number); }
-  size_t openRequests() const noexcept { return requests_.size(); }                ///< with cancelled ones
-  const RequestCounts& requestCounts() const noexcept { return request_counts_; }  ///< open requests by class
+  size_t openRequests() const noexcept { return requests_.size(); }  ///< includes cancelled requests
+  /// Number of open requests by class.
+  const RequestCounts& requestCounts() const noexcept { return request_counts_; }
   uint64_t requestedBytes() const noexcept { return requested_bytes_; }
   uint64_t receivedBytes() const noexcept { return received_bytes_; }  ///< all bytes of the transport
   /// Measurements of the link, and the flow control window.
@@ -123,7 +129,8 @@ class Session {
   struct Incoming {
     BlobRef blob;
     BlobUse use;
-    std::vector<std::byte> bytes;  // received so far; the first chunk reserves the whole size
+    // Bytes received so far; the first chunk reserves memory for the whole blob.
+    std::vector<std::byte> bytes;
   };
   struct OpenRequest {
     Incoming incoming;
@@ -163,13 +170,13 @@ class Session {
   uint32_t max_open_requests_ = 0;
   uint32_t next_call_ = 1;
   uint32_t next_request_ = 1;
-  std::map<uint32_t, OpenRequest> requests_;                // by request
+  std::map<uint32_t, OpenRequest> requests_;                // by request number
   std::unordered_map<uint32_t, uint32_t> request_of_blob_;  // blob number -> request
   RequestCounts request_counts_;
-  uint64_t requested_bytes_ = 0;  // open requests that are not cancelled
+  uint64_t requested_bytes_ = 0;  // total size of the open requests that are not cancelled
   std::optional<Incoming> unasked_;
   uint64_t granted_bytes_;
-  uint64_t sent_grant_bytes_;    // known to the server: returned by takeOutgoing()
+  uint64_t sent_grant_bytes_;    // last grant that takeOutgoing() returned, which the server may use
   uint64_t credited_bytes_ = 0;  // bytes of received Blob frame bodies
   uint64_t received_bytes_ = 0;
   TimePoint now_, last_sent_, last_ping_;
@@ -177,7 +184,7 @@ class Session {
   CreditWindow window_;
   uint64_t pings_ = 0;
   bool ping_open_ = false;
-  std::vector<std::byte> input_;  // received, not processed
+  std::vector<std::byte> input_;  // received bytes that are not processed yet
   size_t input_begin_ = 0;
   std::optional<SessionEvent> event_;
   proto::Bytes outgoing_;

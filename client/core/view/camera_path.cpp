@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kMaxCoordinate = 1e15;  // its square does not overflow
+constexpr double kMaxCoordinate = 1e15;  // the square of a coordinate does not overflow
 
 [[noreturn]] void refuse(std::string_view source, const std::string& what) {
   throw Error(
@@ -27,7 +27,7 @@ constexpr double kMaxCoordinate = 1e15;  // its square does not overflow
           R"("up": [0,1,0]}]})");
 }
 
-/// Rejects unknown members, since a misspelt one would be ignored silently.
+/// Rejects unknown members, because a misspelt member would be ignored silently.
 void refuseOthers(const Json& object, std::initializer_list<std::string_view> known, std::string_view source,
                   const std::string& where) {
   for (const auto& [name, value] : object.items())
@@ -77,7 +77,7 @@ glm::dvec3 tangent(const std::vector<CameraKey>& keys, size_t at, Get get) {
   return (get(keys[after]) - get(keys[before])) / (keys[after].t - keys[before].t);
 }
 
-/// Between keys[at] and keys[at + 1].
+/// Interpolates between keys[at] and keys[at + 1].
 template <typename Get>
 glm::dvec3 spline(const std::vector<CameraKey>& keys, size_t at, double t, Get get) {
   const double span = keys[at + 1].t - keys[at].t;
@@ -86,7 +86,8 @@ glm::dvec3 spline(const std::vector<CameraKey>& keys, size_t at, double t, Get g
          (3 * s2 - 2 * s3) * get(keys[at + 1]) + (s3 - s2) * span * tangent(keys, at + 1, get);
 }
 
-/// A unit vector at a right angle to `forward`, towards `up` where that says anything.
+/// Returns a unit vector perpendicular to `forward`, as close to `up` as possible; uses another axis if `up`
+/// is parallel to `forward`.
 glm::dvec3 upright(const glm::dvec3& forward, const glm::dvec3& up) {
   for (const glm::dvec3& towards : {up, glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)}) {
     const glm::dvec3 across = towards - glm::dot(towards, forward) * forward;

@@ -28,22 +28,23 @@ struct CameraKey {
 /// [x,y,z]}]}.
 struct CameraPath {
   double fov_y_deg = 45;
-  std::vector<CameraKey> keys;  ///< at least one; t increases
+  std::vector<CameraKey> keys;  ///< at least one key; t increases strictly
 };
 
-/// Parses a camera path. @param source  name of the text for error messages.
+/// Parses a camera path. @param source  name of the text in error messages.
 /// @throws Error kInput or kLimit.
 CameraPath parseCameraPath(std::string_view json, std::string_view source);
 
 /// Reads a camera path from a file. @throws Error kInput, kLimit or kIo.
 CameraPath readCameraPath(const std::filesystem::path& file);
 
-/// Returns the camera at a time. It equals the key at a key's time and is constant before the first key and
-/// after the last. Catmull-Rom splines interpolate eye and target; up is interpolated linearly.
+/// Returns the camera at a time. At a key's time, the camera equals the key; before the first key and after
+/// the last, the camera does not move. Catmull-Rom splines interpolate eye and target; up is interpolated
+/// linearly.
 /// Source: Catmull & Rom, A Class of Local Interpolating Splines, 1974 (non-uniform, finite differences).
 CameraKey cameraAt(const CameraPath& path, double t);
 
-/// Returns the view in the model frame: subtracts the lattice origin in double precision.
+/// Converts a camera to a view in the model frame: subtracts the lattice origin in double precision.
 View toView(const CameraKey& camera, double fov_y_deg, uint32_t width_px, uint32_t height_px,
             const ModelSummary& model);
 

@@ -9,8 +9,8 @@
 namespace lode::core {
 namespace {
 
-constexpr double kMargin = 1.08;  ///< size of the picture relative to the model
-constexpr double kTurnDeg = 35;   ///< rotation away from the broader side
+constexpr double kMargin = 1.08;  ///< size of the picture relative to the projected model
+constexpr double kTurnDeg = 35;   ///< rotation of the camera away from the broader side's normal
 constexpr double kLeastTiltDeg = 28, kLargestTiltDeg = 40;
 
 /// Axes of a model: right, up, and towards a viewer in front of it.
@@ -67,13 +67,13 @@ glm::dvec3 directionToEye(const std::vector<glm::dvec3>& points, const Stand& st
          std::sin(tilt) * stand.up;
 }
 
-/// Eye position that keeps points between two opposite sides of the picture: `across` along the side's
-/// normal, and at least `out` away.
+/// Eye position that keeps all points between two opposite sides of the picture: `across` is its coordinate
+/// along the side's normal, and `out` its smallest distance from the origin.
 struct Fit {
   double across, out;
 };
 
-/// The framed shape: surface points, their possible error, and points of the bounding box.
+/// The shape to frame: surface points, their largest error, and corners of the bounding box.
 struct Shape {
   std::vector<glm::dvec3> points;
   double error;
@@ -86,7 +86,7 @@ struct Shape {
   }
 };
 
-/// @param slope  half the size of the picture at distance 1.
+/// @param slope  half the picture's size at distance 1.
 Fit fit(const Shape& shape, const glm::dvec3& side, const glm::dvec3& to_eye, double slope) {
   const Reach reach{shape.along(side - slope * to_eye).low, shape.along(side + slope * to_eye).high};
   return {reach.middle(), reach.size() / (2 * slope)};
@@ -95,7 +95,7 @@ Fit fit(const Shape& shape, const glm::dvec3& side, const glm::dvec3& to_eye, do
 /// Returns the eye position along a side's normal that centres the points in the picture at distance `out`.
 double centred(const std::vector<glm::dvec3>& points, const glm::dvec3& side, const glm::dvec3& to_eye,
                double across, double out) {
-  constexpr int kTurns = 8;  // each reduces the remaining offset
+  constexpr int kTurns = 8;  // each iteration reduces the remaining offset
   const double middle = out - reachAlong(points, to_eye).middle();
   for (int turn = 0; turn < kTurns; ++turn) {
     Reach slopes;
@@ -106,17 +106,19 @@ double centred(const std::vector<glm::dvec3>& points, const glm::dvec3& side, co
   return across;
 }
 
-constexpr double kOpenPart = 0.2;     ///< terrain: fraction of the area that does not cancel out
-constexpr double kOpenFactor = 1.5;   ///< terrain: least ratio to the other axis
-constexpr double kFootPart = 0.03;    ///< foot: least excess over the other axis, as fraction of the area
-constexpr double kFootHeight = 0.03;  ///< height of the foot as fraction of the model's
-constexpr double kDownwards = 0.7;    ///< flat: least cosine between normal and axis
+/// Terrain: smallest fraction of the area that faces one direction on balance.
+constexpr double kOpenPart = 0.2;
+constexpr double kOpenFactor = 1.5;  ///< terrain: smallest ratio to the same area of the other axis
+/// Foot: smallest excess over the other axis, as a fraction of the whole area.
+constexpr double kFootPart = 0.03;
+constexpr double kFootHeight = 0.03;  ///< height of the foot as a fraction of the model's height
+constexpr double kDownwards = 0.7;    ///< flat: smallest cosine of the angle between normal and axis
 
-/// Areas by axis.
+/// Areas of a mesh's triangles, in total and by axis.
 struct Areas {
   double all = 0;
   glm::dvec3 facing{0};    ///< signed sum of the triangles' area vectors
-  glm::dvec3 standing{0};  ///< flat area at the lower end minus that at the upper end
+  glm::dvec3 standing{0};  ///< flat area at the lower end minus flat area at the upper end
 };
 
 LatticeBox boxOf(const Mesh& mesh) {
@@ -177,7 +179,7 @@ CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
   const Mesh* const mesh = framing.coarse.get();
   const glm::dvec3 up = upOf(framing);
   Shape shape{pointsOf(model, mesh), mesh != nullptr ? model.max_error_model : 0, pointsOf(model, nullptr)};
-  const glm::dvec3 centre = shape.box.front();  // centre at the origin, to keep precision
+  const glm::dvec3 centre = shape.box.front();  // moves the origin near the model, to keep precision
   for (auto* points : {&shape.points, &shape.box})
     for (glm::dvec3& point : *points) point -= centre;
 
@@ -185,15 +187,15 @@ CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
   const glm::dvec3 to_eye = directionToEye(shape.points, standOf(up));
   const glm::dvec3 right = glm::normalize(glm::cross(up, to_eye)), above = glm::cross(to_eye, right);
   const double slope = std::tan(glm::radians(path.fov_y_deg) / 2) / kMargin;
-  // Slope of the direction through the middle of the uncovered part, and a side normal sheared so that it is
-  // 0 there.
+  // Slope of the direction through the middle of the uncovered part of the picture. `beside` is the side
+  // normal, sheared so that points in this direction have coordinate 0.
   const double middle_slope = framing.covered * kMargin * slope * framing.aspect;
   const glm::dvec3 beside = right + middle_slope * to_eye;
   const Fit horizontal = fit(shape, beside, to_eye, slope * framing.aspect * (1 - framing.covered));
   const Fit vertical = fit(shape, above, to_eye, slope);
   const Reach depth = reachAlong(shape.points, to_eye);
   double out = std::max(horizontal.out, vertical.out);
-  if (!(out > depth.high)) out = depth.high + 1;  // a point, or a line through the eye
+  if (!(out > depth.high)) out = depth.high + 1;  // the shape is a point, or a line through the eye
   const double across = centred(shape.points, beside, to_eye, horizontal.across, out) - middle_slope * out;
   const glm::dvec3 aside =
       centre + across * right + centred(shape.points, above, to_eye, vertical.across, out) * above;

@@ -12,30 +12,34 @@
 
 namespace lode::core {
 
-/// Parses an axis such as "y" or "-z"; nothing for other text.
+/// Parses an axis such as "y" or "-z". Returns nothing for other text.
 std::optional<glm::dvec3> parseAxis(std::string_view text) noexcept;
 
-/// Guesses the up axis of a model, y or z, since files do not record it. Compares areas of a coarse mesh:
-/// terrain faces up, and standing objects have a flat foot and no flat top. Returns y if neither applies.
+/// Guesses the up axis of a model, y or z, because files do not record the up axis. Compares areas of a
+/// coarse mesh: terrain faces up, and standing objects have a flat foot and no flat top. Returns y if neither
+/// rule decides.
 /// Source of the limits: docs/architecture.md.
 glm::dvec3 guessUp(const Mesh& coarse);
 
 /// Input for the default camera.
 struct Framing {
-  /// The coarsest mesh of the whole model, which shall fill the picture. Null: the model's box.
+  /// The coarsest mesh of the whole model; the camera makes this mesh fill the picture. If null, the model's
+  /// box fills the picture.
   std::shared_ptr<const Mesh> coarse = nullptr;
-  /// Up axis. Nothing: guessUp(*coarse), or y without a mesh.
+  /// Up axis. If unset, the axis is guessUp(*coarse), or y without a mesh.
   std::optional<glm::dvec3> up = std::nullopt;
-  double aspect = 1;   ///< width / height of the picture
-  double covered = 0;  ///< covered part of the width, at the left: the model is framed in the rest
+  double aspect = 1;  ///< width / height of the picture
+  /// Fraction of the picture's width that is covered at the left; the model fills the rest.
+  double covered = 0;
 };
 
 /// Returns the up direction for the camera and the light.
 glm::dvec3 upOf(const Framing& framing);
 
-/// Returns the default camera of every command, a path of one key: a three-quarter view from above, as near
-/// as the whole model fits the picture. It shows the broader side, seen from +z of a model with y up and from
-/// -y of one with z up, turned to the right. It looks down more steeply on flat models.
+/// Returns the default camera of every command, a path with one key: a three-quarter view from above, as near
+/// as possible with the whole model in the picture. The camera shows the broader side of the model, from +z
+/// if y is up and from -y if z is up, and is turned to the right. The camera looks down more steeply on flat
+/// models.
 CameraPath framingCamera(const ModelSummary& model, const Framing& framing = {});
 
 }  // namespace lode::core

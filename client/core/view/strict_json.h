@@ -11,8 +11,8 @@
 
 namespace lode::core {
 
-/// Returns a position such as " at line 3, column 7". @param bytes  length of the text up to and including
-/// it.
+/// Returns a text such as " at line 3, column 7". @param bytes  length of the JSON text up to and including
+/// the reported character.
 inline std::string placeIn(std::string_view text, size_t bytes) {
   const std::string_view before = text.substr(0, bytes > 0 ? bytes - 1 : 0);
   const auto line = 1 + std::ranges::count(before, '\n');
@@ -20,11 +20,11 @@ inline std::string placeIn(std::string_view text, size_t bytes) {
   return " at line " + std::to_string(line) + ", column " + std::to_string(column + 1);
 }
 
-/// Parses JSON written by people. Rejects duplicate names in an object, of which all but one would be ignored
-/// silently. @param problem  receives the error with its position; unchanged on success.
+/// Parses JSON written by people. Rejects an object that contains a name twice, because all but one of the
+/// values would be ignored silently. @param problem  receives the error message; unchanged on success.
 template <typename Json>
 Json parseStrictly(std::string_view text, std::string& problem) {
-  std::vector<std::set<std::string>> names;  // names so far, per enclosing object
+  std::vector<std::set<std::string>> names;  // names seen so far, one set per enclosing object
   const auto checkNames = [&](int /*depth*/, typename Json::parse_event_t event, Json& parsed) {
     using Event = typename Json::parse_event_t;
     if (event == Event::object_start) names.emplace_back();

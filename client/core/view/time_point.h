@@ -4,7 +4,7 @@
 
 namespace lode::core {
 
-/// Time of the clock that the caller of the core reads.
+/// Time that the caller passes in; the core reads no clock itself.
 using TimePoint = std::chrono::steady_clock::time_point;
 
 }  // namespace lode::core

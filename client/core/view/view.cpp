@@ -22,7 +22,7 @@ float screenErrorPx(float error_model, double distance_model, const View& view) 
 
 bool boxMayBeVisible(const ModelBox& box, const View& view, double widening) noexcept {
   const ViewFrustum frustum(view, widening);
-  // A box around the eye may pass the narrower test only.
+  // A box around the eye may pass the test of the narrower pyramid only, so test both.
   return frustum.test(box) != Visibility::kOutside || (widening > 1 && frustum.isInMargin(box));
 }
 

@@ -16,7 +16,7 @@ struct View {
   glm::dvec3 up{0, 1, 0};        ///< unit length, perpendicular to forward
   double fov_y_rad = 0.785398163397448;
   uint32_t width_px = 1280, height_px = 720;
-  double near_model = 1e-6;  ///< smaller distances are clamped to it
+  double near_model = 1e-6;  ///< smaller distances are clamped to this distance
 
   bool operator==(const View&) const = default;
 };
@@ -34,7 +34,7 @@ double distanceToBox(glm::dvec3 eye_model, const ModelBox& box) noexcept;
 /// Projects a geometric error to pixels.
 /// @param error_model     >= 0, in model units.
 /// @param distance_model  from the eye to the nearest point of the node's box; clamped to view.near_model.
-/// @return pixels; monotone in error_model, on which the refinement queue relies.
+/// @return error in pixels; grows with error_model, which the refinement queue relies on.
 /// Source: Luebke et al., Level of Detail for 3D Graphics, 2003.
 float screenErrorPx(float error_model, double distance_model, const View& view) noexcept;
 
@@ -43,7 +43,7 @@ double focalPx(const View& view) noexcept;
 
 /// Returns false only if the box is outside the picture. Conservative: may return true for a box just
 /// outside.
-/// @param widening  scales the picture about its centre: 1.2 adds a fifth on every side.
+/// @param widening  scale of the picture about its centre; 1.2 makes it a fifth wider and higher.
 bool boxMayBeVisible(const ModelBox& box, const View& view, double widening = 1) noexcept;
 
 /// Result of a box test against the planes of a frustum.
@@ -56,7 +56,7 @@ class ViewFrustum {
   ViewFrustum(const View& view, double widening) noexcept;
 
   Visibility test(const ModelBox& box) const noexcept { return picture_.test(box); }
-  /// Tests a box outside the picture against the widened picture.
+  /// Returns true if a box that is outside the picture may be inside the widened picture.
   bool isInMargin(const ModelBox& box) const noexcept { return wider_.test(box) != Visibility::kOutside; }
   double distanceTo(const ModelBox& box) const noexcept { return distanceToBox(eye_model_, box); }
   float errorPx(float error_model, double distance_model) const noexcept;
@@ -70,8 +70,8 @@ class ViewFrustum {
 
    private:
     glm::dvec3 eye_model_;
-    std::array<glm::dvec3, 5> inward_;  // not normalised
-    std::array<glm::dvec3, 5> reach_;   // absolute values
+    std::array<glm::dvec3, 5> inward_;  // inward normals, not normalised
+    std::array<glm::dvec3, 5> reach_;   // absolute values of the inward normals' components
   };
 
   glm::dvec3 eye_model_;
