@@ -24,7 +24,7 @@ namespace lode::embed {
 /// Stores a message for lodestream_last_error() on this thread.
 void setLastError(const char* message) noexcept;
 
-/// Dereferences an argument of the C API. @throws Error kUsage for NULL.
+/// Dereferences a pointer argument of the C API. @throws Error kUsage for NULL.
 template <typename T>
 T& given(T* pointer, const char* what, const char* remedy = "the address of one") {
   if (pointer == nullptr)
@@ -47,8 +47,8 @@ int guard(Work&& work) noexcept {
   }
 }
 
-/// Returns true if no visible part exceeds the threshold. A converged core::Cut may exceed it at leaves with
-/// their original triangles.
+/// Returns true if no visible part exceeds the threshold. A converged core::Cut may exceed the threshold at
+/// leaves with their original triangles.
 inline bool isWithin(const core::Cut& cut, float threshold_px) noexcept {
   return cut.converged && cut.max_error_px <= threshold_px;
 }
@@ -58,7 +58,7 @@ inline bool isFinest(const core::Cut& cut) noexcept {
   return cut.converged && !isWithin(cut, cut.threshold_px);
 }
 
-/// Converts a view to the model frame. @throws Error kUsage if it is invalid.
+/// Converts a view to the model frame. @throws Error kUsage if the view is invalid.
 core::View toView(const lodestream_view& view, const ModelSummary& model);
 
 }  // namespace lode::embed

@@ -175,7 +175,7 @@ int lodestream_cut_texture(const lodestream_cut* cut, size_t number, lodestream_
 #include <string>
 #include <vector>
 
-/// C++ wrapper: classes release their handles, and errors are exceptions.
+/// C++ wrapper of the C API: classes release their handles, and functions report errors as exceptions.
 namespace lodestream {
 
 using Options = lodestream_options;
@@ -217,7 +217,7 @@ class Mesh {
   std::unique_ptr<lodestream_mesh, Release> handle_;
 };
 
-/// A reference to a cut; empty if there is none yet. Copies share the cut.
+/// A reference to a cut; empty if there is no cut yet. Copies share the cut.
 class Cut {
  public:
   Cut() = default;
@@ -263,7 +263,7 @@ class Stream {
       : handle_(lodestream_open(url.c_str(), &options)) {
     Error::unless(handle_ != nullptr);
   }
-  /// Waits for a change: see lodestream_step(). @throws Error also once the stream has ended.
+  /// Waits for a change: see lodestream_step(). @throws Error on failure, or if the stream has ended.
   Status step(uint32_t wait_ms) {
     Status status;
     Error::unless(lodestream_step(handle_.get(), wait_ms, &status) != 0 && status.has_ended == 0);

@@ -19,9 +19,9 @@ struct lodestream_stream {
 
   lode::stream::Streamer streamer;
   std::optional<lode::ModelSummary> model;
-  std::shared_ptr<const lode::core::Cut> cut;  // at the last step
+  std::shared_ptr<const lode::core::Cut> cut;  // cut at the last step
   uint64_t cut_serial = 0;
-  std::optional<lode::core::View> view;  // last set
+  std::optional<lode::core::View> view;  // view that was set last
   float threshold_px = 1;
 };
 
@@ -53,7 +53,7 @@ constexpr core::Remedies kEmbeddedRemedies{
     .authorities = "set the option ca_file to a PEM file of certificates",
     .cache_folder = "set the option cache_folder to another folder, or to NULL"};
 
-/// @throws Error for an invalid option.
+/// Converts the options of the C API. @throws Error for an invalid option.
 stream::StreamOptions toStreamOptions(const lodestream_options& options) {
   const auto textOf = [](const char* text) { return text != nullptr ? std::string(text) : std::string(); };
   stream::StreamOptions of_stream;

@@ -17,7 +17,7 @@ class context;
 namespace lode::net {
 
 struct Address {
-  std::string host;  ///< name or IP address, without brackets
+  std::string host;  ///< host name or IP address, without brackets
   uint16_t port = 0;
   bool operator==(const Address&) const = default;
 };
@@ -26,10 +26,10 @@ struct Address {
 Address parseAddress(std::string_view text);
 /// Returns "host:port", with brackets around an IPv6 address.
 std::string toString(const Address& address);
-/// Returns an error prefixed with the server's address, unless the message contains it already.
+/// Returns the error with the server's address in front, unless the message already contains the address.
 Error naming(const Address& server, const Error& error);
 
-/// How to reach a server.
+/// Address and connection settings of a server.
 struct Route {
   Address address;
   std::chrono::milliseconds connect_timeout{20'000};  ///< until the server's first byte
@@ -38,8 +38,8 @@ struct Route {
 };
 
 /// Creates a TLS 1.3 client context that verifies server certificates.
-/// @param ca_file  trusted certificate authorities, in PEM; empty: the system's.
-/// @throws Error kUsage if the file cannot be read or holds no certificate.
+/// @param ca_file  trusted certificate authorities, in PEM; empty: the system's authorities.
+/// @throws Error kUsage if the file cannot be read or contains no certificate.
 std::shared_ptr<asio::ssl::context> trustAuthorities(const std::filesystem::path& ca_file,
                                                      const core::Remedies& remedies = {});
 

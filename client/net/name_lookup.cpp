@@ -18,7 +18,7 @@ using asio::ip::tcp;
 
 struct NameLookup::Shared {
   std::mutex mutex;      // guards all members
-  asio::io_context* io;  // null: abandoned
+  asio::io_context* io;  // null if the lookup is abandoned
   std::weak_ptr<asio::steady_timer> answered;
   bool done = false;
   asio::error_code error;
@@ -52,7 +52,7 @@ void NameLookup::abandon() {
   answered_->cancel();
 }
 
-/// Runs on the detached thread.
+/// Resolves the address on the detached thread.
 void NameLookup::ask(Shared& shared, const Address& address) {
   addrinfo hints{};
   hints.ai_flags = AI_ADDRCONFIG;

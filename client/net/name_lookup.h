@@ -12,11 +12,12 @@
 
 namespace lode::net {
 
-/// Resolves one host name. The system's lookup cannot be cancelled and may take a minute, so it runs on a
-/// detached thread that only touches state shared with this object. Use it on the event loop's thread.
+/// Resolves one host name. The system's lookup cannot be cancelled and may take a minute, so the lookup runs
+/// on a detached thread, which accesses only state that it shares with this object. Use the object on the
+/// event loop's thread.
 class NameLookup {
  public:
-  /// @param io  must outlive the object.
+  /// @param io  event loop, which must outlive the object.
   explicit NameLookup(asio::io_context& io);
   ~NameLookup();
   NameLookup(const NameLookup&) = delete;
@@ -33,7 +34,8 @@ class NameLookup {
   static void ask(Shared& shared, const Address& address);
 
   std::shared_ptr<Shared> shared_;
-  std::shared_ptr<asio::steady_timer> answered_;  // cancelled once the lookup has ended or is abandoned
+  // Timer that is cancelled when the lookup has ended or is abandoned.
+  std::shared_ptr<asio::steady_timer> answered_;
 };
 
 }  // namespace lode::net

@@ -40,7 +40,8 @@ struct TcpTransport::Thread {
   std::thread thread;
 };
 
-/// Owned by the coroutines too, which on a caller's loop end after the transport.
+/// State that the transport shares with its coroutines, because on a caller's loop these end after the
+/// transport.
 struct TcpTransport::State : std::enable_shared_from_this<State> {
   State(asio::io_context& loop, Route to, std::function<void()> on_wake)
       : io(loop), route(std::move(to)), wake(std::move(on_wake)) {}
@@ -81,12 +82,13 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   const std::function<void()> wake;
   bool abandoned = false;  // the transport is destroyed
   NameLookup lookup{io};
-  tcp::socket connecting{io};               // until connected
-  std::optional<proto::ByteStream> stream;  // once connected
+  tcp::socket connecting{io};               // socket in use until it is connected
+  std::optional<proto::ByteStream> stream;  // stream in use once the socket is connected
   bool any_received = false;
-  bool connected = false, timed_out = false;  // timed_out: no byte arrived before the deadline
+  bool connected = false, timed_out = false;  // timed_out means that no byte arrived before the deadline
   asio::steady_timer deadline{io};
-  asio::steady_timer room{io, asio::steady_timer::time_point::max()};  // cancelled: received bytes were taken
+  // Cancelled when received bytes are taken.
+  asio::steady_timer room{io, asio::steady_timer::time_point::max()};
   asio::steady_timer work{io,
                           asio::steady_timer::time_point::max()};  // cancelled: there is something to send
 
@@ -226,7 +228,7 @@ asio::awaitable<void> TcpTransport::State::writeAll() {
       const asio::const_buffer whole = asio::buffer(bytes);
       asio::error_code error;
       co_await stream->write(std::span(&whole, 1), error);
-      if (error) co_return;  // the reader reports the end, after the bytes received before it
+      if (error) co_return;  // the receive loop reports the end, after all received bytes
     }
   }
 }
@@ -235,7 +237,7 @@ asio::awaitable<void> TcpTransport::State::writeUntilClosed() {
   try {
     co_await writeAll();
   } catch (const std::exception&) {
-    // The reader reports the end of the connection, after the bytes received before it.
+    // The receive loop reports the end of the connection, after all received bytes.
   }
 }
 

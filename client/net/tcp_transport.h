@@ -10,19 +10,22 @@
 
 namespace lode::net {
 
-constexpr size_t kMaxReceivedBytes = 4u << 20;  ///< received and not taken; reading pauses above it
-constexpr size_t kMaxUnsentBytes = 16u << 20;   ///< queued for sending; more is an error
+/// Limit for received bytes that are not taken; above it, reading pauses.
+constexpr size_t kMaxReceivedBytes = 4u << 20;
+/// Limit for bytes queued for sending; more bytes are an error.
+constexpr size_t kMaxUnsentBytes = 16u << 20;
 
-/// A connection to a server, plain or with TLS. It runs on its own thread, which the destructor joins, and is
-/// thread safe; or it runs on the caller's event loop, for many connections on one thread.
+/// A connection to a server, plain or with TLS. The first constructor runs the connection on its own thread,
+/// which the destructor joins; the transport is then thread safe. The second constructor runs the connection
+/// on the caller's event loop, so that many connections can share one thread.
 class TcpTransport {
  public:
   /// Starts to connect on a thread of its own. @throws Error kIo if no thread can be started.
   /// @param wake  called on the transport's thread when bytes or the end of the connection can be taken; must
   ///              return quickly.
   TcpTransport(Route route, std::function<void()> wake);
-  /// Starts to connect on the caller's event loop. All calls, including the destructor, must come from the
-  /// loop's thread. @param io  must outlive the transport.
+  /// Starts to connect on the caller's event loop. Call all functions, including the destructor, on the
+  /// loop's thread. @param io  event loop, which must outlive the transport.
   TcpTransport(asio::io_context& io, Route route, std::function<void()> wake);
   ~TcpTransport();
   TcpTransport(const TcpTransport&) = delete;
@@ -37,7 +40,7 @@ class TcpTransport {
  private:
   struct State;
   struct Thread;
-  std::unique_ptr<Thread> own_thread_;  ///< null on the caller's loop
+  std::unique_ptr<Thread> own_thread_;  ///< null if the transport runs on the caller's event loop
   std::shared_ptr<State> state_;
 };
 

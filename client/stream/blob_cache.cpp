@@ -21,16 +21,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kTrimShare = 16;               // writes between two trims: 1/16 of the limit
-constexpr std::chrono::hours kUseGranularity{1};  // shortest interval between updates of a file's time
-constexpr std::chrono::hours kAbandoned{1};       // age at which a temporary file is removed
+constexpr uint64_t kTrimShare = 16;  // keep() calls trim() after storing 1/16 of the limit
+// Shortest interval between two updates of a file's time of use.
+constexpr std::chrono::hours kUseGranularity{1};
+constexpr std::chrono::hours kAbandoned{1};  // age at which a temporary file is removed
 constexpr uint64_t kMaxSummaryBytes = sizeof(Digest) + proto::kFrameHeaderBytes + proto::kMaxFrameBodyBytes;
 constexpr std::string_view kTemporary = ".new-";
 
-/// Returns nothing if there is no file, and no bytes if it is empty or too large.
+/// Reads a file. Returns nothing if there is no such file, and an empty vector if the file is empty or too
+/// large.
 std::optional<std::vector<std::byte>> readFile(const fs::path& path, uint64_t max_bytes) {
   std::error_code missing;
-  if (!fs::is_regular_file(path, missing)) return std::nullopt;  // opening a pipe would wait
+  if (!fs::is_regular_file(path, missing)) return std::nullopt;  // opening a pipe would block
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file) return std::nullopt;
   const auto size = static_cast<uint64_t>(std::max<std::streamoff>(file.tellg(), 0));
@@ -42,7 +44,8 @@ std::optional<std::vector<std::byte>> readFile(const fs::path& path, uint64_t ma
   return bytes;
 }
 
-/// Writes a file atomically. Not synced: reads verify the digest of a file that a crash left incomplete.
+/// Writes a file atomically, but does not sync it to disk. A crash may leave an incomplete file, which
+/// readers detect by its digest.
 bool writeFile(const fs::path& path, std::span<const std::byte> bytes) {
   static std::atomic<uint64_t> serial{0};
   std::error_code failed;
@@ -63,7 +66,7 @@ fs::path summaryFile(const fs::path& folder, const ServedModel& model) {
   return folder / "models" / toHex(digestOf(std::as_bytes(std::span(key))));
 }
 
-/// Returns the error of creating a file in the folder, if any.
+/// Creates and removes a file in the folder. Returns the error, if any.
 std::error_code triedToWriteTo(const fs::path& folder) {
   std::string name = folder / (std::string(kTemporary) + "XXXXXX");
   const int file = mkstemp(name.data());
@@ -113,7 +116,7 @@ void BlobCache::keep(const BlobRef& blob, std::span<const std::byte> bytes) {
   writeFile(fileOf(blob.digest), bytes);
 }
 
-/// File format: the digest of the rest, then an Opened frame.
+/// Reads a summary file. The file contains an Opened frame, preceded by the frame's digest.
 std::optional<ModelSummary> BlobCache::summary(const ServedModel& model) const {
   const auto bytes = readFile(summaryFile(folder_, model), kMaxSummaryBytes);
   if (!bytes || bytes->size() < sizeof(Digest) + proto::kFrameHeaderBytes) return std::nullopt;
@@ -125,7 +128,7 @@ std::optional<ModelSummary> BlobCache::summary(const ServedModel& model) const {
     if (opened.summary.name != model.model) return std::nullopt;
     return std::move(opened.summary);
   } catch (const std::exception&) {
-    return std::nullopt;  // written by another version
+    return std::nullopt;  // another version wrote the file
   }
 }
 
@@ -150,7 +153,7 @@ void BlobCache::trim() {
   std::error_code failed;
   for (fs::recursive_directory_iterator entry(folder_ / "blobs", failed), end; !failed && entry != end;
        entry.increment(failed)) {
-    std::error_code gone;  // another process may remove it meanwhile
+    std::error_code gone;  // set if another process has removed the file
     if (!entry->is_regular_file(gone)) continue;
     const File file{entry->last_write_time(gone), entry->file_size(gone), entry->path()};
     if (gone) continue;

@@ -21,12 +21,12 @@ constexpr uint64_t kDefaultCacheBytes = 4ull << 30;
 void prepareCacheFolder(const std::filesystem::path& folder, const core::Remedies& remedies);
 
 /// Caches blobs on disk by digest, one file each, and the last summary of each served model. Any number of
-/// processes may share a folder: files appear atomically, and reads verify the digest, so that files damaged
-/// by a crash or a bad disk are removed and fetched again. Evicts least recently used files. Disk errors
-/// cause misses, never exceptions. Not thread safe.
+/// processes may share a folder, because files appear atomically. Reads verify the digest; files that a crash
+/// or a bad disk has damaged are removed, and their blobs are fetched again. Evicts least recently used
+/// files. Disk errors cause misses, never exceptions. Not thread safe.
 class BlobCache {
  public:
-  /// @param folder  created when the first blob is kept.
+  /// @param folder  folder of the cache, created when the first blob is stored.
   BlobCache(std::filesystem::path folder, uint64_t max_bytes);
 
   /// Returns the bytes of a blob if the cache has them and they match the digest.
@@ -37,7 +37,8 @@ class BlobCache {
   std::optional<ModelSummary> summary(const ServedModel& model) const;
   void keepSummary(const ServedModel& model, const ModelSummary& summary);
 
-  /// Evicts least recently used files above the limit. keep() calls it after every 1/16 of the limit.
+  /// Evicts least recently used files until the rest fits 15/16 of the limit. keep() calls trim() after
+  /// storing 1/16 of the limit.
   void trim();
 
  private:
@@ -45,7 +46,7 @@ class BlobCache {
 
   std::filesystem::path folder_;
   uint64_t max_bytes_;
-  uint64_t kept_bytes_ = 0;  // since the last trim()
+  uint64_t kept_bytes_ = 0;  // bytes stored since the last trim()
 };
 
 }  // namespace lode::stream

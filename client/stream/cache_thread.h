@@ -13,7 +13,8 @@
 
 namespace lode::stream {
 
-constexpr uint64_t kMaxUnwrittenBytes = 16u << 20;  ///< blobs waiting to be written; more are dropped
+/// Limit for blobs that wait to be written; above it, blobs are dropped.
+constexpr uint64_t kMaxUnwrittenBytes = 16u << 20;
 
 /// Runs a BlobCache on a thread of its own, so that callers never wait for the disk. Reads precede writes.
 /// The destructor finishes all writes and joins the thread. Thread safe.
@@ -28,10 +29,11 @@ class CacheThread {
 
   struct Answer {
     BlobRef blob;
-    std::optional<std::vector<std::byte>> bytes;  ///< nothing: a miss
+    std::optional<std::vector<std::byte>> bytes;  ///< bytes of the blob; nothing for a miss
   };
 
-  /// Looks up blobs; takeAnswers() returns an answer for each. The caller limits the number of open queries.
+  /// Looks up blobs; takeAnswers() returns an answer for each blob. The caller limits the number of open
+  /// queries.
   void find(const std::vector<BlobRef>& blobs);
   void keep(const BlobRef& blob, std::vector<std::byte> bytes);
   std::vector<Answer> takeAnswers();
@@ -44,9 +46,9 @@ class CacheThread {
   void work();
   void answer(const BlobRef& blob);
 
-  BlobCache cache_;  // used only by the thread
+  BlobCache cache_;  // only the thread uses the cache
   const std::function<void()> wake_;
-  std::mutex mutex_;  // guards the members below
+  std::mutex mutex_;  // guards the members below except the thread
   std::condition_variable work_;
   bool stopping_ = false;
   std::deque<BlobRef> asked_;

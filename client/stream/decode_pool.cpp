@@ -13,7 +13,7 @@
 namespace lode::stream {
 namespace {
 
-constexpr int kNice = 10;  // the renderer's thread takes precedence
+constexpr int kNice = 10;  // nice value of the threads, so that the render thread takes precedence
 
 unsigned threadCount(unsigned wanted) {
   if (wanted > kMaxDecodeThreads)

@@ -13,14 +13,14 @@ namespace lode::stream {
 
 constexpr unsigned kMaxDecodeThreads = 256;
 
-/// Default number of decode threads: two fewer than there are cores, at least one.
+/// Returns the default number of decode threads: the number of cores minus two, but at least one.
 unsigned defaultDecodeThreads() noexcept;
 
 /// A pool of low-priority threads that decode blobs. The destructor drops waiting jobs and joins the threads.
 /// Thread safe.
 class DecodePool {
  public:
-  /// @param threads  0: defaultDecodeThreads().
+  /// @param threads  number of threads; 0: defaultDecodeThreads().
   /// @param wake     called on a pool thread when results can be taken; must return quickly.
   /// @throws Error kUsage above kMaxDecodeThreads, kIo if a thread cannot be started.
   DecodePool(unsigned threads, std::function<void()> wake);

@@ -22,7 +22,7 @@ void PublishedCuts::add(const std::shared_ptr<const core::Cut>& cut,
 }
 
 void PublishedCuts::releaseStorage() {
-  releaseStorageOf(view_cuts_);  // first: they hold cuts
+  releaseStorageOf(view_cuts_);  // view cuts come first, because they hold references to cuts
   releaseStorageOf(cuts_);
 }
 

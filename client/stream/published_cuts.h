@@ -7,13 +7,13 @@
 
 namespace lode::stream {
 
-/// Keeps every published cut until no one else holds it, so that the refinement thread frees its meshes, not
-/// the render thread during a frame. Holds the cuts that others hold, and the last one. Not thread safe.
+/// Holds a reference to every published cut until all other references are gone. The refinement thread then
+/// frees the cut's meshes; otherwise the render thread would free them during a frame. Not thread safe.
 class PublishedCuts {
  public:
   void add(const std::shared_ptr<const core::Cut>& cut,
            const std::shared_ptr<const core::ViewCuts>& view_cuts);
-  /// Frees the cuts that no one else holds.
+  /// Frees the cuts to which no other references exist.
   void releaseStorage();
 
  private:

@@ -15,7 +15,7 @@ struct Url {
   std::string_view rest;
 };
 
-/// @param form  correct form, for the error message.
+/// @param form  correct form of the URL, for the error message.
 Url splitScheme(std::string_view text, const char* form) {
   for (const auto scheme : {kScheme, kTlsScheme})
     if (text.starts_with(scheme)) return {scheme == kTlsScheme, text.substr(scheme.size())};

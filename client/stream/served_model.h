@@ -15,7 +15,7 @@ struct ServedModel {
   bool operator==(const ServedModel&) const = default;
 };
 
-/// Returns the URL.
+/// Returns the model's URL.
 inline std::string toString(const ServedModel& served) {
   return (served.encrypted ? "lodes://" : "lode://") + net::toString(served.address) + '/' + served.model;
 }

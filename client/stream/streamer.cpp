@@ -21,15 +21,15 @@
 namespace lode::stream {
 namespace {
 
-constexpr std::chrono::seconds kTick{1};             // longest wait of the thread without events
-constexpr std::chrono::milliseconds kRetryTick{50};  // the same while it waits to reconnect
+constexpr std::chrono::seconds kTick{1};  // longest interval between two steps of the refinement thread
+constexpr std::chrono::milliseconds kRetryTick{50};  // longest interval while the stream waits to reconnect
 
 using Clock = std::chrono::steady_clock;
 
 /// Indexed by core::SessionRole.
 using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;
 
-/// Returns true if the status has changed in more than its counts.
+/// Returns true if the status has changed, apart from its counts.
 bool isNews(const StreamStatus& now, const StreamStatus& last) {
   return now.cut != last.cut || now.limited != last.limited || now.settled != last.settled ||
          now.exhausted != last.exhausted || now.failure != last.failure || now.trouble != last.trouble;
@@ -39,7 +39,7 @@ std::unique_ptr<net::TcpTransport>& transportOf(Transports& transports, core::Se
   return transports[static_cast<size_t>(role)];
 }
 
-/// Passes received bytes to the engine, and closes a transport that it no longer needs.
+/// Passes received bytes to the engine. Closes the transport if the engine no longer needs it.
 void receiveFrom(std::unique_ptr<net::TcpTransport>& transport, core::SessionRole role,
                  core::Engine& engine) {
   if (!transport) return;
@@ -77,7 +77,8 @@ struct Streamer::State {
   bool waitForWork(std::chrono::milliseconds longest);
   void wakeUp();
   StreamStatus statusOfView() const;
-  /// Waits until `done` holds for the status of the view last set, or the stream is exhausted or has ended.
+  /// Waits until `done` is true for the status of the view that was set last, or the stream is exhausted or
+  /// has ended.
   template <typename Done>
   StreamStatus waitFor(std::chrono::milliseconds timeout, Done done);
 
@@ -91,8 +92,8 @@ struct Streamer::State {
   std::vector<core::View> views;
   float threshold_px = 1;
   uint64_t memory_budget_bytes, drawn_budget_bytes;
-  uint64_t view_number = 0;         // number of the view last set; 0: none
-  uint64_t status_view_number = 0;  // number of the view that the status is about
+  uint64_t view_number = 0;         // serial number of the view that was set last; 0: none
+  uint64_t status_view_number = 0;  // serial number of the view that the status describes
   std::vector<std::shared_ptr<const core::Cut>> to_keep;
   StreamStatus status;
   bool has_news = false;  // for waitForNews()
@@ -102,7 +103,8 @@ struct Streamer::State {
   // Used only by the thread:
   Digest kept_build_id;  // build of the cached summary
   PublishedCuts published;
-  std::unique_ptr<DecodePool> starting_pool;  // created by the constructor, which reports errors
+  // Pool that the constructor creates, so that it can report errors.
+  std::unique_ptr<DecodePool> starting_pool;
   std::thread thread;
 };
 
@@ -232,7 +234,7 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   const std::lock_guard lock(mutex);
   has_news |= (!summary && engine.summary()) || status_view_number != number || isNews(now, status);
   if (!summary && engine.summary()) summary = *engine.summary();
-  std::swap(status, now);  // the old status is freed after the lock is released
+  std::swap(status, now);  // moves the old status to `now`, which is freed after the lock is released
   status_view_number = number;
   news.notify_all();
 }
@@ -246,7 +248,7 @@ void Streamer::State::end(ErrorCode code, const std::string& message) {
   news.notify_all();
 }
 
-/// Wakes waitForNews() after the same views were set again and the status is final. Requires the lock.
+/// Wakes waitForNews() if the same views are set again and the status is final. Requires the lock.
 void Streamer::State::notifyOfSameViews() {
   if (status_view_number != view_number || (!status.settled && !status.exhausted && !status.ended)) return;
   has_news = true;
@@ -319,7 +321,7 @@ void Streamer::setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes) {
 
 void Streamer::keep(std::vector<std::shared_ptr<const core::Cut>> cuts) {
   const std::lock_guard lock(state_->mutex);
-  if (state_->status.ended) return;  // the thread that would free them has ended
+  if (state_->status.ended) return;  // the thread that would free the cuts has ended
   std::ranges::move(cuts, std::back_inserter(state_->to_keep));
 }
 

@@ -20,9 +20,11 @@ namespace lode::stream {
 struct StreamOptions {
   /// The streamer fills in the model's name, jitter_seed, has_cache and cached_model.
   core::EngineOptions engine;
-  std::filesystem::path ca_file;  ///< trusted certificate authorities for TLS, in PEM; empty: the system's
+  /// Trusted certificate authorities for TLS, in PEM; empty: the system's authorities.
+  std::filesystem::path ca_file;
   std::chrono::milliseconds connect_timeout{20'000};
-  std::filesystem::path cache_folder;  ///< empty: no cache; required if engine.offline
+  /// Folder of the blob cache; empty: no cache; required if engine.offline is true.
+  std::filesystem::path cache_folder;
   uint64_t cache_bytes = kDefaultCacheBytes;
   unsigned decode_threads = 0;  ///< 0: defaultDecodeThreads()
 };
@@ -32,32 +34,33 @@ net::Route routeTo(const ServedModel& model, const StreamOptions& options);
 
 /// State of a stream after its last step.
 struct StreamStatus {
-  std::shared_ptr<const core::Cut> cut;             ///< null until something can be drawn
-  std::shared_ptr<const core::ViewCuts> view_cuts;  ///< by view; `cut` is their union: see core::ViewGroup
-  uint64_t cut_build = 0;                           ///< build of the cut; changes when the model is replaced
+  std::shared_ptr<const core::Cut> cut;  ///< current cut; null until a cut is published
+  /// Cuts indexed by view, whose union is `cut`: see core::ViewGroup.
+  std::shared_ptr<const core::ViewCuts> view_cuts;
+  uint64_t cut_build = 0;  ///< build of the cut; changes when the model is replaced
   core::EngineCounts counts;
   bool limited = false;    ///< a budget keeps the cut from converging
   bool settled = false;    ///< the cut is final for the view and the budgets
-  bool exhausted = false;  ///< offline, and the cache lacks blobs that the view needs
-  std::string failure;     ///< why the stream ended or a part cannot be loaded; else empty
-  std::string trouble;     ///< why there is no connection while the stream reconnects; else empty
+  bool exhausted = false;  ///< the stream is offline, and the cache lacks blobs that the view needs
+  std::string failure;     ///< reason why the stream has ended or a part cannot be loaded; empty otherwise
+  std::string trouble;     ///< reason for the missing connection while the stream reconnects; empty otherwise
   bool ended = false;      ///< the stream has stopped for good
-  bool current = false;    ///< the status is about the view last set
+  bool current = false;    ///< the status describes the view that was set last
 };
 
-/// Streams a model from a server: a core::Engine with a transport, a refinement thread and a decode pool.
-/// Reconnects when the connection ends and keeps the last cut meanwhile. The destructor joins all threads.
-/// Thread safe.
+/// Streams a model from a server, with a core::Engine, a transport, a refinement thread and a decode pool.
+/// When the connection ends, reconnects and keeps the last cut. The destructor joins all threads. Thread
+/// safe.
 class Streamer {
  public:
-  /// Starts to connect. @throws Error as DecodePool(); kIo if no thread can be started.
+  /// Starts to connect. @throws Error as DecodePool() does; kIo if no thread can be started.
   Streamer(ServedModel model, StreamOptions options);
   ~Streamer();
   Streamer(const Streamer&) = delete;
   Streamer& operator=(const Streamer&) = delete;
 
-  /// Waits until the model is open. @throws Error if it cannot be opened; kTimeout after the timeout or when
-  /// stopped.
+  /// Waits until the model is open. @throws Error if the model cannot be opened; kTimeout after the timeout
+  /// or when stopped.
   const ModelSummary& waitForModel(std::chrono::milliseconds timeout, std::stop_token stop = {});
   /// Sets the view to refine for; never blocks on the network.
   void setView(const core::View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
@@ -65,22 +68,24 @@ class Streamer {
   void setViews(std::span<const core::View> views, float threshold_px);
   /// Replaces the memory and drawn budgets of the options: see core::Engine.
   void setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes);
-  /// Hands over cuts derived from the stream's cuts, to be freed on its thread when no one else holds them.
+  /// Passes ownership of cuts derived from the stream's cuts. The stream's thread frees each of these cuts
+  /// when no other references exist.
   void keep(std::vector<std::shared_ptr<const core::Cut>> cuts);
   /// Returns the last status; never blocks on the network.
   StreamStatus status() const;
-  /// Returns the model's summary; nothing until it is open.
+  /// Returns the model's summary; nothing until the model is open.
   std::optional<ModelSummary> model() const;
-  /// Waits for a change since the last call, at most for the timeout. Changes are: the model opened, the view
-  /// last set was refined, a new cut, a change of limited, settled, exhausted, failure or trouble, and the
-  /// end. Setting a settled view again counts as a change too.
+  /// Waits for a change since the last call, at most for the timeout. The changes are: the model is open; the
+  /// view that was set last has been refined; there is a new cut; limited, settled, exhausted, failure or
+  /// trouble has changed; the stream has ended. Setting a settled view again also counts as a change.
   StreamStatus waitForNews(std::chrono::milliseconds timeout);
-  /// Waits until the cut for the view last set has converged or cannot converge, at most for the timeout.
-  /// Parts outside the view may still be missing.
+  /// Waits until the cut of the view that was set last has converged or cannot converge, at most for the
+  /// timeout. Parts outside the view may still be missing.
   StreamStatus waitForConvergence(std::chrono::milliseconds timeout);
-  /// Waits until the cut for the view last set has settled or cannot settle, at most for the timeout.
+  /// Waits until the cut of the view that was set last has settled or cannot settle, at most for the timeout.
   StreamStatus waitUntilSettled(std::chrono::milliseconds timeout);
-  /// Waits for the first cut for the view last set or the end of the stream, at most for the timeout.
+  /// Waits until there is a cut for the view that was set last or the stream has ended, at most for the
+  /// timeout.
   StreamStatus waitForCut(std::chrono::milliseconds timeout);
 
  private:

@@ -25,7 +25,7 @@ void TextureCache::use(std::span<const uint32_t> in_use) {
     if (const auto entry = entries_.find(blob); entry != entries_.end()) entry->second.used_round = round_;
   if (bytes_ <= budget_bytes_) return;
 
-  std::vector<std::pair<uint64_t, uint32_t>> candidates;  // round, blob
+  std::vector<std::pair<uint64_t, uint32_t>> candidates;  // pairs of last used round and blob number
   for (const auto& [blob, entry] : entries_)
     if (entry.used_round != round_) candidates.emplace_back(entry.used_round, blob);
   std::sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {

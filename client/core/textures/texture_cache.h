@@ -9,19 +9,20 @@
 
 namespace lode::core {
 
-/// The resident decoded tiles by blob number, within a budget. Equal tiles share a blob. Keeps tiles in use;
-/// evicts the rest least recently used first, then higher numbers first. Not thread safe.
+/// Caches decoded tiles by blob number, within a memory budget. Equal tiles share a blob. Keeps tiles in use;
+/// evicts other tiles, least recently used first and, among equally old tiles, higher blob numbers first. Not
+/// thread safe.
 class TextureCache {
  public:
   explicit TextureCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// Adds a tile; keeps the old one if it is resident already.
+  /// Adds a tile. Keeps the resident image if the blob already has one.
   void insert(uint32_t blob, std::shared_ptr<const TileImage> image);
-  /// @return null if it is not resident.
+  /// @return null if the tile is not resident.
   std::shared_ptr<const TileImage> find(uint32_t blob) const noexcept;
 
-  /// Starts a new round of use and evicts tiles until the rest fits the budget, but none in use.
-  /// @param in_use  blobs that must stay until the next call.
+  /// Starts a new round of use and evicts tiles until the rest fits the budget. Never evicts tiles in use.
+  /// @param in_use  blob numbers of tiles that must stay until the next call.
   void use(std::span<const uint32_t> in_use);
 
   /// Calls `visit(blob, image)` for every resident tile, by blob number.

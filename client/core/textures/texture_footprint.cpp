@@ -11,8 +11,8 @@ namespace {
 using Corners = std::array<glm::dvec2, 3>;
 using ModelCorners = std::array<glm::dvec3, 3>;
 
-/// Limit on the anisotropy of texels on a triangle, and on a triangle's deviation from the mean density. The
-/// shader's anisotropic filter takes as many samples (shaders.cpp).
+/// Limits the anisotropy of texels on a triangle, and the deviation of the density from the mean density.
+/// Equals the number of samples of the shader's anisotropic filter (shaders.cpp).
 constexpr double kMostStretch = 8;
 
 /// Collects the level 0 tiles of one texture that a mesh uses.
@@ -24,7 +24,7 @@ class TouchedGrid {
         down_(tilesDown(texture, 0)),
         cells_(size_t{across_} * down_) {}
 
-  /// @param corners  in texels from the image's top left, not wrapped.
+  /// @param corners  texture positions in texels from the image's top left corner, not wrapped.
   /// @param model  the triangle's corners in model units.
   void add(const Corners& corners, const ModelCorners& model, uint64_t& tests_left) {
     const Worn worn = wornBy(corners, model);
@@ -32,7 +32,7 @@ class TouchedGrid {
     const glm::dvec2 most = glm::max(corners[0], glm::max(corners[1], corners[2]));
     if (!all_) {
       const glm::dvec2 first = glm::floor(least / size_), last = lastBefore(most / size_, first);
-      // Beyond it float coordinates have no precision left.
+      // Beyond this number of repetitions, float coordinates have no precision left.
       constexpr double kMaxRepeats = 1 << 20;
       const bool in_range = glm::all(glm::lessThan(glm::abs(first), glm::dvec2(kMaxRepeats))) &&
                             glm::all(glm::lessThan(glm::abs(last), glm::dvec2(kMaxRepeats)));
@@ -67,10 +67,10 @@ class TouchedGrid {
   }
 
  private:
-  /// Texels on one triangle; zero if its corners share one texture position.
+  /// Amount of texels on one triangle; zero if the triangle's corners share one texture position.
   struct Worn {
     double model_area = 0, texel_area = 0;
-    double texels_per_model = 0;  ///< along the direction with the fewest
+    double texels_per_model = 0;  ///< density along the direction with the fewest texels
   };
   struct Cell {
     double model_area = 0, texel_area = 0;
@@ -95,7 +95,7 @@ class TouchedGrid {
     return {doubled_area / 2, product * doubled_area / 2, std::max(product / most, most / kMostStretch)};
   }
 
-  // At least 1/8 of the mean, so that a few degenerate triangles do not dominate.
+  // Returns at least 1/8 of the mean density, so that a few degenerate triangles do not dominate.
   static float density(const Cell& cell) {
     if (!(cell.model_area > 0)) return 0;
     const double leaning = std::sqrt(cell.model_area / cell.spread);
@@ -110,14 +110,15 @@ class TouchedGrid {
     cell.spread += worn.model_area / (worn.texels_per_model * worn.texels_per_model);
   }
 
-  /// Returns the index of the last unit interval that `most` reaches into; touching its start does not count.
+  /// Returns the index of the last unit interval that contains points below `most`, but at least `first`.
   static glm::dvec2 lastBefore(glm::dvec2 most, glm::dvec2 first) {
     return glm::max(glm::ceil(most) - 1.0, first);
   }
 
   static double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-  /// Separating axis test of a triangle and a box whose bounding boxes overlap.
+  /// Tests whether a triangle and a box overlap, by separating axes. Requires that their bounding boxes
+  /// overlap.
   static bool overlaps(const Corners& corners, glm::dvec2 least, glm::dvec2 most) {
     const glm::dvec2 centre = (least + most) / 2.0, half = (most - least) / 2.0;
     for (int i = 0; i < 3; ++i) {

@@ -18,24 +18,24 @@
 
 namespace lode::core {
 
-/// Textures get 1/4 of the memory budget of a textured model.
+/// Textures may use 1/4 of the memory budget of a textured model.
 constexpr uint64_t kTextureBudgetShare = 4;
 
 /// The textures of one model: the texture set, the tiles that the view needs within the budget, and the
 /// resident tiles. Not thread safe.
 class TextureStream {
  public:
-  /// @param set_blob  the encoded texture set.
+  /// @param set_blob  blob of the encoded texture set.
   TextureStream(const BlobRef& set_blob, uint64_t budget_bytes);
 
-  /// Takes the encoded set. @throws Error kFormat or kLimit.
+  /// Decodes the texture set. @throws Error kFormat or kLimit.
   void takeSet(std::span<const std::byte> bytes);
-  /// Null until it is loaded.
+  /// Returns the texture set; null until it is loaded.
   const std::shared_ptr<const TextureSet>& set() const noexcept { return set_; }
 
-  /// Returns the size that the image of a tile must have. @param blob  of a requested tile.
+  /// Returns the size that the image of a tile must have. @param blob  blob number of a requested tile.
   glm::uvec2 imageSize(uint32_t blob) const { return keys_.find(blob)->second.image_size; }
-  /// Returns true if the tile is a texture's whole coarsest level, which gets a tail.
+  /// Returns true if the tile is the whole coarsest level of a texture, for which the client computes a tail.
   bool isCoarsest(uint32_t blob) const { return keys_.find(blob)->second.coarsest; }
   void insert(uint32_t blob, std::shared_ptr<const TileImage> image) {
     cache_.insert(blob, std::move(image));
@@ -47,10 +47,11 @@ class TextureStream {
   /// Takes effect at the next refine().
   void setBudget(uint64_t bytes) noexcept { cache_.setBudget(bytes); }
 
-  /// Selects the needed tiles, and evicts others if memory is short. Does nothing without the set.
-  void refine(std::span<const TexturedPart> parts, const View& view, float threshold_px);
-  /// Requests for needed tiles that are not resident, each blob once, best first; for the set until it is
+  /// Selects the needed tiles, and evicts other tiles if memory is short. Does nothing until the set is
   /// loaded.
+  void refine(std::span<const TexturedPart> parts, const View& view, float threshold_px);
+  /// Returns the requests for needed tiles that are not resident, each blob once, best first. Until the
+  /// texture set is loaded, returns the request for the set.
   const std::vector<Request>& missing() const noexcept { return missing_; }
   /// Returns true if every needed tile within the budget is resident or lost.
   bool complete() const noexcept {
@@ -70,17 +71,17 @@ class TextureStream {
   uint64_t blobBytesInUse() const noexcept { return blob_bytes_in_use_; }
 
  private:
-  struct Keys {  // tiles that share a blob
+  struct Keys {  // tiles that share one blob
     BlobRef blob;
     glm::uvec2 image_size{0};
     std::vector<TileKey> keys;
-    bool coarsest = false;  // one of them is its texture's whole coarsest level
+    bool coarsest = false;  // true if one of the tiles is the whole coarsest level of its texture
   };
 
   BlobRef set_blob_;
   TextureCache cache_;
   std::shared_ptr<const TextureSet> set_;
-  std::map<uint32_t, Keys> keys_;  // by blob number
+  std::map<uint32_t, Keys> keys_;  // tiles of the texture set, by blob number
   std::set<uint32_t> lost_;        // blob numbers
   std::vector<Request> missing_;
   size_t left_out_ = 0, lost_in_view_ = 0;

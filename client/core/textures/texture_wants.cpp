@@ -10,13 +10,13 @@
 namespace lode::core {
 namespace {
 
-/// Demand for one level 0 tile over all parts that use it.
+/// Demand for one level 0 tile, combined over all parts that use the tile.
 struct Demand {
   double texels_px = std::numeric_limits<double>::infinity();  // smallest number of level 0 texels per pixel
   bool visible = false;
 };
 
-using Demands = std::vector<Demand>;  // by y * tilesAcross + x of level 0
+using Demands = std::vector<Demand>;  // indexed by y * tilesAcross + x of level 0
 
 double pixelModel(double distance_model, const View& view) {
   const double distance = std::max(distance_model, view.near_model);
@@ -32,7 +32,7 @@ glm::uvec2 coarserTiles(uint32_t tile, uint32_t size, uint32_t coarse_size, uint
           std::min(static_cast<uint32_t>(last / kTileInnerPx), coarse_tiles - 1)};
 }
 
-/// The demand for the tiles of one texture.
+/// Demand for the tiles of one texture.
 class TextureDemand {
  public:
   TextureDemand(const Texture& texture, uint32_t number)
@@ -47,7 +47,7 @@ class TextureDemand {
   void addWhole(float texels_per_model, double pixel_model, bool visible) {
     raise(whole_, demandFor(texels_per_model, pixel_model, visible));
   }
-  /// Applies addWhole() to all tiles. Call it after everything is added.
+  /// Applies the demands passed to addWhole() to all tiles. Call spreadWhole() after adding all demands.
   void spreadWhole() {
     for (Demand& demand : demands_) raise(demand, whole_);
   }
@@ -81,7 +81,7 @@ class TextureDemand {
     const glm::uvec2 tiles(tilesAcross(texture_, level), tilesDown(texture_, level));
     const double covered =
         coarsest ? std::max(texture_.width, texture_.height) : std::ldexp(1.0, static_cast<int>(level) + 1);
-    std::vector<WantedTile> here(size_t{tiles.x} * tiles.y);  // priority 0: not wanted
+    std::vector<WantedTile> here(size_t{tiles.x} * tiles.y);  // tiles with priority 0 are not wanted
     for (uint32_t i = 0; i < demands_.size(); ++i) {
       const Demand& demand = demands_[i];
       if (std::isinf(demand.texels_px)) continue;
@@ -105,7 +105,7 @@ class TextureDemand {
   const Texture& texture_;
   uint32_t number_, levels_, across_;
   Demands demands_;
-  Demand whole_;  // applies to all tiles
+  Demand whole_;  // demand for all tiles
 };
 
 }  // namespace

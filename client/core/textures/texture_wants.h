@@ -16,7 +16,7 @@ namespace lode::core {
 /// One part of a cut with its texture footprint.
 struct TexturedPart {
   const TextureFootprint* footprint = nullptr;
-  double distance_model = 0;  ///< eye to the nearest point of the part
+  double distance_model = 0;  ///< distance between the eye and the nearest point of the part
   bool visible = true;
 };
 
@@ -24,33 +24,34 @@ struct TexturedPart {
 struct WantedTile {
   TileKey key;
   bool visible = true;
-  /// Pixels per shown texel while the tile is missing and all coarser ones are resident. For a coarsest
-  /// level, without which the texture is absent: pixels of the whole image. At most the larger side of the
-  /// picture.
+  /// Size of a shown texel in pixels while the tile is missing and all coarser tiles are resident. If the
+  /// tile is a coarsest level, without which the texture is missing: size of the whole image in pixels. At
+  /// most the larger side of the picture.
   float priority_px = 0;
 
   bool operator==(const WantedTile&) const = default;
 };
 
-/// Size that an image takes in the texture budget, in memory and on the GPU alike: RGBA texels of a square
-/// whose side is the next power of two, as the GPU packs them.
+/// Returns the size with which an image counts against the texture budget, both in memory and on the GPU: the
+/// RGBA texels of a square whose side is the next power of two, because the GPU packs images into such
+/// squares.
 uint64_t tileRoomBytes(glm::uvec2 image_size) noexcept;
-/// The same for a tile, including the tail of a coarsest level.
+/// Returns the budgeted size of a tile, including the tail of a coarsest level.
 uint64_t tileRoomBytes(const TextureSet& set, const TileKey& key);
-/// The same for a decoded tile.
+/// Returns the budgeted size of a decoded tile, including its tail.
 uint64_t tileRoomBytes(const TileImage& image) noexcept;
-constexpr uint32_t kLeastTileCellPx = 32;  ///< smallest side that counts
+constexpr uint32_t kLeastTileCellPx = 32;  ///< smallest side of such a square
 
-/// Selects the tiles that a view of a cut needs. For each level 0 tile that visible parts use: the level
-/// whose texels cover at most the threshold (at least one pixel) at the nearest point of the part, and all
-/// coarser levels. For parts outside the view: the coarsest level. Order: coarsest levels, then visible
-/// tiles, then by priority, which is higher for coarser tiles, then by key. Deterministic.
+/// Selects the tiles that a view of a cut needs. For each level 0 tile that visible parts use, selects the
+/// level whose texels cover at most the threshold (at least one pixel) at the nearest point of the part, and
+/// all coarser levels. For parts outside the view, selects the coarsest level. Sorts coarsest levels first,
+/// then visible tiles, then by priority (coarser tiles have higher priorities), then by key. Deterministic.
 /// @param threshold_px  threshold of the refinement.
 std::vector<WantedTile> wantTiles(const TextureSet& set, std::span<const TexturedPart> parts,
                                   const View& view, float threshold_px);
 
-/// Returns how many of the leading tiles fit the budget. Stops at the first that does not fit, so that no
-/// fine tile displaces a coarser one.
+/// Returns how many of the leading tiles fit the budget. Stops at the first tile that does not fit, so that
+/// no fine tile displaces a coarser tile.
 size_t countFitting(const TextureSet& set, std::span<const WantedTile> wanted, uint64_t budget_bytes);
 
 }  // namespace lode::core

@@ -26,7 +26,7 @@ struct TileKey {
   }
 };
 
-/// Returns the blob of a tile. @param key  must exist in the set.
+/// Returns the blob of a tile. @param key  key of a tile of the set.
 inline const BlobRef& tileBlob(const TextureSet& set, const TileKey& key) {
   const Texture& texture = set.textures[key.texture];
   return texture.tiles[tileIndex(texture, key.level, key.x, key.y)];
@@ -37,15 +37,15 @@ inline glm::uvec2 tileImageSize(const TextureSet& set, const TileKey& key) {
   return tileInnerSize(set.textures[key.texture], key.level, key.x, key.y) + 2 * kTileGutterPx;
 }
 
-// A texture's stored levels end with the first that fits one tile, which would alias from far away. The
-// client computes the remaining mip levels, down to one texel: the tail. Each has an image with its own
-// gutters.
+// A texture's stored levels end with the first level that fits one tile; from far away, this level would
+// alias. The client therefore computes the remaining mip levels, down to one texel, which are called the
+// tail. Each level of the tail is an image with its own gutters.
 
 /// Returns the sizes of the tail's images, finest first. @param coarsest  size of the coarsest stored level.
-/// All sizes include gutters.
+/// Sizes include gutters.
 std::vector<glm::uvec2> tailSizes(glm::uvec2 coarsest);
 
-/// Computes coarsest.coarser from its texels: halves each level (common/image/image.h).
+/// Computes coarsest.coarser, the tail: each level is the previous level, halved (common/image/image.h).
 void makeTail(TileImage& coarsest);
 
 }  // namespace lode::core

@@ -179,7 +179,7 @@ CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
   const Mesh* const mesh = framing.coarse.get();
   const glm::dvec3 up = upOf(framing);
   Shape shape{pointsOf(model, mesh), mesh != nullptr ? model.max_error_model : 0, pointsOf(model, nullptr)};
-  const glm::dvec3 centre = shape.box.front();  // moves the origin near the model, to keep precision
+  const glm::dvec3 centre = shape.box.front();  // computes relative to this point, to keep precision
   for (auto* points : {&shape.points, &shape.box})
     for (glm::dvec3& point : *points) point -= centre;
 

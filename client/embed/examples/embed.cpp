@@ -13,7 +13,7 @@
 
 namespace {
 
-/// Looks at the box from the front and slightly above, so that it fills the picture.
+/// Returns a view of the model's box from the front and slightly above, in which the box fills the picture.
 lodestream::View frame(const lodestream::Model& model) {
   lodestream::View view{};
   double radius = 0;
