@@ -13,7 +13,7 @@ CutItem coarsest(const NodeTree& tree, uint32_t node) {
   return {node, static_cast<uint32_t>(tree.node(node).lods.size() - 1)};
 }
 
-/// Coarsest LOD whose error does not exceed that of the node it replaces.
+/// Returns the coarsest LOD whose error does not exceed the error of the node that it replaces.
 CutItem coarsestWithin(const NodeTree& tree, uint32_t node, float error) {
   const std::vector<Lod>& lods = tree.node(node).lods;
   auto lod = static_cast<uint32_t>(lods.size() - 1);
@@ -106,7 +106,8 @@ Cut cutByTriangles(const NodeTree& tree, uint64_t max_triangles) {
 }
 
 Cut randomCut(const NodeTree& tree, uint64_t seed) {
-  std::mt19937_64 random(seed);  // the standard specifies its numbers, but not those of distributions
+  // The standard specifies the numbers of this generator, but not the numbers of distributions.
+  std::mt19937_64 random(seed);
   const uint64_t stop_of_16 = 1 + random() % 10;
   return walk(tree, [&](const Node& node) {
     const uint64_t lod = random() % node.lods.size();
@@ -133,7 +134,7 @@ bool coversExactlyOnce(const NodeTree& tree, std::span<const CutItem> items) {
     const uint32_t number = todo.back();
     todo.pop_back();
     if (states[number] == kTaken) {
-      ++met;  // not searched below: an item there stays unmet
+      ++met;  // the search does not go below this item, so items below remain unmet
       continue;
     }
     if (tree.node(number).isLeaf()) return false;

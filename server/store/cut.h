@@ -20,26 +20,29 @@ struct CutItem {
 struct Cut {
   std::vector<CutItem> items;
   uint64_t triangles = 0;
-  float max_error_model = 0;  ///< of the items with triangles
-  bool converged = true;      ///< the requested bound is met
+  float max_error_model = 0;  ///< largest error of the items with triangles, in model units
+  bool converged = true;      ///< the cut meets the requested bound
 };
 
-/// Takes everywhere the coarsest (node, LOD) whose error is at most `max_error_model`. If even a leaf's error
-/// is larger, takes the leaf, and the cut is not converged. Uses geometric errors, like all functions here.
+/// Returns the cut of the coarsest (node, LOD) pairs whose errors are at most `max_error_model`. If even a
+/// leaf's error is larger, the cut contains the leaf and is not converged. Like all functions in this file,
+/// uses geometric errors.
 Cut cutByError(const NodeTree& tree, double max_error_model);
 
-/// Best cut of at most `max_triangles`: refines the largest error first, to the node's next finer LOD, or
-/// after LOD 0 to the children's coarsest LODs. Skips steps that exceed the limit and tries others until none
-/// fits. If even the coarsest cut has more triangles, returns it, not converged. Ties are broken by node key.
+/// Returns the best cut of at most `max_triangles`. Starts with the coarsest cut and refines the item with
+/// the largest error first: to the node's next finer LOD, or from LOD 0 to the children's coarsest LODs.
+/// Skips steps that exceed the limit, and ends when no step fits. If even the coarsest cut has more
+/// triangles, returns the coarsest cut as not converged. Among equal errors, the node key decides.
 Cut cutByTriangles(const NodeTree& tree, uint64_t max_triangles);
 
-/// A random cut with random LODs. The same seed gives the same cut on all platforms; seeds differ in depth.
+/// Returns a random cut with random LODs. The same seed yields the same cut on all platforms; cuts of
+/// different seeds differ in depth.
 Cut randomCut(const NodeTree& tree, uint64_t seed);
 
-/// All leaves at LOD 0, the original triangles.
+/// Returns the cut of all leaves at LOD 0, the original triangles.
 Cut leafCut(const NodeTree& tree);
 
-/// Returns true if every path from the root to a leaf contains exactly one item, and every item's LOD exists.
+/// Returns whether every path from the root to a leaf contains exactly one item, and every item's LOD exists.
 bool coversExactlyOnce(const NodeTree& tree, std::span<const CutItem> items);
 
 }  // namespace lode::store

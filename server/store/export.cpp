@@ -32,7 +32,7 @@ class FinestTiles {
   TileImage image(uint32_t x, uint32_t y) const {
     return decodeTile(file(x, y), tileInnerSize(texture_, 0, x, y) + 2 * kTileGutterPx);
   }
-  /// Returns whether any texel is not opaque. Has to decode tiles, because WebP tiles do not all have alpha.
+  /// Returns whether any texel is not opaque. Decodes tiles, because a WebP tile need not have alpha.
   bool haveClearTexels() const {
     const auto isClear = [](const glm::u8vec4& texel) { return texel.a != 255; };
     for (uint32_t y = 0; y < count().y; ++y)

@@ -10,21 +10,22 @@
 namespace lode::store {
 
 /// Writes a store's textures as PNG files at full size, without further loss, next to a mesh file:
-/// STEM_NAME.png, with the mesh file's stem and the texture's name without folders. Memory: one row of tiles.
+/// STEM_NAME.png, where STEM is the mesh file's name without extension and NAME is the texture's name without
+/// folders. Keeps one row of tiles in memory.
 /// @throws Error kIo, kFormat, kLimit.
 ImageFiles exportTextures(const Reader& reader, const std::filesystem::path& mesh);
 
-/// Reads, decodes and validates one (node, LOD). An LOD without triangles gives an empty mesh.
+/// Reads, decodes and validates one (node, LOD). For an LOD without triangles, returns an empty mesh.
 /// @throws Error kIo, kFormat or kLimit, naming file and node. Thread safe.
 Mesh readLod(const Reader& reader, const Node& node, uint32_t lod);
 
-/// Joins a cut into one mesh. Merges vertices with equal position and attributes; vertices are numbered by
-/// first use.
-/// @throws Error as readLod; kLimit if the vertices exceed 32-bit indices. Thread safe.
+/// Joins a cut into one mesh. Merges vertices with equal position and attributes, and numbers vertices in
+/// order of first use.
+/// @throws Error like readLod(); kLimit if the mesh has too many vertices for 32-bit indices. Thread safe.
 Mesh assembleCut(const Reader& reader, const Cut& cut);
 
-/// Writes a cut in the format of the path's extension (writeMesh()), and its textures next to it
-/// (exportTextures()). @throws Error as these.
+/// Writes a cut in the format of the path's extension (see writeMesh()), and the store's textures next to the
+/// file (see exportTextures()). @throws Error like writeMesh() and exportTextures().
 void exportCut(const Reader& reader, const Cut& cut, const std::filesystem::path& path);
 
 }  // namespace lode::store

@@ -18,8 +18,8 @@ constexpr size_t kHeaderBytes = 188;
 constexpr size_t kTableEntryBytes = 28;
 constexpr size_t kFooterBytes = 24;
 
-/// Content of the header. The summary's `name` is not stored, and of `root_page` and `textures` only the
-/// number.
+/// Content of the header. The header does not store the summary's `name`, and stores only the blob numbers of
+/// `root_page` and `textures`.
 struct FileHeader {
   ModelSummary summary;
   uint64_t table_offset = 0;
@@ -39,7 +39,7 @@ std::vector<std::byte> encodeTable(std::span<const TableEntry> entries);
 std::array<std::byte, kFooterBytes> encodeFooter(std::span<const std::byte, kHeaderBytes> header);
 
 /// Checks magic, version, checksum and the range of every field, and that the parts fill the file exactly.
-/// @throws Error kInput (not a store, or of another version) or kFormat.
+/// @throws Error kInput (not a store, or a store of another version) or kFormat.
 FileHeader decodeHeader(std::span<const std::byte, kHeaderBytes> bytes, uint64_t file_bytes);
 /// Checks the table against the header: checksum, sizes, limits, and that the blobs fill the space between
 /// header and table. @throws Error kFormat, kLimit.
@@ -48,7 +48,7 @@ std::vector<TableEntry> decodeTable(std::span<const std::byte> bytes, const File
 void checkFooter(std::span<const std::byte, kFooterBytes> footer,
                  std::span<const std::byte, kHeaderBytes> header);
 
-/// Digest of the index: the header without build id and checksum, and the blob table.
+/// Returns the digest of the header, without build id and checksum, and of the blob table.
 Digest computeBuildId(const FileHeader& header, std::span<const std::byte> table);
 
 }  // namespace lode::store

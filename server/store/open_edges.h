@@ -8,7 +8,7 @@
 
 namespace lode::store {
 
-/// An edge by its end positions, a < b.
+/// An edge as its two end positions, a < b.
 struct OpenEdge {
   PositionCode a, b;
 
@@ -16,12 +16,12 @@ struct OpenEdge {
 };
 
 /// Collects the edges that an odd number of triangles has, over any number of meshes. Edges inside a mesh
-/// cancel immediately and those shared by neighbours soon, so memory is proportional to the open edges. Not
-/// thread safe.
+/// cancel immediately, and edges that neighbouring meshes share cancel soon, so the memory is proportional to
+/// the number of open edges. Not thread safe.
 class OpenEdges {
  public:
   void add(const Mesh& mesh);
-  /// @param open  open edges of one or more meshes.
+  /// Adds open edges of one or more meshes.
   void add(std::span<const OpenEdge> open);
   /// Returns all open edges so far, sorted.
   const std::vector<OpenEdge>& edges();

@@ -25,8 +25,8 @@ struct BlobEntry {
 /// functions are thread safe.
 class Reader {
  public:
-  /// @throws Error kIo, kInput (not a store, or of another version), kFormat or kLimit, naming the file, the
-  /// place and the remedy.
+  /// @throws Error kIo, kInput (not a store, or a store of another version), kFormat or kLimit, naming the
+  /// file, the place and the remedy.
   explicit Reader(const std::filesystem::path& path);
   ~Reader();
   Reader(Reader&&) noexcept;
@@ -35,17 +35,18 @@ class Reader {
   const std::filesystem::path& path() const noexcept;
   /// All nodes, in key order.
   std::span<const Node> nodes() const noexcept;
-  /// Empty if the store has no textures.
+  /// Textures of the store; empty if it has none.
   const TextureSet& textures() const noexcept;
-  /// @return null if there is no such node.
+  /// Returns the node with a key; null if the store has no such node.
   const Node* find(NodeKey key) const noexcept;
   /// Number of blobs. Blob numbers start at 1.
   uint32_t blobCount() const noexcept;
-  /// @throws Error kFormat if there is no such blob.
+  /// Returns the place of a blob. @throws Error kFormat if the store has no such blob.
   const BlobEntry& blob(uint32_t number) const;
   /// Reads a blob and checks its checksum. @throws Error kIo or kFormat.
   std::vector<std::byte> readBlob(uint32_t number) const;
-  /// File descriptor for servers that read blobs themselves; open as long as the reader exists.
+  /// File descriptor for servers that read blobs themselves; the file stays open as long as the reader
+  /// exists.
   int fileDescriptor() const noexcept;
 
  private:

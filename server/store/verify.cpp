@@ -111,7 +111,7 @@ class Verifier {
     }
   }
 
-  /// The LOD that a cut shows of each node, by node number; null if none.
+  /// Returns for each node the LOD that a cut shows, or null if the cut does not show the node.
   std::vector<const Lod*> shownLods(const Cut& cut) const {
     std::vector<const Lod*> shown(tree_.nodes().size());
     for (const CutItem item : cut.items) shown[item.node] = &tree_.node(item.node).lods[item.lod];
@@ -134,9 +134,9 @@ class Verifier {
     }
   }
 
-  /// Largest error of the shown LODs whose nodes' boxes contain a position. The LOD that an open edge belongs
-  /// to may not have the position any more: when a boundary triangle collapses, its neighbour's edge becomes
-  /// open.
+  /// Returns the largest error of the shown LODs whose nodes' boxes contain a position. The LOD that causes
+  /// an open edge need not have the position any more: when a boundary triangle collapses, the edge of the
+  /// neighbouring triangle becomes open.
   double errorAt(PositionCode position, const std::vector<const Lod*>& shown) const {
     LatticeBox point;
     point.add(unpackPosition(position));

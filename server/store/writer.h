@@ -15,25 +15,26 @@
 
 namespace lode::store {
 
-/// Writes one store. Add payloads in file order (coarse first, siblings together), then finish with the
-/// nodes, which writes pages, blob table, footer and header and renames the file into place. Leaves no file
-/// behind if destroyed earlier. Not thread safe.
+/// Writes one store. Add payloads in file order (coarse nodes first, siblings together), then call finish()
+/// with the nodes. A writer that is destroyed before finish() leaves no file behind. Not thread safe.
 class Writer {
  public:
   /// @param temporary  see AtomicFile. @throws Error kIo.
   explicit Writer(const std::filesystem::path& path, const std::filesystem::path& temporary = {});
 
-  /// Returns the same blob for equal bytes, and none for empty ones. @throws Error kIo, kLimit.
+  /// Adds a blob, unless an earlier blob has equal bytes; then returns the earlier blob. Without bytes, adds
+  /// nothing and returns an empty reference. @throws Error kIo, kLimit.
   BlobRef addBlob(std::span<const std::byte> bytes);
 
   /// Adds the texture set. Call at most once, after adding its tiles. @throws Error kFormat if a tile was not
   /// added; kIo, kLimit.
   void addTextures(const TextureSet& textures);
 
-  /// Checks the hierarchy like a reader, writes the rest and renames the file into place. Must be the last
-  /// call.
-  /// @param summary  only lattice, attributes, dropped and triangles_per_node are used; the rest is computed.
-  /// @param nodes    all nodes in key order, without child pages, which are filled in.
+  /// Checks the hierarchy like a reader; writes pages, blob table, footer and header; and renames the file
+  /// into place. Must be the last call.
+  /// @param summary  the function reads only lattice, attributes, dropped and triangles_per_node, and
+  /// computes the rest.
+  /// @param nodes    all nodes in key order; the function sets their child pages.
   /// @return the summary as a reader sees it. @throws Error kIo, kFormat, kLimit.
   ModelSummary finish(ModelSummary summary, std::vector<Node> nodes);
 

@@ -22,21 +22,21 @@ namespace lode::ingest {
 namespace {
 
 constexpr double kLeastRatio = 0.8;
-constexpr size_t kLodsOfOneBelow = 100;  ///< one LOD in 100 may have an error below the sampled one
+constexpr size_t kLodsOfOneBelow = 100;  ///< one LOD in 100 may have a stored error below the measured error
 
 /// A triangle's corner with the file's attributes; computed normals are 0.
 struct Corner {
   uint64_t position;
   VertexAttributes attributes;
-  uint32_t padding = 0;  // written to temporary files too
+  uint32_t padding = 0;  // explicit, because temporary files contain these bytes, too
 
   bool operator==(const Corner&) const = default;
 };
 
-/// A triangle of either side.
+/// A triangle of the input or of the store.
 struct Side {
   std::array<Corner, 3> corners;
-  int64_t balance;  ///< 1 from the input, -1 from the store
+  int64_t balance;  ///< 1 for a triangle of the input, -1 for a triangle of the store
 };
 
 class Comparison {

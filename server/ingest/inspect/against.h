@@ -10,9 +10,9 @@ namespace lode::ingest {
 struct AgainstOptions {
   std::filesystem::path store, input;
   std::filesystem::path temporary_folder;  ///< empty: the system's folder
-  uint64_t memory_bytes = 0;               ///< for sorting; 0: defaultMemoryBytes()
+  uint64_t memory_bytes = 0;               ///< memory for sorting; 0: defaultMemoryBytes()
   unsigned threads = 0;                    ///< 0: one per core
-  size_t lods = 0;                         ///< number of LODs to measure, spread over the tree; 0: all
+  size_t lods = 0;                         ///< number of LODs to measure, spread evenly over the tree; 0: all
   ResultOptions result;                    ///< build options that decide which triangles a store has
   uint64_t seed = 1;                       ///< selects LODs and points inside triangles
 };
@@ -20,18 +20,20 @@ struct AgainstOptions {
 struct AgainstReport {
   uint64_t triangles = 0;   ///< input triangles, each in exactly one leaf
   uint64_t dropped = 0;     ///< input triangles that are degenerate on the lattice or belong to bad faces
-  uint64_t lods = 0;        ///< number measured
-  uint64_t lods_below = 0;  ///< number with a stored error below the measured one
+  uint64_t lods = 0;        ///< number of LODs measured
+  uint64_t lods_below = 0;  ///< number of LODs with a stored error below the measured error
   double least_ratio = 0;   ///< smallest ratio of stored to measured error, counted as at most 2
   double median_ratio = 0;
 };
 
-/// Compares a store with its input. Every input triangle with three distinct lattice corners is in exactly
-/// one leaf's LOD 0 with its orientation and attributes, and no other triangle is there (I1). Stored LOD
-/// errors are at least the measured ones in 99 % of the LODs, and never below 0.8 of them (I4). Skips bad
-/// values of the input like --skip-bad. Temporary files: about twice the triangle soup.
-/// @param progress  called by one thread at a time; an exception cancels the comparison.
-/// @throws Error kInput or kIo (the input), kFormat (the first difference, with its place).
+/// Compares a store with its input. Checks that every input triangle with three distinct lattice corners is
+/// in LOD 0 of exactly one leaf, with the same orientation and attributes, and that leaves contain no other
+/// triangles (I1). Checks that the stored error is at least the measured error in 99 % of the LODs, and at
+/// least 0.8 times the measured error in every LOD (I4). Skips bad values of the input like --skip-bad.
+/// Temporary files are about twice as large as the triangle soup.
+/// @param progress  one thread at a time calls this function; an exception from it cancels the comparison.
+/// @throws Error kInput or kIo (the input), kFormat (the first difference between store and input, with its
+/// place).
 AgainstReport compareWithInput(const AgainstOptions& options, const BuildProgress& progress = {});
 
 }  // namespace lode::ingest

@@ -15,15 +15,18 @@
 namespace lode::ingest {
 namespace {
 
-/// Nodes near the root are simplified one after another; only measuring and encoding use several threads.
+/// Triangles of a model whose simplification uses one thread: nodes near the root are simplified one after
+/// another, and only their measuring and encoding use several threads.
 constexpr double kTrianglesOfOneThread = 1e5;
-/// Serial share of the stages dereference and partition; measured between a fifth and two fifths.
+/// Serial share of the stages dereference and partition; measurements gave a fifth to two fifths.
 constexpr double kSerialShare = 0.3;
 constexpr uint64_t kTrialTriangles = 400000;
-/// Numbers of stretches to try. Several represent a model better (a lake is cheaper than a mountain), but
-/// with long rows of faces they would be thin strips; then one is used.
+/// Numbers of stretches to try. Several stretches represent a model better (a lake is cheaper than a
+/// mountain). But if the file lists faces in long rows, several stretches would be thin strips, so the
+/// forecast then tries a single one.
 constexpr std::array<uint64_t, 2> kStretches{4, 1};
-/// A stretch has a border, so it has more vertices than its share. Above this factor its faces are scattered.
+/// Largest ratio of a stretch's vertices to its share of the model's vertices. A stretch has a border, so it
+/// has more vertices than its share; above this ratio, its faces are scattered.
 constexpr double kMostVerticesOfPart = 1.5;
 /// Time and bytes per triangle in a model many times the trial's size, relative to the trial: the upper
 /// levels of the tree take a smaller share.
@@ -31,8 +34,10 @@ constexpr double kLargeModelShare = 0.85;
 
 /// Cost per triangle of building a part of the model.
 struct Trial {
-  double serial_cpu_seconds = 0;    ///< pack, and a share of dereference and partition
-  double parallel_cpu_seconds = 0;  ///< the rest of these, and simplify
+  double serial_cpu_seconds =
+      0;  ///< cost of the stage pack, and the serial share of dereference and partition
+  double parallel_cpu_seconds =
+      0;  ///< cost of the stage simplify, and the parallel share of dereference and partition
   double store_bytes = 0;
 };
 
@@ -46,7 +51,7 @@ void writeStandIn(const ForecastInput& input, const std::filesystem::path& outpu
   writeSample(sample, output);
 }
 
-/// Returns whether the part's faces share vertices about as the whole model's do.
+/// Returns whether the part's faces share about as many vertices as the whole model's faces.
 bool isCoherent(const TrialModel& part, const ForecastInput& input) {
   return static_cast<double>(part.vertices) * static_cast<double>(input.faces) <=
          kMostVerticesOfPart * static_cast<double>(input.vertices) * static_cast<double>(part.faces);
@@ -80,8 +85,8 @@ Trial runTrial(const ForecastInput& input) {
   return trial;
 }
 
-/// Peak size of temporary files: packed input and sorted runs; or the input of leaves, kept until they are
-/// logged, and the leaves; or leaves and payloads.
+/// Returns the peak size of temporary files, the largest of three sums: packed input and sorted runs; leaves
+/// and their input, which the build keeps until the leaves are logged; leaves and payloads.
 uint64_t temporaryBytes(const ForecastInput& input, uint64_t sort_bytes, uint64_t payload_bytes) {
   const uint64_t vertex_bytes =
       packedVertexBytes(vertexAttributes(input.attributes, input.corner_texture), input.double_positions);

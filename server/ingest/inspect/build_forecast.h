@@ -13,27 +13,28 @@ namespace lode::ingest {
 struct ForecastInput {
   std::filesystem::path model;  ///< a readable PLY file
   uint64_t vertices = 0, faces = 0, triangles = 0;
-  AttributeSet attributes;           ///< the file's attributes
-  bool double_positions = false;     ///< positions need more than float
-  bool corner_texture = false;       ///< texture coordinates belong to faces' corners
-  double scan_cpu_seconds = 0;       ///< CPU time of reading the file
-  std::vector<TextureImage> images;  ///< images that a build would use, if the model has texture coordinates
-  uint64_t memory_bytes = 0;         ///< memory budget
+  AttributeSet attributes;        ///< the file's attributes
+  bool double_positions = false;  ///< float is not precise enough for the positions
+  bool corner_texture = false;    ///< texture coordinates belong to faces' corners
+  double scan_cpu_seconds = 0;    ///< CPU time of reading the file
+  std::vector<TextureImage>
+      images;  ///< images that a build would use; empty if the model has no texture coordinates
+  uint64_t memory_bytes = 0;  ///< memory budget
   unsigned threads = 1;
-  std::filesystem::path temporary_folder;  ///< for the trial, which leaves no files
+  std::filesystem::path temporary_folder;  ///< folder for the trial build, which leaves no files there
 };
 
 struct BuildForecast {
   double seconds = 0, cpu_seconds = 0;
   uint64_t memory_bytes = 0;     ///< peak resident memory
-  uint64_t temporary_bytes = 0;  ///< peak on disk, besides the store
+  uint64_t temporary_bytes = 0;  ///< peak size of temporary files, without the store
   uint64_t store_bytes = 0;
 };
 
-/// Forecasts a build's cost on this machine under its current load: builds a part of the model (a small model
-/// as a whole), encodes some texture tiles, and scales the measured cost. If the file's faces have no spatial
-/// order, builds a sample with the same attributes instead.
-/// @throws Error kIo if there is no space for the part.
+/// Forecasts a build's cost on this machine under its current load: builds a part of the model (or a whole
+/// small model), encodes some texture tiles, and scales the measured cost. If the file's faces have no
+/// spatial order, builds a sample with the same attributes instead.
+/// @throws Error kIo if the disk has no space for the part.
 BuildForecast forecastBuild(const ForecastInput& input);
 
 }  // namespace lode::ingest

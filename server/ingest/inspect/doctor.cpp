@@ -16,7 +16,8 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kShownDefects = 5;  ///< per kind, with their places
+constexpr uint64_t kShownDefects =
+    5;  ///< number of problems of each kind that the report describes with their places
 
 class Doctor {
  public:
@@ -234,7 +235,8 @@ class Doctor {
     try {
       report_.forecast = forecastBuild(input);
     } catch (const Error& error) {
-      if (error.code() != ErrorCode::kInput) throw;  // nothing can be built from this part
+      // With kInput, the part has nothing to build, so the report has no forecast.
+      if (error.code() != ErrorCode::kInput) throw;
     }
   }
 

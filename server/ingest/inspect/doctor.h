@@ -23,7 +23,7 @@ struct DoctorOptions {
 
 struct DoctorReport {
   struct Problem {
-    bool is_fatal = false;  ///< a build without --skip-bad fails
+    bool is_fatal = false;  ///< the problem makes a build without --skip-bad fail
     std::string text;       ///< what is wrong, where, and what to do
   };
   struct Texture {
@@ -33,20 +33,20 @@ struct DoctorReport {
   std::optional<PlyHeader> header;  ///< empty if the header is unreadable
   uint64_t file_bytes = 0;
   AttributeSet attributes;
-  PlyCounts counts;                             ///< with skip_bad; up to the point where reading failed
-  std::vector<std::string> skipped_properties;  ///< ignored by a build; see PlyReader
+  PlyCounts counts;  ///< counts as with --skip-bad; if reading failed, up to that point
+  std::vector<std::string> skipped_properties;  ///< properties that a build ignores; see PlyReader
   std::vector<Texture> textures;
-  glm::dvec3 min{0}, max{0};         ///< box of the vertices that faces use; of all vertices without topology
+  glm::dvec3 min{0}, max{0};  ///< box of the vertices that faces use; without topology, box of all vertices
   std::optional<Topology> topology;  ///< empty if the body is unreadable or has too many vertices to index
-  std::vector<Problem> problems;     ///< the first few of each kind, then a count of the others
-  bool is_readable = false;          ///< a build with --skip-bad succeeds
-  bool is_buildable = false;         ///< a build without --skip-bad succeeds, too
-  std::optional<BuildForecast> forecast;  ///< only if the file is readable
+  std::vector<Problem> problems;     ///< the first few problems of each kind, then the number of the others
+  bool is_readable = false;          ///< a build with --skip-bad would succeed
+  bool is_buildable = false;         ///< a build without --skip-bad would succeed, too
+  std::optional<BuildForecast> forecast;  ///< present only if the file is readable
 };
 
-/// Examines a PLY file: its content, everything that is wrong with it, and the cost of a build. Memory: up to
-/// the budget, plus two bits per vertex. Topology uses about 45 bytes of temporary files per triangle.
-/// @throws Error kIo if the file does not exist; problems inside it are in the report.
+/// Examines a PLY file: its content, its problems, and the cost of a build. Uses memory up to the budget,
+/// plus two bits per vertex. Topology uses about 45 bytes of temporary files per triangle.
+/// @throws Error kIo if the file does not exist. The report contains problems inside the file.
 DoctorReport examine(const DoctorOptions& options);
 
 }  // namespace lode::ingest

@@ -14,13 +14,14 @@ namespace lode::ingest {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kTolerance = 0.75f;  ///< relative to the stored error; smaller distances need not be exact
-constexpr float kReach = 1.25f;      ///< relative to the stored error; leaves farther away are skipped
+constexpr float kTolerance = 0.75f;  ///< distances below this multiple of the stored error need not be exact
+constexpr float kReach = 1.25f;      ///< leaves beyond this multiple of the stored error are skipped
 constexpr float kBeyond =
-    1.3f;  ///< relative to the stored error; distance of a point that no leaf is near to
-constexpr uint64_t kMostPoints = 20000;  ///< per LOD, unless its triangles need more
+    1.3f;  ///< multiple of the stored error that counts as distance of a point without a leaf nearby
+constexpr uint64_t kMostPoints =
+    20000;  ///< largest number of points per LOD, unless the LOD has more triangles
 constexpr float kPointsOfCell = 8;
-constexpr float kMostCells = 32;  ///< along an axis
+constexpr float kMostCells = 32;  ///< largest number of cells along an axis
 
 NodeMesh meshFrom(const Mesh& mesh, glm::uvec3 origin) {
   NodeMesh local;

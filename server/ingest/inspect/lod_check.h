@@ -41,17 +41,19 @@ struct LeafSurface {
 };
 
 /// Measures the largest distance between an LOD and the leaves below its node: from every triangle of the
-/// leaves (see FarthestInTriangle), and from points of the LOD. Leaves are added in any order, by any thread.
+/// leaves to the LOD (see FarthestInTriangle), and from points of the LOD to the leaves. Any thread may add
+/// leaves, in any order.
 class LodCheck {
  public:
-  /// @param box  of the LOD's node. @param stored_steps  the stored error.
-  /// @param original  number of triangles below the node. @param seed  for placing points.
+  /// @param box  box of the LOD's node. @param stored_steps  the stored error, in lattice steps.
+  /// @param original  number of triangles below the node. @param seed  selects points inside triangles.
   LodCheck(const Mesh& lod, const LatticeBox& box, float stored_steps, uint64_t original, uint64_t seed);
 
   /// Thread safe.
   void add(const LeafSurface& leaf);
-  /// Returns the largest distance in lattice steps after the last leaf; at least 3/4 of the stored error, and
-  /// exact only up to 1.25 times that error: points farther away count as at least 1.3 times.
+  /// Returns the largest distance in lattice steps; call after adding the last leaf. The result is at least
+  /// 3/4 of the stored error. It is exact only up to 1.25 times the stored error; for points farther away, it
+  /// is at least 1.3 times the stored error.
   float found() const { return std::max(forward_, backward()); }
 
  private:
@@ -66,27 +68,27 @@ class LodCheck {
   const glm::uvec3 origin_;
   const float stored_;
   const TriangleTree tree_;
-  const SurfaceWalk walk_;         ///< speeds up searches in the tree
-  std::vector<glm::vec3> points_;  ///< on the LOD's surface, sorted by cell
+  const SurfaceWalk walk_;         ///< walk over the LOD, which speeds up searches in tree_
+  std::vector<glm::vec3> points_;  ///< points on the LOD's surface, sorted by cell
   std::vector<std::atomic<float>> nearest_;
-  std::vector<uint32_t> begin_;  ///< index of each cell's first point, and the end
-  int cells_ = 1;                ///< along each axis
+  std::vector<uint32_t> begin_;  ///< index of each cell's first point, then the number of points
+  int cells_ = 1;                ///< number of cells along each axis
   glm::vec3 cell_size_{1};
   std::mutex mutex_;
   float forward_ = 0;  ///< largest distance of the leaves from the LOD
 };
 
-/// Measures the largest distance between the boundaries of a node's LODs and those of the leaves below it.
-/// Edges that the node shares with its neighbours count as boundaries of both and are equal in both. Leaves
-/// are added in any order, by any thread.
+/// Measures for each LOD of a node the largest distance of the LOD's boundaries from the boundaries of the
+/// leaves below the node. Edges on the node's border to its neighbours count as boundaries, too; they are
+/// equal in the LODs and in the leaves. Any thread may add leaves, in any order.
 class BoundaryCheck {
  public:
   /// Call before adding leaves. LODs are numbered in the order of these calls.
   void addLod(const Mesh& lod);
-  /// Thread safe. @param boundaries  of one leaf.
+  /// Thread safe. @param boundaries  open edges of one leaf.
   void addLeaf(std::span<const store::OpenEdge> boundaries);
-  /// Returns for each LOD, after the last leaf, the largest distance of its boundary points from the leaves'
-  /// boundaries, in lattice steps.
+  /// Returns for each LOD the largest distance of the LOD's boundary points from the leaves' boundaries, in
+  /// lattice steps. Call after adding the last leaf.
   std::vector<float> found();
 
  private:

@@ -19,8 +19,8 @@ namespace {
 /// LODs of a node to measure, in memory from the node's first leaf to its last.
 struct NodeCheck {
   const Node* node = nullptr;
-  uint64_t original = 0;       ///< number of triangles below
-  std::vector<size_t> wanted;  ///< indices in the result
+  uint64_t original = 0;       ///< number of triangles in the leaves below the node
+  std::vector<size_t> wanted;  ///< for each LOD, its index in the result
   std::once_flag begun;
   std::vector<std::unique_ptr<LodCheck>> lods;
   BoundaryCheck boundaries;

@@ -18,19 +18,19 @@ struct LodAt {
 struct MeasuredError {
   float stored_steps = 0;
   float found_steps =
-      0;  ///< for the surface and its boundaries; see LodCheck::found(), BoundaryCheck::found()
+      0;  ///< the larger of LodCheck::found() for the surface and BoundaryCheck::found() for its boundaries
 };
 
 struct LodErrorOptions {
-  uint64_t seed = 1;  ///< for points inside triangles
+  uint64_t seed = 1;  ///< selects points inside triangles
   unsigned threads = 1;
   std::function<void(double fraction, uint64_t leaves)>
-      progress;  ///< called by one thread at a time; may throw
+      progress;  ///< one thread at a time calls this function, which may throw
 };
 
 /// Measures LODs against the leaves below their nodes, independently of the build's samples. Reads each leaf
-/// once for all LODs above it. Memory: a leaf per thread, and the LODs above these.
-/// @param lods  with triangles. @return one result per LOD, in their order.
+/// once for all LODs above the leaf. Keeps in memory one leaf per thread and the LODs above these leaves.
+/// @param lods  LODs that have triangles. @return one result per LOD, in the order of `lods`.
 /// @throws Error kIo, kFormat.
 std::vector<MeasuredError> measureLodErrors(const store::Reader& reader, std::span<const LodAt> lods,
                                             const LodErrorOptions& options);

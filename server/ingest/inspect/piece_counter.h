@@ -11,12 +11,14 @@
 namespace lode::ingest {
 
 /// Counts how many joins between vertices merge two pieces, for any number of vertices in bounded memory.
-/// Processes ranges of vertex numbers from the highest down. A group of the open range that joins a lower
-/// vertex is anchored to it; its further joins are passed to the lower range as joins of that vertex. Not
-/// thread safe. All functions throw Error kIo.
+/// Processes ranges of vertex numbers one after another, the highest first. When a group of vertices in the
+/// current range is joined to a vertex of a lower range, that vertex becomes the group's anchor. Further
+/// joins of the group to lower vertices become joins of the anchor, which a lower range processes. Not thread
+/// safe. All functions throw Error kIo.
 class PieceCounter {
  public:
-  /// @param folder  for joins of lower ranges. @param memory_bytes  at most eight bytes per vertex are used.
+  /// @param folder  folder for joins of lower ranges. @param memory_bytes  limit; the counter uses at most
+  /// eight bytes per vertex.
   PieceCounter(uint64_t vertices, uint64_t memory_bytes, const TemporaryFolder& folder);
 
   void join(uint32_t a, uint32_t b);
@@ -32,10 +34,11 @@ class PieceCounter {
   void handDown(uint32_t a, uint32_t b);
 
   const uint64_t range_vertices_;
-  size_t range_ = 0;                           ///< the open range; higher ones are done
-  std::vector<std::unique_ptr<Spool>> lower_;  ///< joins of each lower range, by their higher end
-  Groups groups_{0};                           ///< groups in the open range
-  std::vector<uint32_t> anchors_;              ///< lower vertex that a group is joined to, or kNone
+  size_t range_ = 0;  ///< the current range; higher ranges are done
+  std::vector<std::unique_ptr<Spool>>
+      lower_;                      ///< for each lower range, the joins whose higher end is in that range
+  Groups groups_{0};               ///< groups in the current range
+  std::vector<uint32_t> anchors_;  ///< for each group of the current range, its anchor, or kNone
   uint64_t joins_ = 0;
 };
 

@@ -12,18 +12,18 @@
 
 namespace lode::ingest {
 
-/// Finds vertices at exactly the position of an earlier vertex, by sorting in bounded memory. Not thread
-/// safe. All functions throw Error kIo.
+/// Finds vertices that have exactly the same position as an earlier vertex, by sorting in bounded memory. Not
+/// thread safe. All functions throw Error kIo.
 class SamePlaces {
  public:
   SamePlaces(const TemporaryFolder& folder, uint64_t memory_bytes);
 
   /// @pre vertices are added in ascending order.
   void add(uint32_t vertex, glm::dvec3 place);
-  /// Call after the last add(). @return number of vertices at the position of an earlier one.
+  /// Call after the last add(). @return the number of vertices at the position of an earlier vertex.
   uint64_t find();
 
-  /// Returns the first vertex at each vertex's position; query vertices in ascending order.
+  /// Finds the first vertex at a vertex's position, for vertices in ascending order.
   class Cursor {
    public:
     explicit Cursor(const SamePlaces& places);
@@ -31,7 +31,7 @@ class SamePlaces {
 
    private:
     SpoolCursor cursor_;
-    uint32_t vertex_ = 0, first_ = 0;  ///< the next duplicate and its first vertex
+    uint32_t vertex_ = 0, first_ = 0;  ///< the next duplicate, and the first vertex at its position
     bool is_at_end_ = false;
     void advance();
   };
@@ -48,7 +48,7 @@ class SamePlaces {
   const TemporaryFolder& folder_;
   const uint64_t memory_bytes_;
   std::optional<RecordSorter> by_place_;
-  std::optional<Spool> pairs_;  ///< sorted by vertex
+  std::optional<Spool> pairs_;  ///< duplicates with the first vertex at their position, sorted by duplicate
 };
 
 }  // namespace lode::ingest

@@ -16,7 +16,7 @@ namespace {
 constexpr uint64_t kTrialTexels =
     64 << 20;                        ///< texels to decode; a smaller set of images is decoded completely
 constexpr uint32_t kTrialTiles = 4;  ///< tiles to encode per level
-/// Typical bytes per texel: of a decoded image, and including the next level.
+/// Typical bytes per texel of a decoded image, without and with the next level.
 constexpr uint64_t kDecodedTexelBytes = 4, kLevelsTexelBytes = 5;
 /// Typical encoder memory per texel of a tile, measured with photographs and noise.
 constexpr uint64_t kEncoderTexelBytes = 10, kWebpEncoderTexelBytes = 26;
@@ -32,7 +32,7 @@ uint64_t texelsOf(const lode::Texture& shape, uint32_t level) {
   return size.x * size.y;
 }
 
-/// Cost of an image, or of several.
+/// Cost of one image or of several images.
 struct Cost {
   double serial_cpu_seconds = 0, parallel_cpu_seconds = 0, tile_bytes = 0;
   uint64_t encoder_texel_bytes = 0;  ///< peak memory per texel
@@ -100,7 +100,7 @@ std::optional<Cost> tryImage(const TextureImage& given, uint64_t memory_bytes) {
   return cost;
 }
 
-/// Peak of reading an image and of encoding its tiles.
+/// Returns the peak memory of reading an image and encoding its tiles.
 uint64_t usualMemory(const TextureImage& image, uint64_t encoder_texel_bytes, uint64_t memory_bytes,
                      unsigned threads) {
   const lode::Texture shape = shapeOf(image);
@@ -108,7 +108,7 @@ uint64_t usualMemory(const TextureImage& image, uint64_t encoder_texel_bytes, ui
   const glm::u64vec2 tile(tileInnerSize(shape, 0, 0, 0));
   const uint64_t at_once = encoderThreads(memory_bytes, image.memoryBytes(), threads) * tile.x * tile.y;
   const uint64_t encoders = encoder_texel_bytes * std::min(at_once, texels);
-  // memoryBytes() includes levels, which are only made after the decoder has freed its memory.
+  // memoryBytes() includes the lower levels, but these are made only after the decoder has freed its memory.
   const uint64_t decoding = image.memoryBytes() - 2 * texels;
   const bool is_halved = levelCount(shape) > 1;
   return std::max(decoding, texels * (is_halved ? kLevelsTexelBytes : kDecodedTexelBytes) + encoders);

@@ -9,17 +9,17 @@ namespace lode::ingest {
 
 /// Cost of the build stage "textures".
 struct TextureForecast {
-  double serial_cpu_seconds = 0;    ///< reading, decoding and halving
-  double parallel_cpu_seconds = 0;  ///< encoding on all threads
-  uint64_t tile_bytes = 0;          ///< in a temporary file, then in the store
-  uint64_t memory_bytes = 0;        ///< peak, besides the program
+  double serial_cpu_seconds = 0;    ///< CPU time of reading, decoding and halving images on one thread
+  double parallel_cpu_seconds = 0;  ///< CPU time of encoding tiles on all threads
+  uint64_t tile_bytes = 0;          ///< size of the tiles, first in a temporary file, then in the store
+  uint64_t memory_bytes = 0;        ///< peak memory, without the program itself
 };
 
-/// Forecasts the cost of textures on this machine under its current load: decodes images (all if they are
-/// small, else an even selection), encodes a few tiles of each, and scales the measured cost. Holds one image
-/// in memory at a time. Thread safe.
-/// @param images   images with a problem cost nothing.
-/// @param threads  of the build.
+/// Forecasts the cost of textures on this machine under its current load: decodes all images if they are
+/// small together, else an even selection; encodes a few tiles of each decoded image; and scales the measured
+/// cost. Keeps one image in memory at a time. Thread safe.
+/// @param images   the model's images; an image with a problem costs nothing.
+/// @param threads  number of threads of the build.
 TextureForecast forecastTextures(std::span<const TextureImage> images, uint64_t memory_bytes,
                                  unsigned threads);
 

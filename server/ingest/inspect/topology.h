@@ -21,26 +21,31 @@ namespace lode::ingest {
 /// Topology of a file's faces. Except for duplicate and unused vertices, vertices at exactly the same
 /// position count as one, as in a build.
 struct Topology {
-  uint64_t duplicate_vertices = 0;      ///< at the position of an earlier one; skipped vertices are at 0
-  uint64_t unused_vertices = 0;         ///< used by no face
-  uint64_t flat_faces = 0;              ///< fewer than three distinct positions
-  uint64_t open_edges = 0;              ///< edges of one face
-  uint64_t non_manifold_edges = 0;      ///< edges of three or more faces
-  uint64_t misoriented_edges = 0;       ///< edges of two faces that use it in the same direction
-  uint64_t pieces = 0;                  ///< sets of faces connected by vertices
-  uint64_t opposed_faces = 0;           ///< their vertices' mean normal points to the back
-  uint64_t lost_triangles = 0;          ///< on the lattice that a build chooses; see LostTriangles
-  double lattice_step = 0;              ///< step of that lattice; 0 if there is none
-  std::string_view lattice_problem;     ///< why there is no lattice, and what to do
-  glm::dvec3 used_min{0}, used_max{0};  ///< box of the vertices that faces use; 0 without any
+  uint64_t duplicate_vertices =
+      0;  ///< vertices at the position of an earlier vertex; skipped vertices have the position 0
+  uint64_t unused_vertices = 0;     ///< vertices that no face uses
+  uint64_t flat_faces = 0;          ///< faces with fewer than three distinct positions
+  uint64_t open_edges = 0;          ///< edges of one face
+  uint64_t non_manifold_edges = 0;  ///< edges of three or more faces
+  uint64_t misoriented_edges = 0;   ///< edges that two faces use in the same direction
+  uint64_t pieces = 0;              ///< sets of faces connected by vertices
+  uint64_t opposed_faces =
+      0;  ///< faces whose vertices have a mean normal that points to the back of the face
+  uint64_t lost_triangles =
+      0;  ///< triangles that would vanish on the lattice that a build chooses; see LostTriangles
+  double lattice_step = 0;  ///< step of the lattice that a build chooses; 0 if there is no suitable lattice
+  std::string_view lattice_problem;     ///< reason why there is no suitable lattice, and a remedy
+  glm::dvec3 used_min{0}, used_max{0};  ///< box of the vertices that faces use; 0 if faces use none
 };
 
 /// Counts topology with sorts and sweeps over temporary files, in bounded memory plus two bits per vertex.
 /// Not thread safe. All functions throw Error kIo.
 class TopologyCounter {
  public:
-  /// @param folder  for temporary files. @param attributes  of the file; only normals matter.
-  /// @param double_positions  positions need more than float. @param memory_bytes  approximate limit.
+  /// @param folder  folder for temporary files. @param attributes  the file's attributes; only normals
+  /// matter.
+  /// @param double_positions  whether float is not precise enough for the positions. @param memory_bytes
+  /// approximate limit.
   TopologyCounter(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
                   uint64_t memory_bytes);
 
@@ -54,7 +59,7 @@ class TopologyCounter {
   struct Member {
     glm::dvec3 position;
     uint32_t first;   ///< first vertex at the same position
-    uint16_t normal;  ///< octahedral, or kNoNormal
+    uint16_t normal;  ///< octahedral code of the vertex's normal, or kNoNormal
   };
 
   void countVertices();
@@ -70,7 +75,7 @@ class TopologyCounter {
   const uint64_t memory_bytes_;
   PackedInput input_;
   SamePlaces places_;
-  RecordSorter edges_;  ///< by both ends; the record is the direction
+  RecordSorter edges_;  ///< the faces' edges; the key is both ends, the record is the direction
   std::optional<PieceCounter> pieces_;
   std::optional<VertexSet> used_;            ///< first vertices of the positions that faces use
   std::optional<LostTriangleCounter> lost_;  ///< empty if there is no lattice

@@ -109,10 +109,10 @@ class TrialWriter {
   AtomicFile file_;
   const AttributeSet attributes_;
   uint64_t period_ = 1;           ///< faces of the file per stretch
-  uint64_t first_ = 0, end_ = 0;  ///< part of each period that is taken
+  uint64_t first_ = 0, end_ = 0;  ///< range of faces within each period that the part contains
   uint64_t seen_ = 0;
   PlyFaces faces_;              ///< faces of the stretches
-  std::vector<uint64_t> used_;  ///< their vertices, sorted
+  std::vector<uint64_t> used_;  ///< vertices of these faces, sorted
 };
 
 }  // namespace

@@ -13,11 +13,12 @@ struct TrialModel {
   uint64_t faces = 0;
 };
 
-/// Writes a part of a model as a PLY without textures, to estimate the cost of the whole: stretches of faces,
-/// each from the middle of an equal part of the file, with their vertices and attributes. Skips bad values.
-/// Holds the stretches in memory and reads the file twice.
-/// @param faces      of all stretches together, approximately; the whole model if it has fewer.
-/// @param stretches  from 1 to `faces`.
+/// Writes a part of a model as a PLY without textures, to estimate the cost of the whole model. Divides the
+/// file into equal parts and writes a stretch of consecutive faces from the middle of each part, with the
+/// faces' vertices and attributes. Skips bad values. Holds the stretches in memory and reads the file twice.
+/// @param faces      approximate number of faces in all stretches together; a model with fewer faces is
+/// written as a whole.
+/// @param stretches  number of stretches, from 1 to `faces`.
 /// @throws Error kIo, kInput.
 TrialModel writeTrialModel(const std::filesystem::path& input, uint64_t model_faces, uint64_t faces,
                            uint64_t stretches, const std::filesystem::path& output);

@@ -28,8 +28,9 @@ struct MeasuredPoint {
 /// each part meets one of three conditions: one triangle of the surface is close to all corners of the part
 /// (then it is close to the whole part, because the distance from a triangle is convex), the part is so small
 /// that its size bounds the distance, or the part results from kMostCuts cuts. Cuts lie where the nearest
-/// triangle of the surface changes. Source: Tang, Lee & Kim, Interactive Hausdorff Distance Computation for
-/// General Polygonal Models, 2009, for the bounds of a part.
+/// triangle of the surface changes.
+/// Source: Tang, Lee & Kim, Interactive Hausdorff Distance Computation for General Polygonal Models, 2009,
+/// for the bounds of a part.
 /// @tparam Surface  has `PackedTriangle triangle(uint32_t)` and `MeasuredPoint measure(glm::vec3, uint32_t
 /// hint, float tolerance)`, whose distance is exact unless it is at most `tolerance`.
 template <typename Surface>

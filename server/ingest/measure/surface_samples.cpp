@@ -20,8 +20,8 @@ glm::vec3 pointOf(const NodeMesh& mesh, uint32_t position) noexcept {
   return glm::vec3(unpackPosition(mesh.positions[position]));
 }
 
-/// Barycentric weights of the n-th of a sequence of points that covers a triangle evenly. Source: Roberts,
-/// The Unreasonable Effectiveness of Quasirandom Sequences, 2018 (its R2 sequence).
+/// Barycentric weights of the n-th of a sequence of points that covers a triangle evenly.
+/// Source: Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018 (its R2 sequence).
 glm::vec2 sharesOf(uint32_t n) noexcept {
   const glm::vec2 square = glm::fract(static_cast<float>(n) * glm::vec2(0.7548777f, 0.5698403f));
   return square.x + square.y > 1 ? 1.f - square : square;

@@ -16,8 +16,8 @@ namespace lode::ingest {
 /// Distance from points to a mesh, in lattice steps, found with a bounding volume tree of the mesh's
 /// triangles. Each step of the construction halves a set of triangles at the median along the longest side of
 /// the box around their centroids. A search tests four boxes or four triangles at once. Unlike a grid, the
-/// tree costs nothing for empty space around a point. Const functions are thread safe. Source: Wald, Benthin
-/// & Boulos, Getting Rid of Packets, 2008, for trees of four.
+/// tree costs nothing for empty space around a point. Const functions are thread safe.
+/// Source: Wald, Benthin & Boulos, Getting Rid of Packets, 2008, for trees of four.
 class TriangleTree {
  public:
   explicit TriangleTree(const NodeMesh& mesh);

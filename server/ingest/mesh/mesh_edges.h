@@ -25,14 +25,14 @@ void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
       visit_side(std::min(c, a), std::max(c, a));
     }
   };
-  std::vector<uint32_t> begin(mesh.positions.size() + 1),
-      uppers(3 * mesh.triangles.size());  // edges grouped by lower position
+  // Upper ends of all edges, grouped by lower end, and the first index of each group.
+  std::vector<uint32_t> begin(mesh.positions.size() + 1), uppers(3 * mesh.triangles.size());
   forEachSide([&](uint32_t lower, uint32_t) { ++begin[lower]; });
   uint32_t end = 0;
   for (uint32_t& first : begin) first = end += first;
   forEachSide([&](uint32_t lower, uint32_t upper) { uppers[--begin[lower]] = upper; });
-  std::vector<uint32_t> uses(
-      mesh.positions.size());  // number of triangles by upper position, for the current lower position
+  // Number of triangles for each upper end, with the current lower end.
+  std::vector<uint32_t> uses(mesh.positions.size());
   for (uint32_t lower = 0; lower < mesh.positions.size(); ++lower) {
     const auto ends = std::span(uppers).subspan(begin[lower], begin[lower + 1] - begin[lower]);
     for (const uint32_t upper : ends) ++uses[upper];

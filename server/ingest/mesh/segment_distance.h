@@ -25,9 +25,8 @@ inline Four squaredDistances(const FourSegments& p, const FourSegments& q) noexc
   };
   const Four of_p = share(pq * qb - pb * qq, pp * qq - pq * pq);  // on infinite lines; 0 if parallel
   const Four of_q = share(pq * of_p + qb, qq);
-  const Four back = share(
-      pq * of_q - pb,
-      pp);  // share on p nearest to the point on q; differs from of_p if that point was clamped to an end
+  // The share on p nearest to the point on q; differs from of_p if that point was clamped to an end.
+  const Four back = share(pq * of_q - pb, pp);
   const FourVectors away = between + back * along_p - of_q * along_q;
   return dot(away, away);
 }

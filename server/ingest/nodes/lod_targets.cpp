@@ -23,8 +23,9 @@ constexpr size_t kTrianglesPerLockedOfLarge = 4;
 constexpr double kInnerFactor =
     2.0 / 3;  ///< share of the step's factor that a step leaves at least to triangles of unlocked vertices
 constexpr uint64_t kFarLodNodes = 8;  ///< least number of node capacities below a node with far LODs
-constexpr size_t kFarLodShare = 4;    ///< far LODs end at this fraction of the node capacity,
-constexpr size_t kFarLodTrianglesPerLocked = 2;  ///< or at this multiple of the locked vertices
+constexpr size_t kFarLodShare = 4;    ///< far LODs end at the node capacity divided by this number
+constexpr size_t kFarLodTrianglesPerLocked =
+    2;  ///< far LODs end at this number of triangles per locked vertex
 
 bool hasMuchBelow(const LodRule& rule) {
   return rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;

@@ -17,8 +17,8 @@ struct LodRule {
 };
 
 /// Returns the triangle counts of a node's reduced LODs, descending. The node's parent is made of the last
-/// LOD. Its count is at most max(triangles_per_node, 8 * locked), or 12 * locked at depth 1 of a large model.
-/// To bound the root's input, the multiple of `locked` is limited to 8 node capacities (at most 2^17
+/// LOD, whose count is at most max(triangles_per_node, 8 * locked), or 12 * locked at depth 1 of a large
+/// model. To bound the root's input, the multiple of `locked` is limited to 8 node capacities (at most 2^17
 /// triangles; below depth 1, at least 2^14), but not below 4 * locked. The root locks nothing, and its LODs
 /// end at kRootTriangles. Returns at least one count, unless the root is small already. Leaves out counts
 /// above kMaxLodTriangles, the limit of a store.

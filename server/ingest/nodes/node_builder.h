@@ -77,7 +77,7 @@ class NodeBuilder {
   };
   /// Resources for building a node.
   struct Room {
-    Helpers& helpers;       ///< threads that measure and encode LODs besides the builder's own
+    Helpers& helpers;       ///< threads that measure and encode LODs besides the builder's own thread
     bool is_tight = false;  ///< the node is large, so its LODs wait on disk until all are simplified
   };
   /// @param folder  folder for LODs on disk.

@@ -142,7 +142,7 @@ class Scheduler {
     std::unique_lock lock(mutex_);
     ++idle_;
     while (!failure_ && done_ < plan_.size()) {
-      if (idle_ > 0) {  // the loan of a worker must end before the worker builds a node
+      if (idle_ > 0) {  // otherwise all waiting workers, this one too, are lent
         if (const std::optional<Taken> next = nextWithRoom()) return next;
       }
       changed_.wait(lock);

@@ -132,7 +132,7 @@ struct CollapseMesh {
   /// triangle reads three points and nothing else of the positions. The fourth component is unused.
   std::vector<glm::ivec4> points;
   std::vector<CollapsePosition> positions;
-  std::vector<Quadric> quadrics;  ///< by position
+  std::vector<Quadric> quadrics;  ///< quadric of each position
   std::vector<float> areas;       ///< total area of the triangles in each position's quadric
   std::vector<uint32_t>
       corner_position;  ///< position of each corner; four entries per triangle, the last one unused

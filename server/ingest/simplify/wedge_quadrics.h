@@ -21,8 +21,8 @@ namespace lode::ingest {
 /// The file's normals, colours and texture coordinates are scaled to lengths: one radian between normals, the
 /// full range of a colour and the full range of the texture grid each correspond to a fraction of the model's
 /// diagonal. Computed normals add no error, because they follow from the surface; they only separate the
-/// sides of creases. Source: Hoppe, New Quadric Metric for Simplifying Meshes with Appearance Attributes,
-/// 1999.
+/// sides of creases.
+/// Source: Hoppe, New Quadric Metric for Simplifying Meshes with Appearance Attributes, 1999.
 class WedgeQuadrics {
  public:
   /// Adds the terms without s of all triangles to the positions' quadrics, and sums the other terms per
