@@ -8,32 +8,37 @@ namespace lode::render {
 namespace {
 
 constexpr double kStepsOfOctave = 4;
-/// Getting coarser assumes the mean power of work over threshold, getting finer its square: careful.
+/// Steps that halve the work when the threshold gets coarser, and that double it when the threshold gets
+/// finer. The first assumes the usual power law of work over threshold, the second, to be careful, the
+/// square.
 constexpr double kStepsOfHalving = kStepsOfOctave / kFallOfWork;
 constexpr double kStepsOfDoubling = kStepsOfOctave / 2;
-constexpr int kMostSteps = 12;         ///< 8 times the threshold; beyond it, the rate is halved
-constexpr int kMostHalvings = 3;       ///< 60 frames a second become 7.5
-constexpr double kFill = 0.8;          ///< part of the target time that frames aim at
-constexpr double kFillOfFaster = 0.9;  ///< the same for a restored rate: below the target, or it drops again
-constexpr double kSpareSteps = 0.25;   ///< margin when the threshold becomes finer
-constexpr int kSlowFrames = 3;         ///< consecutive slow frames that halve the rate
-constexpr int kCalmFrames = 8;         ///< frames in a round: at least one before anything is restored
-constexpr int kTrialFrames = 64;       ///< frames that a restored rate or resolution must last
+constexpr int kMostSteps = 12;    ///< 8 times the threshold; if frames need more steps, the rate is halved
+constexpr int kMostHalvings = 3;  ///< 60 frames a second become 7.5
+constexpr double kFill = 0.8;     ///< part of the target time that frames aim at
+/// KFill for a restored rate; below 1, because the rate would drop again.
+constexpr double kFillOfFaster = 0.9;
+constexpr double kSpareSteps = 0.25;  ///< margin when the threshold becomes finer
+constexpr int kSlowFrames = 3;        ///< consecutive slow frames that halve the rate
+constexpr int kCalmFrames = 8;        ///< frames in a round; restoring anything needs at least one round
+constexpr int kTrialFrames = 64;      ///< frames that a restored rate or resolution must last
 constexpr int kMorePatience = 4, kMostPatience = 256;        ///< factor and limit of Trials::patience_
 constexpr std::array kScales{1.0, 0.7071067811865476, 0.5};  ///< all, half and a quarter of the pixels
-constexpr int kStepsOfScale = 2;          ///< threshold steps equal to one step of kScales, in window pixels
-constexpr int kStepsBeforeScale = 4;      ///< twice the threshold; beyond it, the resolution drops
-constexpr double kPixelFill = 0.5;        ///< part of a frame that work per pixel may take
-constexpr double kPixelFillAgain = 0.45;  ///< the same for a restored resolution
-constexpr double kNoThreshold = 1000;     ///< steps if no threshold is coarse enough
+constexpr int kStepsOfScale = 2;  ///< threshold steps that equal one step of kScales, in window pixels
+/// Twice the threshold; if frames need more steps, the resolution can drop.
+constexpr int kStepsBeforeScale = 4;
+constexpr double kPixelFill = 0.5;        ///< part of a frame's time that the work per pixel may take
+constexpr double kPixelFillAgain = 0.45;  ///< kPixelFill for a restored resolution
+constexpr double kNoThreshold = 1000;     ///< number of steps that means: no threshold is coarse enough
 constexpr double kRestSeconds = 0.25;
-constexpr double kMuchCoarser = 1.4, kMuchSlower = 2;  ///< a cut worth waiting for: factors on the drawn one
-constexpr double kShareWaited = 0.5;                   ///< part of a frame's time that may be waited
+constexpr double kMuchCoarser = 1.4, kMuchSlower = 2;  ///< least factors of a cut worth waiting for
+constexpr double kShareWaited = 0.5;                   ///< longest wait, as a share of the last frame's time
 constexpr double kLongestWaitS = 0.25;
 
 double stepsOf(double coarsening) noexcept { return kStepsOfOctave * std::log2(coarsening); }
 
-/// Returns the steps that bring a load to 1. @param share  part of the load per pixel, which stays.
+/// Returns the threshold steps that bring a load to 1.
+/// @param share  part of the load that is work per pixel, which no threshold reduces.
 double stepsFor(double load, double share) noexcept {
   const double left = 1 - share * load, triangles = (1 - share) * load;
   if (left <= 0) return kNoThreshold;
@@ -87,8 +92,8 @@ void FrameRateControl::step(double seconds, bool moved) noexcept {
   still_s_ = moved ? 0 : still_s_ + seconds;
 }
 
-/// Frames with missing parts can show that a coarser threshold is needed, but not that a finer one fits: only
-/// complete parts count for that.
+/// Frames with missing parts can show that a coarser threshold is needed. Only the complete parts of a frame
+/// can show that a finer threshold fits.
 void FrameRateControl::add(double work_ms, const Coarsening& coarsening) noexcept {
   if (coarsening.scale != movingScale()) return;
   const double steps = stepsOf(coarsening.drawn), complete_steps = stepsOf(coarsening.complete);
@@ -127,7 +132,7 @@ void FrameRateControl::add(double work_ms, const Coarsening& coarsening) noexcep
   }
 }
 
-/// Forgets earlier frames: frames of the new resolution differ by more than their threshold.
+/// Forgets earlier frames, because frames of the new resolution differ from them in more than the threshold.
 void FrameRateControl::forgetFrames() noexcept {
   last_need_ = last_pixel_load_ = 0;
   slow_frames_ = calm_frames_ = 0;
@@ -149,12 +154,12 @@ void FrameRateControl::lowerRate() noexcept {
   rate_.end();
 }
 
-/// Restores the rate, the resolution or the threshold. Twice the rate means twice the work; the next
-/// resolution at most that.
+/// Restores the rate, the resolution or the threshold. Twice the rate means twice the work; the next higher
+/// resolution means at most twice the work.
 void FrameRateControl::ease() noexcept {
   calm_frames_ = 0;
   const bool fits_limit = double_need_ <= mostSteps();
-  const bool stays_fine = full_need_ < kStepsBeforeScale;  // or the resolution would drop again
+  const bool stays_fine = full_need_ < kStepsBeforeScale;  // otherwise the resolution would drop again
   const bool leaves_room =
       double_need_ <= mostSteps() + kStepsOfScale && 2 * calm_pixel_load_ <= kPixelFillAgain;
   if (rate_.see(halvings_ > 0 && fits_limit)) {

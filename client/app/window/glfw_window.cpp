@@ -14,9 +14,10 @@
 namespace lode::app {
 namespace {
 
-constexpr double kClickReach = 4;             ///< pointer units that it may move between down and up
-constexpr double kDoubleClickS = 0.35;        ///< between two clicks, without the time to draw frames
-constexpr double kLongestDoubleClickS = 1.2;  ///< between two clicks, with it
+constexpr double kClickReach = 4;       ///< longest way of the pointer during a click, in pointer units
+constexpr double kDoubleClickS = 0.35;  ///< longest time between two clicks, less the time spent on frames
+/// Longest time between two clicks, with the time spent on frames.
+constexpr double kLongestDoubleClickS = 1.2;
 
 std::string lastGlfwError() {
   const char* text = nullptr;
@@ -166,8 +167,8 @@ void GlfwWindow::pressKey(int key, int modifiers) {
   }
 }
 
-/// Handles signs wherever the keyboard layout has them. GLFW sends the key's event first, so that
-/// is_repeated_ is known.
+/// Handles typed signs, independent of their keys on the keyboard layout. GLFW sends the key's event before
+/// the sign, so that is_repeated_ is known.
 void GlfwWindow::typeSign(unsigned code) {
   if (is_repeated_) return;
   if (code == '?') pending_.toggle_help = !pending_.toggle_help;
@@ -230,8 +231,8 @@ FlyKeys GlfwWindow::heldKeys() const {
 
 bool GlfwWindow::hasGamepad() const noexcept { return glfwJoystickIsGamepad(GLFW_JOYSTICK_1) == GLFW_TRUE; }
 
-/// Adds the gamepad to the keys: right bumper as Shift, A next camera, Y first view, X next colour mode,
-/// Start help.
+/// Adds the gamepad's sticks and buttons to the input. Buttons: the right bumper acts as Shift, A selects the
+/// next camera, Y the first view, X the next colour mode, and Start shows the help.
 void GlfwWindow::takeGamepad(Input& input) {
   GLFWgamepadstate pad;
   if (!hasGamepad() || glfwGetGamepadState(GLFW_JOYSTICK_1, &pad) == GLFW_FALSE) return;

@@ -12,11 +12,11 @@ struct GLFWwindow;
 
 namespace lode::app {
 
-/// The program's window with an OpenGL 4.5 core context, current on the thread that made it.
-/// All functions are for that thread, which must be the program's first.
+/// The program's window with an OpenGL 4.5 core context. The context is current on the thread that created
+/// the window. Create and use the window only on the program's first thread.
 class GlfwWindow {
  public:
-  /// @throws Error kIo if there is no display or no OpenGL 4.5.
+  /// Opens the window. @throws Error kIo if the system has no display or no OpenGL 4.5.
   GlfwWindow(uint32_t width_px, uint32_t height_px, const std::string& title);
   ~GlfwWindow();
   GlfwWindow(const GlfwWindow&) = delete;
@@ -26,22 +26,22 @@ class GlfwWindow {
   /// Size of the picture; 0 while the window is minimized.
   uint32_t widthPx() const noexcept;
   uint32_t heightPx() const noexcept;
-  double contentScale() const noexcept;  ///< pixels per pixel of a display of normal density
+  double contentScale() const noexcept;  ///< ratio of this display's pixel density to normal density
 
   bool shouldClose() const noexcept;
   void setTitle(const std::string& title);
   void copyToClipboard(const std::string& text);
   /// Returns true if a gamepad that GLFW can map is connected. Gamepads send no events: poll them.
   bool hasGamepad() const noexcept;
-  /// Waits at most so long for events and handles them.
+  /// Waits for events, at most `wait_s`, and handles them.
   void handleEvents(double wait_s);
-  /// Sets the area covered by the panel: mouse input there, and drags that begin there, are not for the
-  /// picture.
+  /// Sets the area that the panel covers. The picture ignores mouse input in this area, and drags that begin
+  /// in it.
   void cover(const std::optional<Covered>& covered) { covered_ = covered; }
   /// Returns the input since the last call.
   Input takeInput();
   void swap();
-  /// Reads the picture that was drawn and is not yet swapped.
+  /// Returns the picture that was drawn last and is not yet swapped.
   render::Image readBack() const;
 
  private:
@@ -61,10 +61,10 @@ class GlfwWindow {
   bool pressed_covered_ = false;  ///< the last pressed button went down over the panel
   bool is_repeated_ = false;      ///< the last handled key event was a repeat
   glm::dvec2 pointer_{0}, pressed_at_{0}, clicked_at_{0};
-  unsigned pad_buttons_ = 0;  ///< bits of buttons held at the last poll, by GLFW's numbers
+  unsigned pad_buttons_ = 0;  ///< bits of the buttons held at the last poll, in GLFW's order
   double handled_s_ = 0;      ///< time when events were last handled
   double unattended_s_ = 0;   ///< total time spent outside of handleEvents(): events have no time stamps
-  double clicked_s_ = -1e9, clicked_unattended_s_ = 0;  ///< both times at the last click
+  double clicked_s_ = -1e9, clicked_unattended_s_ = 0;  ///< time, and unattended_s_, at the last click
   double to_px_ = 1;                                    ///< pixels of the picture per pointer unit
 };
 

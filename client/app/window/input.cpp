@@ -5,14 +5,15 @@
 namespace lode::app {
 namespace {
 
-constexpr double kDeadZone = 0.2;  ///< part of a stick's travel: worn sticks do not return closer to 0
+/// Ignored part of a stick's travel, because worn sticks do not return to 0.
+constexpr double kDeadZone = 0.2;
 
 double curved(double travel) noexcept {
   const double part = std::clamp((travel - kDeadZone) / (1 - kDeadZone), 0.0, 1.0);
   return part * part;
 }
 
-/// Curves the length, not x and y by themselves: the direction stays.
+/// Applies the curve to the length of the deflection, not to x and y separately, so that the direction stays.
 glm::dvec2 stick(const glm::dvec2& at) noexcept {
   const double travel = glm::length(at);
   return travel > 0 ? at / travel * curved(travel) : glm::dvec2(0);

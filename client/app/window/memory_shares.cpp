@@ -9,16 +9,16 @@
 namespace lode::render {
 namespace {
 
-constexpr uint64_t kStagingShare = 256;      // a frame uploads at most 1/256 of the memory
-constexpr uint64_t kPageShare = 8;           // a buffer holds 1/8 of the meshes' memory, but at most
-constexpr uint64_t kBufferBytes = 4u << 20;  // 4 MiB: software GL takes a millisecond to make that
-constexpr uint64_t kSpareShare = 4;          // 1/4 of the meshes' memory keeps meshes no longer drawn
-constexpr uint64_t kWasteShare = 8;          // at most 1/8 of it is lost at the ends of buffers
+constexpr uint64_t kStagingShare = 256;  // a frame uploads at most 1/256 of the memory
+constexpr uint64_t kPageShare = 8;       // a buffer takes 1/8 of the meshes' memory, but at most kBufferBytes
+constexpr uint64_t kBufferBytes = 4u << 20;  // 4 MiB, which software GL allocates in a millisecond
+constexpr uint64_t kSpareShare = 4;  // 1/4 of the meshes' memory keeps meshes that are no longer drawn
+constexpr uint64_t kWasteShare = 8;  // at most 1/8 of the meshes' memory is lost at the ends of buffers
 
 }  // namespace
 
-/// Tiles get what the core's texture budget allows, plus half of it for copying while their array grows.
-/// Meshes get the rest, at least 3/8 of the GPU's half.
+/// Gives texture tiles as many bytes on the GPU as the core's texture budget, plus half as many for copying
+/// while the tiles' array grows. Gives meshes the rest, at least 3/8 of the GPU's half.
 MemoryShares shareMemory(uint64_t memory_budget_bytes) {
   MemoryShares shares;
   shares.stream_bytes = memory_budget_bytes / 2;

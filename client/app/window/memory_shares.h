@@ -7,19 +7,19 @@
 
 namespace lode::render {
 
-/// Division of a program's memory budget between the client core and the copies on the GPU: one half each.
+/// Division of a program's memory budget: one half for the client core, one half for the copies on the GPU.
 struct MemoryShares {
   uint64_t stream_bytes = 0;  ///< EngineOptions::memory_budget_bytes
-  uint64_t drawn_bytes =
-      0;  ///< EngineOptions::drawn_budget_bytes: fits on the GPU whatever the meshes' sizes
-  /// Uses the other half; with budgets below 32 MB, upload buffers exceed it.
+  /// RefineOptions::drawn_budget_bytes: bytes of meshes of any size that fit on the GPU.
+  uint64_t drawn_bytes = 0;
+  /// Budgets of the GPU's half. With memory budgets below 32 MB, the upload buffers exceed this half.
   ResidencyOptions gpu;
 };
 
 /// Divides a memory budget. Pure.
 MemoryShares shareMemory(uint64_t memory_budget_bytes);
 
-/// Returns the options with the stream's share as budgets.
+/// Returns the options with the budgets of the stream's share.
 stream::StreamOptions withShare(stream::StreamOptions options, const MemoryShares& memory);
 
 }  // namespace lode::render

@@ -6,7 +6,8 @@ class App;
 
 namespace lode::app {
 
-/// Declares `render`: draws pictures off-screen, each once the scene has converged for its camera.
+/// Declares the subcommand `render`, which draws pictures off-screen. It draws each picture once the scene
+/// has converged for the picture's camera.
 void declareRender(CLI::App& program, int& exit_status);
 
 }  // namespace lode::app

@@ -14,9 +14,9 @@ struct Settings {
   bool darkens_hollows = true;   ///< ambient occlusion
   bool fades = true;             ///< cross-fade LODs
   float exposure = 1;            ///< kLeastExposure to kLargestExposure
-  bool fixes_threshold = false;  ///< keep the threshold whatever a frame takes
-  float threshold_px = 1;        ///< while the camera rests, kLeastThresholdPx to kLargestThresholdPx
-  float fps = 60;                ///< while the camera moves, kLeastFps to kLargestFps
+  bool fixes_threshold = false;  ///< keep the threshold even if frames are slow
+  float threshold_px = 1;        ///< threshold at rest, kLeastThresholdPx to kLargestThresholdPx
+  float fps = 60;                ///< frame rate to keep while the camera moves, kLeastFps to kLargestFps
   uint64_t memory_bytes = 0;     ///< budget of streams and GPU copies together
 
   bool operator==(const Settings&) const = default;
@@ -24,14 +24,14 @@ struct Settings {
 
 constexpr float kLeastExposure = 0.1f, kLargestExposure = 10;
 constexpr float kLeastFps = 5, kLargestFps = 240;
-/// Memory budgets to choose from.
+/// Memory budgets that the panel offers.
 constexpr std::array<uint64_t, 9> kMemorySteps{20'000'000,    50'000'000,    100'000'000,
                                                200'000'000,   500'000'000,   1'000'000'000,
                                                2'000'000'000, 5'000'000'000, 10'000'000'000};
-/// Returns the index of the step nearest to a budget, by their ratio. Pure.
+/// Returns the index of the step whose ratio to a budget is closest to 1. Pure.
 size_t memoryStepAt(uint64_t bytes) noexcept;
 
-/// The colour mode, as keys change it.
+/// The current colour mode. Keys change it.
 class ColorModeSwitch {
  public:
   explicit ColorModeSwitch(render::ColorMode first) noexcept
@@ -42,11 +42,11 @@ class ColorModeSwitch {
   /// Steps through all modes and wraps around; negative steps go back.
   void step(int steps) noexcept;
   void show(render::ColorMode shown) noexcept { shown_ = shown; }
-  /// Switches to the wireframe, or from it back to the mode before.
+  /// Switches to the wireframe; if the wireframe is shown, switches back to the mode before it.
   void toggleWireframe() noexcept;
 
  private:
-  render::ColorMode shown_, filled_;  ///< filled_: the mode before the wireframe
+  render::ColorMode shown_, filled_;  ///< filled_: the mode shown before the wireframe
 };
 
 }  // namespace lode::app

@@ -5,7 +5,8 @@
 
 namespace lode::app {
 
-/// A larger bound tells nothing: the eye is inside a part's box, whose surface may be anywhere in it.
+/// Largest error that the panel states. A larger error bound says nothing: the eye is inside the box of a
+/// part, and the part's surface may be anywhere in this box.
 constexpr float kLargestToldErrorPx = 64;
 
 /// State of a picture that is being refined.
@@ -15,17 +16,18 @@ struct Refining {
   uint64_t received_bytes = 0;
 };
 
-// Texts for the panel that state the error of the picture.
+// The next functions return texts for the panel that state the error of the picture.
 
-/// The picture is being refined.
+/// Returns the text for a picture that is being refined.
 std::string refiningText(const Refining& refining);
-/// The memory budget limits the picture.
+/// Returns the text for a picture that the memory budget limits.
 std::string limitedText(float error_px);
-/// The server is unreachable.
+/// Returns the text for a picture whose server is unreachable.
 std::string waitingText(float error_px);
-/// Finer parts are damaged or refused for good.
+/// Returns the text for a picture whose finer parts are damaged or permanently refused.
 std::string lackingText(float error_px);
-/// The picture has converged. An error above the threshold means that the file has no finer triangles.
+/// Returns the text for a converged picture. An error above the threshold means that the file has no finer
+/// triangles.
 std::string convergedText(float error_px, float threshold_px);
 
 }  // namespace lode::app

@@ -11,17 +11,18 @@ class App;
 
 namespace lode::app {
 
+/// Options of the subcommand `view`.
 struct ViewOptions {
   CommonOptions common;
   LookOptions look;
   double fps = 60;
   bool is_threshold_fixed = false;  ///< --pixels was given: the frame rate does not change the threshold
-  std::string screenshot;           ///< if not empty: save a converged picture of the window there, and end
-  int laps = 0;       ///< if > 0: fly the camera's path so many times, print frame times, and end
-  bool json = false;  ///< print them as JSON
+  std::string screenshot;           ///< if not empty: file in which to save a converged picture; then end
+  int laps = 0;       ///< if > 0: number of times to fly the camera's path; then print frame times and end
+  bool json = false;  ///< print the frame times as JSON
 };
 
-/// Declares `view`: a window that shows a model or a scene while it streams.
+/// Declares the subcommand `view`: a window that shows a model or a scene while its data streams.
 void declareView(CLI::App& program, int& exit_status);
 
 }  // namespace lode::app

@@ -77,7 +77,7 @@ bool Viewer::settled() const {
          status.cut->threshold_px == pacing_.askedPx() && scene_.uploaded();
 }
 
-/// Returns how long to wait for input: long while nothing changes, briefly while streams refine.
+/// Returns the time to wait for input: long while nothing changes, short while streams refine.
 double Viewer::waitSeconds() const {
   if (isMinimized() || (failed_ && frames_to_draw_ == 0)) return kIdleWaitS;
   if (isWorthWaiting()) return kCoarserWaitS;
@@ -114,7 +114,7 @@ void Viewer::frame() {
   draw();
 }
 
-/// A frame of a minimized window: draws nothing, but checks the timeout and flies on.
+/// Handles a frame of a minimized window: draws nothing, but checks the timeout and continues the flight.
 void Viewer::passUnseen() {
   const bool is_picture_due = !options_.screenshot.empty() || (pilot_ && !pilot_->isUnderWay());
   if (is_picture_due && isTimeOver())
@@ -133,7 +133,7 @@ bool Viewer::isPictureOld(const Input& input) const {
          isQuick() != drawn_.is_quick || (rig_ && rig_->view() != drawn_.view);
 }
 
-/// Returns true if a much coarser cut is coming soon: drawing it is faster than drawing the old one first.
+/// Returns true if a much coarser cut will arrive soon and drawing should wait for it.
 bool Viewer::isWorthWaiting() const {
   return rig_ && pacing_.isWorthWaiting(drawnThresholdPx(), scene_.uploaded(), Clock::now());
 }
@@ -196,23 +196,23 @@ void Viewer::stream() {
   uploads_ms_ += secondsSince(start) * 1e3;
 }
 
-/// A screenshot shows no fades.
+/// Returns the time of the next picture, and whether nodes fade in it. Nothing fades in a screenshot.
 render::DrawTime Viewer::time() const {
   const bool is_fast_enough = pacing_.workMs() * kFramesOfFade <= render::kFadeS * 1e3;
   return {secondsSince(started_), fades_ && is_fast_enough && options_.screenshot.empty(),
           occlusion_culling_};
 }
 
-/// A screenshot equals the picture that `render` draws.
+/// Returns true if ambient occlusion is drawn. A screenshot always has it, like the pictures of `render`.
 bool Viewer::darkensHollows() const { return darkens_hollows_ || !options_.screenshot.empty(); }
 
-/// Returns true if a picture gets one sample a pixel: where the CPU draws and the camera moves, a finer
+/// Returns true if a picture gets one sample per pixel. If the CPU draws and the camera moves, a finer
 /// threshold is worth more than antialiasing.
 bool Viewer::isQuick() const {
   return draws_in_software_ && rig_ && !pacing_.isResting() && options_.screenshot.empty();
 }
 
-/// Returns the camera's view with the pixels that are drawn: thresholds are in these.
+/// Returns the camera's view with the size of the drawn picture. Thresholds are in pixels of this picture.
 core::View Viewer::drawnView() const {
   core::View view;
   if (rig_) view = rig_->view();
@@ -236,8 +236,8 @@ const render::Framebuffer& Viewer::target(const core::View& view) {
   return *target;
 }
 
-/// Returns the coarsening of a drawn frame for the frame-rate control; nothing if a frame of the moving
-/// camera is drawn in another way.
+/// Returns the coarsening of a drawn frame for the frame-rate control. Returns nothing if the frame does not
+/// tell how long frames take while the camera moves.
 std::optional<render::Coarsening> Viewer::coarseningOf(const render::DrawCounts& drawn,
                                                        const core::View& view) const {
   std::optional<render::Coarsening> coarsening = render::coarseningOf(drawn.shown, pacing_.thresholdPx());
@@ -308,7 +308,7 @@ void Viewer::describe() {
   content_.message = secondsSince(noted_) < kNoteS ? note_ : "";
 }
 
-/// Returns true if --timeout has passed since the target was open.
+/// Returns true if the time of --timeout has passed since the target was opened.
 bool Viewer::isTimeOver() const { return rig_ && secondsSince(opened_) > options_.common.timeout_s; }
 
 }  // namespace lode::app

@@ -25,18 +25,18 @@
 
 namespace lode::app {
 
-/// The window: handles input, tells the streams the camera, uploads within each frame's budget and draws.
-/// Refinement, network and decoding run on the threads of each stream::Streamer. For the program's first
-/// thread.
+/// The program's window. Handles input, passes the camera to the streams, uploads within each frame's budget
+/// and draws. Refinement, network and decoding run on the threads of each stream::Streamer. Use it only on
+/// the program's first thread.
 class Viewer {
  public:
   /// Opens the window and begins to open the target. @throws Error.
   explicit Viewer(const ViewOptions& options);
   /// Runs until the user closes the window, then writes a picture or a recording that is still due.
-  /// @return false if the target could not be opened; the window and a line on stderr have shown why.
-  /// @throws Error on wrong usage; with --screenshot or --laps also if the target cannot be opened, if the
-  /// picture is not complete in time or before the window is closed, or if the flight cannot begin or is cut
-  /// short (its frames are printed before); if the last picture cannot be written.
+  /// @return false if the target could not be opened; the window and a line on stderr have shown the reason.
+  /// @throws Error on wrong usage, or if the last picture cannot be written. With --screenshot or --laps also
+  /// if the target cannot be opened; if the picture is incomplete after the timeout or when the window is
+  /// closed; if the flight cannot begin; or if the flight is cut short, after printing its frames.
   bool run();
 
  private:
@@ -102,11 +102,12 @@ class Viewer {
   const render::OcclusionCulling occlusion_culling_ = render::fastestOcclusionCulling();
   Panel panel_;
   ViewedScene scene_;
-  std::optional<render::Framebuffer> smooth_, quick_;  ///< several samples a pixel, and one
+  /// Framebuffers with several samples per pixel and with one sample per pixel.
+  std::optional<render::Framebuffer> smooth_, quick_;
   render::AmbientOcclusion occlusion_;
   render::FrameTimer timer_;
   Pacing pacing_;
-  double uploads_ms_ = 0;         ///< since the last frame
+  double uploads_ms_ = 0;         ///< time spent on uploads since the last frame
   std::optional<CameraRig> rig_;  ///< empty until the scene is open
   std::optional<Error> failed_;   ///< set if the scene cannot be opened
   /// State of the last picture in the window.
@@ -121,12 +122,13 @@ class Viewer {
   RefiningProgress progress_;
   const FirstStart first_start_;
   PathRecorder recorder_;
-  std::optional<Pilot> pilot_;  ///< set with --laps
+  std::optional<Pilot> pilot_;  ///< set if --laps is given
   render::DrawStyle style_;
   ColorModeSwitch show_;
   uint64_t memory_bytes_ = 0;
   bool fades_ = options_.common.fade;
-  /// Off by default where the CPU draws: ambient occlusion costs the same at every threshold.
+  /// Whether ambient occlusion is drawn. Off by default if the CPU draws, because its cost is the same at
+  /// every threshold.
   bool darkens_hollows_ = !draws_in_software_;
   PanelContent content_;
   Clock::time_point started_ = Clock::now(), opened_ = started_, last_frame_ = started_, noted_ = started_;

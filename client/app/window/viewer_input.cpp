@@ -7,7 +7,7 @@
 #include "client/app/window/viewer.h"
 #include "client/render/residency/staging_ring.h"
 
-/// Input: keys, mouse, camera and settings.
+/// Part of Viewer that handles input: keys, mouse, camera and settings.
 namespace lode::app {
 namespace {
 
@@ -15,7 +15,7 @@ constexpr double kLongestStepS = 0.1;  ///< longest time that a flight advances 
 
 }  // namespace
 
-/// Gives the wheel to the panel below the pointer if that is too high for the window.
+/// Scrolls the panel below the pointer by the wheel if the panel is too high for the window.
 void Viewer::scrollPanel(Input& input) {
   PanelScroll* const scroll = input.wheel != 0 ? panel_.scrolledAt(input.pointer_px) : nullptr;
   if (scroll == nullptr) return;
@@ -47,7 +47,7 @@ void Viewer::noteBookmark(const Input& input) {
     note("no bookmark " + number + " yet: Ctrl+" + number + " sets it");
 }
 
-/// Any key closes the help, which then no longer opens by itself.
+/// Opens or closes the help. Any key closes it; after that it does not open by itself again.
 void Viewer::openOrCloseHelp(const Input& input) {
   if (!content_.help) {
     content_.help = input.toggle_help;
@@ -62,7 +62,7 @@ std::optional<PickedPoint> Viewer::under(const glm::dvec2& pixel_px) {
   return scene_.under(rig_->view(), pixel_px);
 }
 
-/// Copies after picking: a click in the same frame is copied, too.
+/// Picks a point, then copies the picks if requested, so that a click in the same frame is copied, too.
 void Viewer::pick(const Input& input) {
   if (input.pressed || input.clicked || input.double_clicked || input.wheel != 0) pointAt(input);
   if (!input.copy) return;
@@ -80,21 +80,23 @@ void Viewer::pointAt(const Input& input) {
   }
   if (input.double_clicked) {
     rig_->flyTo(hit->position_model);
-    if (!input.clicked) picks_.takeBack();  // undoes the first of the two clicks
+    if (!input.clicked) picks_.takeBack();  // undoes the first click of the double click
     return;
   }
   rig_->turnAbout(hit->position_model);
   if (input.clicked) picks_.add(*hit);
 }
 
-/// Returns the share of the width that the panel covers. Screenshots frame the model as `render` does.
+/// Returns the share of the window's width that the panel covers; 0 for a screenshot, which frames the model
+/// as `render` does.
 double Viewer::coveredShare() const {
   if (!isInteractive() || !content_.visible) return 0;
   const glm::vec2 window_px(window_.widthPx(), window_.heightPx());
   return app::coveredShare(window_px, kTextPx * static_cast<float>(window_.contentScale()));
 }
 
-/// Returns the surface point below the pointer, else in the middle of the picture, else below the eye.
+/// Returns the surface point below the pointer; if there is none, the point in the middle of the picture, or
+/// else the ground below the eye.
 std::optional<glm::dvec3> Viewer::startOfWalk(const glm::dvec2& pointer_px, const GroundBelow& ground) {
   const core::View& view = rig_->view();
   for (const glm::dvec2& pixel_px : {pointer_px, glm::dvec2(view.width_px, view.height_px) / 2.0})
@@ -134,7 +136,8 @@ Settings Viewer::settings() const {
           .memory_bytes = memory_bytes_};
 }
 
-/// Applies only what the user changed: other values may lie outside the range of the settings.
+/// Applies the settings that the user changed. Leaves other values, which may lie outside the settings'
+/// range.
 void Viewer::apply(const Settings& wanted) {
   const Settings now = settings();
   if (wanted.unlit != now.unlit)
