@@ -39,24 +39,24 @@ typedef struct lodestream_mesh lodestream_mesh;
  * in the default values. */
 typedef struct lodestream_options {
   const char* token;            /* access token; NULL: none */
-  const char* ca_file;          /* PEM file of certificate authorities for lodes://; NULL: the system's */
-  const char* cache_folder;     /* caches received data between runs; NULL: no cache */
-  uint64_t memory_budget_bytes; /* for hierarchy, received data and decoded meshes; 0: 1 GiB */
+  const char* ca_file;          /* PEM file of authorities for lodes://; NULL: the system's authorities */
+  const char* cache_folder;     /* folder that caches received data between runs; NULL: no cache */
+  uint64_t memory_budget_bytes; /* limit for hierarchy, received data, meshes and textures; 0: 1 GiB */
   uint64_t triangle_budget;     /* largest number of triangles of a cut; 0: no limit */
-  uint32_t connect_timeout_ms;  /* until the server's first byte; 0: 20,000 */
-  uint32_t decode_threads;      /* at most 256; 0: two fewer than there are cores, at least one */
+  uint32_t connect_timeout_ms;  /* longest time until the server's first byte; 0: 20,000 */
+  uint32_t decode_threads;      /* at most 256; 0: the number of cores minus two, at least one */
 } lodestream_options;
 
 typedef struct lodestream_model {
   double origin[3];
   double box_min[3], box_max[3]; /* true coordinates */
-  uint64_t triangles;            /* of the original model */
+  uint64_t triangles;            /* number of triangles of the original model */
   uint32_t has_normals, has_colours;
-  uint32_t has_textures; /* images; texture_uvs may exist without them */
+  uint32_t has_textures; /* 1 if there are images; texture_uvs may exist without images */
 } lodestream_model;
 
-/* A camera and its picture. Vectors must be finite. A minimized window has no pixels and no valid view: do
- * not set one; the last view stays in effect. */
+/* A camera and its picture. Vectors must be finite. A minimized window has no pixels, so do not
+ * set a view for it; the last view stays in effect. */
 typedef struct lodestream_view {
   double eye[3], target[3], up[3];
   double fov_y_deg;             /* 0.01 to 170 */
@@ -67,16 +67,16 @@ typedef struct lodestream_view {
 typedef struct lodestream_status {
   uint32_t is_open;         /* the model is open: lodestream_describe() works */
   uint32_t has_cut;         /* lodestream_take_cut() returns a cut */
-  uint32_t is_converged;    /* the view last set is within its threshold */
-  uint32_t is_settled;      /* the cut is final for that view */
-  uint32_t is_limited;      /* a budget keeps that view from converging */
-  uint32_t is_reconnecting; /* the connection broke and the library reconnects; the cut stays */
-  uint32_t has_failed;      /* part of the model cannot be loaded: see lodestream_last_error() */
+  uint32_t is_converged;    /* the cut is within the threshold of the view that was set last */
+  uint32_t is_settled;      /* the cut is final for the view that was set last */
+  uint32_t is_limited;      /* a budget prevents the cut from converging */
+  uint32_t is_reconnecting; /* the connection broke and the library reconnects; the last cut stays */
+  uint32_t has_failed;      /* a part of the model cannot be loaded: see lodestream_last_error() */
   uint32_t has_ended;       /* the stream has stopped for good: see lodestream_last_error() */
   uint64_t received_bytes;
   uint64_t resident_bytes; /* memory of decoded meshes */
   uint64_t cut_serial;     /* serial of the current cut; changes with every new cut; 0: none */
-  uint32_t is_finest;      /* that view shows the finest data of the model, but exceeds its threshold */
+  uint32_t is_finest;      /* the cut is the finest that the model has, but exceeds the threshold */
 } lodestream_status;
 
 typedef struct lodestream_cut_info {
@@ -85,18 +85,18 @@ typedef struct lodestream_cut_info {
   size_t tiles, textures;
   uint64_t triangles;
   float max_error_px;    /* largest projected error of the visible parts */
-  uint32_t is_converged; /* within the threshold of its view */
-  uint32_t is_finest;    /* the finest data of the model, but not within the threshold */
+  uint32_t is_converged; /* the cut is within the threshold of its view */
+  uint32_t is_finest;    /* the cut is the finest that the model has, but exceeds the threshold */
   uint64_t serial;       /* lodestream_status.cut_serial of this cut */
 } lodestream_cut_info;
 
-/* A part of a cut. Parts with the same mesh id, in one cut or in several cuts held at the same time, share
- * one mesh, so a renderer can reuse an uploaded mesh for the next cut. */
+/* A part of a cut. Parts with the same mesh id share one mesh, also parts of several cuts that
+ * exist at the same time, so a renderer can reuse an uploaded mesh for the next cut. */
 typedef struct lodestream_part {
   uint64_t mesh;       /* mesh id */
-  uint64_t node;       /* octree node: a leading 1, then 3 bits per level: x, y, z from the lowest bit */
+  uint64_t node;       /* octree node: a 1, then 3 bits per level: x (lowest bit), y, z */
   uint32_t lod;        /* 0 is the finest */
-  uint32_t is_visible; /* in the cut's own view; draw what lodestream_cut_shown() selects instead */
+  uint32_t is_visible; /* visible in the cut's own view; lodestream_cut_shown() selects what to draw */
   uint64_t triangles;
   float error_px; /* projected error in the cut's view */
 } lodestream_part;
@@ -110,15 +110,15 @@ typedef struct lodestream_arrays {
   const float* positions;     /* x y z */
   const float* normals;       /* x y z, unit length */
   const uint8_t* colours;     /* r g b a, sRGB */
-  const float* texture_uvs;   /* u v; v = 0 is the lower edge of the image; values outside 0..1 repeat it */
+  const float* texture_uvs;   /* u v; v = 0 is the lower edge of the image; the image repeats outside 0..1 */
   const uint16_t* texture_of; /* texture number per vertex, or LODESTREAM_NO_TEXTURE; NULL without textures */
-  const uint32_t* indices;    /* three per triangle, counter-clockwise */
+  const uint32_t* indices;    /* three vertices per triangle, counter-clockwise */
 } lodestream_arrays;
 
 typedef struct lodestream_tile {
   uint32_t texture, level, column, row; /* level 0 is the finest; row 0 is at the top */
   uint32_t width_px, height_px;         /* including a gutter of 2 px on each side */
-  const uint8_t* rgba;                  /* rows from the top; valid while the cut is held */
+  const uint8_t* rgba;                  /* rows from the top; valid until the cut is released */
 } lodestream_tile;
 
 typedef struct lodestream_texture {
@@ -133,13 +133,13 @@ void lodestream_default_options(lodestream_options* options);
 /* Starts to open lode://HOST[:PORT]/MODEL, or lodes:// with TLS. Call lodestream_step() until the status says
  * is_open. options: NULL selects the defaults. */
 lodestream_stream* lodestream_open(const char* url, const lodestream_options* options);
-/* Closes the stream and joins its threads. NULL is ignored, as in all release functions. */
+/* Closes the stream and joins its threads. Ignores NULL, as all release functions do. */
 void lodestream_close(lodestream_stream* stream);
 
-/* Waits for a change since the last step, at most wait_ms, and returns the status. 0 does not wait.
- * Setting a view that has settled already counts as a change. */
+/* Waits for a change since the last step, at most wait_ms, and returns the status. If wait_ms is 0, returns
+ * at once. Setting a view that has settled already counts as a change. */
 int lodestream_step(lodestream_stream* stream, uint32_t wait_ms, lodestream_status* status);
-/* Describes the model. Fails until it is open. */
+/* Describes the model. Fails until the model is open. */
 int lodestream_describe(lodestream_stream* stream, lodestream_model* model);
 /* Sets the view to refine for. Fails until the model is open. */
 int lodestream_set_view(lodestream_stream* stream, const lodestream_view* view);
@@ -148,13 +148,13 @@ int lodestream_set_view(lodestream_stream* stream, const lodestream_view* view);
  * NULL if there is no cut yet, which is not an error: lodestream_last_error() does not change. */
 lodestream_cut* lodestream_take_cut(lodestream_stream* stream);
 void lodestream_release_cut(lodestream_cut* cut);
-/* Describes a cut; all zeros for NULL. */
+/* Describes a cut; writes zeros if the cut is NULL. */
 void lodestream_cut_describe(const lodestream_cut* cut, lodestream_cut_info* info);
-/* Describes a part or fallback. number: below parts + fallbacks. */
+/* Describes a part or fallback. number: less than parts + fallbacks. */
 int lodestream_cut_part(const lodestream_cut* cut, size_t number, lodestream_part* part);
-/* Selects the parts to draw for a camera that may have moved since the cut was refined: the cut's parts,
- * but a fallback for its whole region where the camera sees a missing part. numbers needs room for parts +
- * fallbacks entries; *count receives the number written. */
+/* Selects the parts to draw for a camera that may have moved since the cut was refined: the cut's parts.
+ * If the camera sees a missing part, its fallback replaces all parts in the fallback's region. The array
+ * numbers needs room for parts + fallbacks entries; *count receives the number of entries written. */
 int lodestream_cut_shown(const lodestream_cut* cut, const lodestream_view* view, size_t* numbers,
                          size_t* count);
 
@@ -164,7 +164,7 @@ void lodestream_release_mesh(lodestream_mesh* mesh);
 
 /* Returns a loaded tile. Coarse levels come first; draw them while finer tiles are missing. */
 int lodestream_cut_tile(const lodestream_cut* cut, size_t number, lodestream_tile* tile);
-/* Returns the size of a texture. number: below lodestream_cut_info.textures. */
+/* Returns the size of a texture. number: less than lodestream_cut_info.textures. */
 int lodestream_cut_texture(const lodestream_cut* cut, size_t number, lodestream_texture* texture);
 
 #ifdef __cplusplus

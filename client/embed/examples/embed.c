@@ -9,7 +9,7 @@
 
 #include <lodestream.h>
 
-/* Looks at the box from the front and slightly above, so that it fills the picture. */
+/* Returns a view of the model's box from the front and slightly above, in which the box fills the picture. */
 static lodestream_view frame(const lodestream_model* model) {
   lodestream_view view = {.up = {0, 1, 0}, .fov_y_deg = 45, .width_px = 1280, .height_px = 720, .threshold_px = 1};
   double squared = 0;
