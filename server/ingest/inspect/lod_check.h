@@ -37,7 +37,7 @@ struct LeafSurface {
   LatticeBox box;
   std::vector<glm::uvec3> positions;
   std::vector<glm::u32vec3> triangles;
-  TriangleTree tree;  ///< in lattice steps from the box's lowest corner
+  TriangleTree tree;  ///< tree of the triangles, in lattice steps from the box's lowest corner
 };
 
 /// Measures the largest distance between an LOD and the leaves below its node: from every triangle of the

@@ -78,7 +78,7 @@ class TopologyCounter {
   RecordSorter edges_;  ///< the faces' edges; the key is both ends, the record is the direction
   std::optional<PieceCounter> pieces_;
   std::optional<VertexSet> used_;            ///< first vertices of the positions that faces use
-  std::optional<LostTriangleCounter> lost_;  ///< empty if there is no lattice
+  std::optional<LostTriangleCounter> lost_;  ///< empty if there is no suitable lattice
   std::vector<Member> members_;              ///< vertices of the current batch
   std::vector<Member> face_;                 ///< corners of the current face
   std::vector<glm::dvec3> corners_;          ///< positions of the current face

@@ -14,12 +14,12 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kMargin = 1.001f;  ///< for rounding errors
+constexpr float kMargin = 1.001f;  ///< factor that covers rounding errors
 constexpr float kBoundaryPrecision = 1.02f;
-constexpr float kNegligible = 0.25f;      ///< lattice steps; the precision of float at large coordinates
-constexpr float kShortestPart = 0.5f;     ///< lattice steps; shorter parts are not divided
-constexpr size_t kFewBoundaries = 16;     ///< up to this many are all searched
-constexpr size_t kManyBoundaries = 4096;  ///< enough to measure an edge against
+constexpr float kNegligible = 0.25f;      ///< precision of float at large coordinates, in lattice steps
+constexpr float kShortestPart = 0.5f;     ///< length in lattice steps; shorter parts are not divided
+constexpr size_t kFewBoundaries = 16;     ///< number of boundaries up to which a search tests all of them
+constexpr size_t kManyBoundaries = 4096;  ///< number of boundaries that suffices to measure an edge
 
 /// A position of the simplified mesh, and a reference with an end that maps to it.
 struct Meeting {
@@ -33,8 +33,8 @@ float squaredDistance(glm::vec3 point, std::span<const Segment> boundaries) noex
   return squared;
 }
 
-/// Upper bound for all points of a part: the distance from one segment is convex, so it is largest at an end
-/// of the part.
+/// Returns an upper bound of the squared distance of a part's points from the boundaries. The distance from
+/// one boundary is convex, so it is largest at an end of the part.
 float squaredBound(const Segment& part, std::span<const Segment> boundaries) noexcept {
   float squared = std::numeric_limits<float>::infinity();
   for (const Segment& boundary : boundaries)
@@ -45,8 +45,8 @@ float squaredBound(const Segment& part, std::span<const Segment> boundaries) noe
 
 /// Bounds of the largest squared distance.
 struct Farthest {
-  float reached = 0;  ///< largest one measured
-  float at_most = 0;  ///< upper bound
+  float reached = 0;  ///< largest squared distance measured
+  float at_most = 0;  ///< upper bound of the largest squared distance
 };
 
 /// Moves the boundaries that can be nearest to some point of a part to the front. @return their number.
@@ -88,7 +88,7 @@ void measureSegment(const Segment& segment, std::span<Segment> boundaries, Farth
   }
 }
 
-/// References by the positions of the simplified mesh that their ends map to.
+/// Finds references by the positions of the simplified mesh that the references' ends map to.
 class MeetingBoundaries {
  public:
   MeetingBoundaries(const SimplifiedMesh& simplified, const LodInput& input)
@@ -103,7 +103,7 @@ class MeetingBoundaries {
     });
   }
 
-  /// Collects the references at some positions, up to kManyBoundaries.
+  /// Collects references at some positions, about kManyBoundaries at most.
   void gather(std::span<const uint32_t> places, std::vector<Segment>& boundaries) const {
     const auto pointOf = [](PositionCode position) { return glm::vec3(unpackPosition(position)); };
     boundaries.clear();
@@ -146,7 +146,7 @@ class MeetingBoundaries {
   std::vector<Meeting> meetings_;
 };
 
-/// Images of the input's boundary edges in the simplified mesh, sorted.
+/// Returns the images of the input's boundary edges in the simplified mesh, sorted.
 std::vector<glm::u32vec2> imagesOfBoundaries(const SimplifiedMesh& simplified, const LodInput& input) {
   std::vector<glm::u32vec2> images;
   for (const glm::u32vec2 boundary : input.boundaries()) {

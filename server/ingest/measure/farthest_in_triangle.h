@@ -293,7 +293,7 @@ class FarthestInTriangle {
   static constexpr int kMostCuts = 24;
   static constexpr float kPrecision = 1.02f;
   static constexpr float kFromCorners =
-      0.5773503f;  ///< times the longest edge: largest distance of a point from its nearest corner
+      0.5773503f;  ///< largest distance of a point from its nearest corner, relative to the longest edge
   static constexpr float kLeastShare = 0.125f;  ///< smallest part of an edge that is cut off
 
   const Surface& surface_;

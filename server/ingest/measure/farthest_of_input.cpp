@@ -10,7 +10,7 @@
 namespace lode::ingest {
 namespace {
 
-// Relative to the largest distance so far: triangles that are estimated to be nearer are skipped.
+// Triangles with an estimated distance below this share of the largest distance so far are skipped.
 constexpr float kRefineAboveInInput = 0.7f;
 
 /// Plane of a triangle; the normal is 0 if the triangle has no area.
@@ -34,9 +34,9 @@ std::vector<Plane> planesOf(const NodeMesh& mesh) {
   return planes;
 }
 
-/// Estimates, usually from above, a triangle's largest distance from an LOD by the planes at its corners.
-/// Where a side crosses the ridge between two planes, its height is below that of each end over the other
-/// end's plane.
+/// Estimates, usually from above, a triangle's largest distance from an LOD from the LOD's planes at the
+/// triangle's corners. At the point where a side crosses the ridge between two planes, the side's height is
+/// lower than the height of each end over the other end's plane.
 float triangleDistance(const std::array<MeasuredPoint, 3>& corners, std::span<const Plane> lod_planes) {
   float most = 0;
   for (size_t k = 0; k < 3; ++k) {
@@ -48,8 +48,8 @@ float triangleDistance(const std::array<MeasuredPoint, 3>& corners, std::span<co
   return most;
 }
 
-/// Measures each position of the input, exactly if it may exceed `lower_bound`, which becomes the largest
-/// distance.
+/// Measures each position of the input; a distance is exact if it may exceed `lower_bound`. Raises
+/// `lower_bound` to the largest distance.
 std::vector<MeasuredPoint> measurePositions(const SimplifiedMesh& lod, const NodeMesh& input,
                                             const LodSurface& surface,
                                             std::span<const SurfaceWalk::Place> places, float& lower_bound) {
@@ -79,7 +79,7 @@ FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input
   for (const glm::u32vec3& t : input.triangles) {
     const MeasuredPoint &a = beside[input.wedge_position[t.x]], &b = beside[input.wedge_position[t.y]],
                         &c = beside[input.wedge_position[t.z]];
-    if (a.triangle == b.triangle && b.triangle == c.triangle) continue;  // farthest at a corner
+    if (a.triangle == b.triangle && b.triangle == c.triangle) continue;  // the farthest point is a corner
     const std::array<MeasuredPoint, 3> corners{a, b, c};
     if (triangleDistance(corners, lod_planes) <= kRefineAboveInInput * farthest.precision()) continue;
     const float before = farthest.largest();

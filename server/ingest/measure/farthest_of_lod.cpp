@@ -11,13 +11,14 @@ namespace lode::ingest {
 namespace {
 
 constexpr float kRefineAboveInLod =
-    0.8f;  ///< relative to the largest distance so far: triangles above it are sampled finely
-// Steps per edge in the first pass. A small LOD has large triangles that may hide more, and costs less.
+    0.8f;  ///< share of the largest distance so far; triangles with a larger distance are sampled finely
+// Steps per edge in the first pass. A small LOD gets more steps, because its large triangles may hide larger
+// distances and the LOD has few triangles to sample.
 constexpr size_t kVeryFewTriangles = 256, kFewTriangles = 1024;
 constexpr uint32_t stepsAtFirst(size_t triangles) {
   return triangles <= kVeryFewTriangles ? 8 : triangles <= kFewTriangles ? 4 : 2;
 }
-constexpr float kManySteps = 1.5f;  ///< steps per input edge along an LOD edge
+constexpr float kManySteps = 1.5f;  ///< number of steps along an LOD edge per length of an input edge
 constexpr uint32_t kMostSteps = 24;
 constexpr uint32_t kMostStarts = 64;
 
@@ -76,7 +77,8 @@ class Measurement {
                      static_cast<float>(std::max<size_t>(1, mesh_.triangles.size())));
   }
 
-  /// @param near  start of a walk over the input; becomes its end.
+  /// @param near  position of the input at which the walk starts; receives the position at which the walk
+  /// ends.
   /// @param tolerance  distances up to this value need not be exact.
   float measure(glm::vec3 point, uint32_t& near, float tolerance) {
     const float walked = input_.walk().distanceAndAdvance(point, near, tolerance);
@@ -88,7 +90,8 @@ class Measurement {
     return exact;
   }
 
-  /// Returns the position nearest to `point` of those on a triangle, or `near` if that one is nearer.
+  /// Returns the input position on a triangle that is nearest to `point`, or `near` if that position is
+  /// nearer.
   uint32_t startFor(glm::vec3 point, size_t triangle, uint32_t near) const {
     const std::vector<PositionCode>& positions = input_.mesh().positions;
     const auto squaredDistance = [&](uint32_t position) {
@@ -117,14 +120,14 @@ class Measurement {
     const glm::u32vec3 at = cornersOf(triangle);
     float high = std::max({of_vertex_[at.x], of_vertex_[at.y], of_vertex_[at.z]});
     for (int k = 0; k < 3; ++k) high = std::max(high, sampleEdge({at[k], at[(k + 1) % 3]}, triangle, steps));
-    if (steps < 3) return high;  // no inner points
+    if (steps < 3) return high;  // the triangle has no inner points
     forEachPoint(at, steps, [&](glm::vec3 point, bool is_inside, uint32_t& near) {
       if (is_inside) high = std::max(high, measureOn(triangle, point, near, kRefineAboveInLod * largest_));
     });
     return high;
   }
 
-  /// Samples an edge, once for its two triangles.
+  /// Samples an edge, unless it was sampled with its other triangle.
   float sampleEdge(glm::u32vec2 edge, size_t triangle, uint32_t steps) {
     const uint32_t lower = std::min(edge.x, edge.y), upper = std::max(edge.x, edge.y);
     const auto next = static_cast<uint32_t>(of_edge_.size());
@@ -146,14 +149,14 @@ class Measurement {
                  [&](glm::vec3 point, bool, uint32_t& near) { measureOn(triangle, point, near, largest_); });
   }
 
-  /// @param near  possible start of a walk; becomes its end.
+  /// @param near  input position at which the walk may start; receives the position at which the walk ends.
   float measureOn(size_t triangle, glm::vec3 point, uint32_t& near, float tolerance) {
     near = startFor(point, triangle, near);
     return measure(point, near, tolerance);
   }
 
-  /// Calls visit(point, is_inside, near) for the grid points of a triangle except its corners; `near` carries
-  /// over from the previous visit.
+  /// Calls visit(point, is_inside, near) for the grid points of a triangle except its corners; each visit
+  /// gets `near` as the previous visit left it.
   template <typename Visit>
   void forEachPoint(const glm::u32vec3& corners, uint32_t steps, Visit&& visit) {
     const glm::vec3 a = pointOf(corners.x), b = pointOf(corners.y), c = pointOf(corners.z);
@@ -239,9 +242,9 @@ class EdgeMeasurement {
     process(middle, to, cuts + 1);
   }
 
-  /// Returns whether all points between two are close to the input: both are close to one triangle (distance
-  /// from it is convex), or a chain of triangles connects their triangles and each of its edges is close to
-  /// the segment.
+  /// Returns whether all points between two points are close to the input. Either both ends are close to one
+  /// triangle (the distance from a triangle is convex), or a chain of triangles connects the ends' triangles
+  /// and each edge of the chain is close to the segment.
   bool isNear(const MeasuredPoint& from, const MeasuredPoint& to) const {
     const float squared = limit() * limit();
     const SurfaceWalk& walk = input_.walk();

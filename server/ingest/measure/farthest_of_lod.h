@@ -10,7 +10,8 @@ namespace lode::ingest {
 
 /// Returns the largest distance of an LOD from its input, in lattice steps. Measures at the LOD's vertices,
 /// at a few points of each triangle, and at many points of triangles whose distance is near the maximum.
-/// @param places  of the input's positions on the LOD; see placesOn(). @param sources  see sourcesOf().
+/// @param places  for each position of the input, its place on the LOD; see placesOn(). @param sources  see
+/// sourcesOf().
 /// @param lower_bound  smaller distances do not matter. @return at least lower_bound.
 float farthestOfLod(const SimplifiedMesh& lod, const LodInput& input,
                     std::span<const SurfaceWalk::Place> places, std::span<const uint32_t> sources,

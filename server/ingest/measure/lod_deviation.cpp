@@ -9,11 +9,11 @@
 namespace lode::ingest {
 namespace {
 
-// Safety factors: for skipped triangles; for points of the LOD between samples, or for an LOD that deviates
-// in the same direction as its input; for samples that were thinned out. docs/benchmarks.md (Errors) has the
-// resulting ratios of stored to measured errors.
+// Safety factors. kPrecision covers skipped triangles. kPointMargin covers points of the LOD between sampled
+// points, and an LOD that deviates in the same direction as its input. kSampleMargin covers samples that were
+// dropped. docs/benchmarks.md (Errors) has the resulting ratios of stored to measured errors.
 constexpr float kPrecision = 1.021f, kPointMargin = 1.12f, kSampleMargin = 1.1f;
-// Samples are not trusted in LODs up to the first size, and fully trusted from the second on.
+// In LODs up to the first size, samples are not trusted. From the second size on, they are fully trusted.
 constexpr float kUntrustedTriangles = 4096, kTrustedTriangles = 16384;
 constexpr float kTrustedSampleMargin = 1.3f;
 

@@ -11,10 +11,11 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kColourThreshold = 8;         ///< of 255, in any channel
-constexpr float kNormalThreshold = 0.3473f;   ///< length of the difference vector: about 20 degrees
-constexpr float kComputedThreshold = 0.684f;  ///< for computed normals: about 40 degrees
-constexpr double kIgnoredArea = 1.0 / 1024;   ///< relative to the LOD's area
+constexpr float kColourThreshold = 8;  ///< difference in any channel, of 255
+constexpr float kNormalThreshold =
+    0.3473f;  ///< length of the difference of two normals at an angle of about 20 degrees
+constexpr float kComputedThreshold = 0.684f;  ///< the same length for computed normals, at about 40 degrees
+constexpr double kIgnoredArea = 1.0 / 1024;   ///< ignored area, relative to the LOD's area
 
 /// Attributes of a point as floats.
 struct Value {
@@ -23,7 +24,7 @@ struct Value {
   glm::vec2 texture{0};
 };
 
-/// Compares the positions of the input with the LOD triangles that they lie on.
+/// Compares the attributes of the input's positions with the LOD triangles that the positions lie on.
 class DetailMeter {
  public:
   DetailMeter(const SimplifiedMesh& lod, const NodeMesh& input)
@@ -67,8 +68,8 @@ class DetailMeter {
   const NodeMesh& input_;
   const bool counts_colour_, counts_normal_, counts_texture_;
   const float normal_threshold_;
-  std::vector<Value> values_;  ///< by wedge of the LOD
-  std::vector<Found> found_;   ///< by triangle of the LOD
+  std::vector<Value> values_;  ///< attributes of each wedge of the LOD
+  std::vector<Found> found_;   ///< differences on each triangle of the LOD
 };
 
 Value DetailMeter::valueOf(const VertexAttributes& attributes) const {

@@ -9,9 +9,9 @@
 namespace lode::ingest {
 namespace {
 
-// Deviations below this share of the largest only rank samples, so they need not be exact.
+// Deviations below this share of the largest deviation only rank samples, so they need not be exact.
 constexpr float kRanks = 0.25f;
-constexpr uint32_t kMostPointsInside = 64;  ///< per triangle
+constexpr uint32_t kMostPointsInside = 64;  ///< largest number of inner points per triangle
 
 uint64_t hashOf(const SurfaceSample& sample) noexcept { return NumberTable::hash(sample.position.value); }
 
@@ -20,18 +20,18 @@ glm::vec3 pointOf(const NodeMesh& mesh, uint32_t position) noexcept {
   return glm::vec3(unpackPosition(mesh.positions[position]));
 }
 
-/// Barycentric weights of the n-th of a sequence of points that covers a triangle evenly.
+/// Returns the barycentric weights of point n in a sequence of points that covers a triangle evenly.
 /// Source: Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018 (its R2 sequence).
 glm::vec2 sharesOf(uint32_t n) noexcept {
   const glm::vec2 square = glm::fract(static_cast<float>(n) * glm::vec2(0.7548777f, 0.5698403f));
   return square.x + square.y > 1 ? 1.f - square : square;
 }
 
-/// Mean triangle areas per inner point, by the mesh's number of triangles.
+/// Returns the number of mean triangle areas per inner point, for a mesh with this number of triangles.
 double meansPerPoint(size_t triangles) noexcept { return triangles <= 1024 ? 0.5 : 2; }
 
-/// Makes the largest of the walked distances exact.
-/// @param pointOf  returns the point of a distance.
+/// Replaces distances from walks by exact distances until the largest distance is exact.
+/// @param pointOf  function that returns the point for the number of a distance.
 template <typename PointOf>
 void confirmLargest(const LodSurface& surface, std::vector<float>& distances, PointOf&& pointOf) {
   std::vector<uint32_t> order(distances.size());
@@ -116,7 +116,8 @@ std::vector<Deviation> deviationsFrom(const SimplifiedMesh& lod, const NodeMesh&
   float largest = 0;
   for (const SurfaceSample& sample : samples) {
     uint32_t near = sample.near == kVanished ? kVanished : lod.remap[sample.near];
-    if (near == kVanished) {  // its triangles have vanished: take the nearest remaining one
+    if (near == kVanished) {  // the triangles around the position have vanished, so use the nearest remaining
+                              // triangle
       const TriangleTree::Nearest found = surface.nearest(pointOf(sample), kRanks * largest);
       near = lod.mesh.wedge_position[lod.mesh.triangles[found.triangle].x];
       distances.push_back(found.distance);

@@ -15,7 +15,7 @@ float squaredLength(glm::vec3 v) noexcept { return glm::dot(v, v); }
 
 glm::vec3 vectorOf(Four four) noexcept { return {four[0], four[1], four[2]}; }
 
-/// A triangle's corners; exact, because lattice steps are whole numbers in float.
+/// Returns a triangle's corners exactly, because positions are whole lattice steps in float.
 std::array<Four, 3> cornersOf(const PackedTriangle& t) noexcept {
   return {t.a(), t.a() + t.ab(), t.a() + t.ac()};
 }
@@ -32,8 +32,9 @@ class TriangleOutline {
 
   Four corner(size_t k) const noexcept { return corners_[k % 3]; }
 
-  /// Returns the edge that a point is farthest outside of; -1 if it is inside. Branchless if it is outside of
-  /// one edge only, because the branch would be unpredictable. @param passed_over  edge to ignore, or -1
+  /// Returns the edge that a point is farthest outside of; -1 if the point is inside. Branchless if the point
+  /// is outside of only one edge, because the processor could not predict the branch. @param passed_over edge
+  /// to ignore, or -1
   int edgeTowards(glm::vec3 point, int passed_over) const noexcept {
     const Four heights = dot(outwards_, FourVectors(point) - starts_);
     const FourTruths is_beyond = heights > 0;
@@ -54,7 +55,8 @@ class TriangleOutline {
   std::array<Four, 3> corners_;
   FourVectors starts_, sides_;
   Four squared_lengths_;
-  FourVectors outwards_;  ///< scaled by side and normal
+  FourVectors
+      outwards_;  ///< outward direction of each edge, scaled with the lengths of the edge and the normal
 };
 
 }  // namespace
@@ -116,8 +118,9 @@ SurfaceWalk::Place SurfaceWalk::placeAt(uint32_t position) const noexcept {
   return {first, glm::vec3(glm::equal(corners_[first], glm::u32vec3(position))), 0};
 }
 
-/// Most points project into a triangle around the start, which then is the nearest. Not so if triangles there
-/// face in opposite directions, as at the boundary of a plate.
+/// Most points project into a triangle around the start, and that triangle usually is the nearest. It need
+/// not be the nearest if triangles around the start face in opposite directions, as at the boundary of a
+/// plate.
 std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
                                                            uint32_t position) const noexcept {
   float nearest = std::numeric_limits<float>::infinity();
@@ -134,7 +137,7 @@ std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
                all = dot(normals, normals), of_a = all - of_b - of_c;
     const auto is_above = (of_b > 0) & (of_c > 0) & (of_a > 0);
     if (!anyOf(is_above)) continue;
-    // Measured from the foot point, not along the normal, which for slivers is mostly rounding noise.
+    // Distances from the foot point. Distances along the normal would be mostly rounding noise in slivers.
     const FourVectors away = ap - (of_b * four.ab() + of_c * four.ac()) / all;
     const Four squared = dot(away, away);
     for (uint32_t k = 0; k < 4; ++k) {
@@ -219,7 +222,8 @@ TriangleTree::Nearest SurfaceWalk::nearestOfAll(glm::vec3 point, TriangleTree::N
   return {best.squared, distance, best.triangle};
 }
 
-/// Returns whether the nearest point of the triangle is inside it, so that its neighbours are farther away.
+/// Returns whether the nearest point of a triangle is inside the triangle, so that its neighbours are farther
+/// away.
 bool SurfaceWalk::isAbove(glm::vec3 point, uint32_t triangle) const noexcept {
   const std::array<Four, 3> corners = cornersOf(triangles_[triangle]);
   const glm::vec3 a = vectorOf(corners[0]) - point, b = vectorOf(corners[1]) - point,
@@ -243,8 +247,8 @@ void SurfaceWalk::visitAround(glm::vec3 point, uint32_t position, float toleranc
   }
 }
 
-/// Finds a triangle around a position that the point projects into within the tolerance. Most walks end here,
-/// three times as fast as with full distances.
+/// Finds a triangle around a position that the point projects into within the tolerance. Most walks end in
+/// this function, which is three times as fast as computing full distances.
 void SurfaceWalk::visitAbove(glm::vec3 point, uint32_t position, float tolerance_squared,
                              Nearest& best) const noexcept {
   const FourVectors points(point);

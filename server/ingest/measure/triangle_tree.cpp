@@ -10,7 +10,7 @@ namespace {
 constexpr size_t kMostHalvings = 32;                        ///< triangle numbers have 32 bits
 constexpr size_t kMostWaiting = 3 * kMostHalvings / 2 + 1;  ///< each fork halves twice and adds three entries
 
-/// Estimated number of forks: quarters of quarters down to leaves.
+/// Returns the estimated number of forks, if every fork divides its triangles into quarters.
 size_t forksOver(size_t triangles) {
   size_t forks = 0;
   for (size_t level = 1; 4 * level < triangles; level *= 4) forks += level;
@@ -123,7 +123,8 @@ TriangleTree::Nearest TriangleTree::nearest(glm::vec3 point, float tolerance, Ne
     uint32_t inside;
     float squared;
   };
-  std::array<Waiting, kMostWaiting> waiting;  // per fork, the nearest last
+  // Stack of entries; those of one fork are in descending order of distance, so the nearest leaves first.
+  std::array<Waiting, kMostWaiting> waiting;
   size_t count = 0;
   const float tolerance_squared = tolerance * tolerance;
   waiting[count++] = {top_, 0};

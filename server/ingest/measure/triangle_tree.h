@@ -41,7 +41,7 @@ class TriangleTree {
   const PackedTriangle& triangle(uint32_t number) const noexcept { return triangles_[place_[number]]; }
 
  private:
-  /// Boxes of up to four forks or leaves; unused ones are infinitely far.
+  /// Boxes of up to four forks or leaves; unused boxes are infinitely far.
   struct Fork {
     FourVectors min, max;
     std::array<uint32_t, 4> inside{};  ///< index in forks_ of the fork inside each box; with the bit kIsLeaf,
@@ -68,7 +68,8 @@ class TriangleTree {
   static constexpr uint32_t kIsLeaf = 1u << 31;
 
   std::vector<Fork> forks_;
-  std::vector<PackedTriangle> triangles_;  ///< four per leaf, padded with empty ones
+  std::vector<PackedTriangle>
+      triangles_;  ///< four triangles per leaf; a leaf with fewer is padded with empty triangles
   std::vector<uint32_t> number_;  ///< for each entry of triangles_, the triangle's number in the mesh
   std::vector<uint32_t> place_;   ///< for each triangle of the mesh, its index in triangles_
   uint32_t top_ = 0;

@@ -23,7 +23,8 @@ inline Four squaredDistances(const FourSegments& p, const FourSegments& q) noexc
   const auto share = [zero = Four{}, one = fourOf(1)](Four part, Four whole) {
     return whole > zero ? smaller(larger(part / whole, zero), one) : zero;
   };
-  const Four of_p = share(pq * qb - pb * qq, pp * qq - pq * pq);  // on infinite lines; 0 if parallel
+  // The nearest share of p if q were an infinite line; 0 if p and q are parallel.
+  const Four of_p = share(pq * qb - pb * qq, pp * qq - pq * pq);
   const Four of_q = share(pq * of_p + qb, qq);
   // The share on p nearest to the point on q; differs from of_p if that point was clamped to an end.
   const Four back = share(pq * of_q - pb, pp);

@@ -28,11 +28,11 @@ struct FinishedLod {
   SimplifiedMesh simplified;
   EncodedPayload payload;
   std::vector<Deviation> deviations;      ///< one deviation per sample; see deviationsFrom()
-  float deviation_steps = 0;              ///< see lodDeviation()
+  float deviation_steps = 0;              ///< deviation from the original; see lodDeviation()
   std::optional<SurfaceSample> farthest;  ///< farthest point of the original, as in LodDeviation, except that
                                           ///< `near` is a position of the LOD
-  float boundary_gap_steps = 0;           ///< see boundaryGap()
-  float lost_detail_steps = 0;            ///< see lostDetail()
+  float boundary_gap_steps = 0;  ///< gap between the LOD's boundaries and the original's; see boundaryGap()
+  float lost_detail_steps = 0;   ///< size of lost detail; see lostDetail()
 };
 
 /// Measures and encodes a simplified mesh, after computing its normals unless they come from the file. Thread
@@ -46,7 +46,7 @@ FinishedLod finishLod(SimplifiedMesh&& simplified, const LodInput& input,
 /// Errors of an LOD, in lattice steps.
 struct LodError {
   float deviation_steps = 0;
-  float lost_detail_steps = 0;  ///< see lostDetail()
+  float lost_detail_steps = 0;  ///< size of lost detail; see lostDetail()
 };
 
 /// A node with all its LODs, and the data that its parent needs.

@@ -16,15 +16,15 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kNone = ClusterTree::kNone;
-constexpr double kStay =
-    1e-4;  // pull towards the cell's mean, relative to the quadric's trace: decides where the surface is flat
+constexpr double kStay = 1e-4;  // weight of the cell's mean position, relative to the quadric's trace;
+                                // decides if the surface is flat
 
 /// Merged position of a cell.
 struct CellState {
-  Quadric quadric;    // minus the part that optimal attributes explain
+  Quadric quadric;    // sum of the positions' quadrics, without the error that optimal attributes avoid
   glm::dvec3 sum{0};  // sum of the positions
   uint32_t count = 0;
-  uint32_t deaths = 0;  // triangles that collapse with this cell but with no cell inside it
+  uint32_t deaths = 0;  // number of triangles that collapse with this cell but with no smaller cell inside
   glm::dvec3 point{0};
   double cost = 0;
   bool merged = false;
@@ -64,12 +64,12 @@ class FoldFinder {
   struct Entry {
     glm::u32vec3 corners;  // sorted by number
     uint32_t next;         // next entry in the bucket
-    uint32_t last;         // last unpaired triangle; before_ chains the earlier ones
+    uint32_t last;         // last unpaired triangle; before_ links to the earlier unpaired triangles
     bool turned;           // orientation of all unpaired triangles
   };
   std::vector<uint32_t> first_;  // first entry of each bucket
   std::vector<Entry> entries_;
-  std::vector<uint32_t> before_;  // previous unpaired triangle, by triangle
+  std::vector<uint32_t> before_;  // for each triangle, the previous unpaired triangle with the same corners
 };
 
 class Clusterer {
@@ -91,7 +91,7 @@ class Clusterer {
   ClusterTree tree_;
   ClusterWedges wedges_;
   glm::dvec3 max_point_;
-  std::vector<CellState> states_;       ///< by cell
+  std::vector<CellState> states_;       ///< state of each cell
   std::unordered_set<uint64_t> taken_;  ///< lattice points of locked positions
   WedgeTable values_;                   ///< wedge values of the current snapshot
 };
@@ -112,7 +112,7 @@ Clusterer::Clusterer(NodeMesh&& mesh, const CollapseOptions& options)
   addUpCells();
 }
 
-// A triangle collapses with the smallest cell that holds two of its corners.
+// A triangle collapses with the smallest cell that contains two of its corners.
 void Clusterer::countDeaths() {
   for (size_t c = 0; c < mesh_.corner_position.size(); c += 4) {
     const uint32_t* const t = &mesh_.corner_position[c];
@@ -156,11 +156,11 @@ void Clusterer::addUpCells() {
 }
 
 // Places the merged position at the quadric's optimum, clamped to the cell and the model's box and rounded to
-// the lattice. If a locked position lies there, uses one of the cell's own positions.
+// the lattice. If a locked position occupies that point, uses one of the cell's own positions.
 void Clusterer::place(uint32_t number) {
   const ClusterTree::Cell& cell = tree_.cells()[number];
   CellState& state = states_[number];
-  if (state.count == 0) {  // only positions without triangles
+  if (state.count == 0) {  // the cell contains only positions without triangles
     state.point = mesh_.point(cell.a_position);
     return;
   }
@@ -249,8 +249,8 @@ SimplifiedMesh Clusterer::snapshot() {
   NodeMesh result;
   result.attributes = mesh_.attributes;
   std::vector<uint32_t> new_position(count + states_.size(), kNone), new_wedge(mesh_.wedges.size(), kNone);
-  std::vector<uint32_t> last_wedge,
-      wedge_before;  // by new position: its last wedge; by new wedge: the wedge before it there
+  // The last wedge of each new position, and for each new wedge, the previous wedge of the same position.
+  std::vector<uint32_t> last_wedge, wedge_before;
   const auto positionAt = [&](uint32_t place) {
     uint32_t& position = new_position[place];
     if (position != kNone) return position;
@@ -262,7 +262,7 @@ SimplifiedMesh Clusterer::snapshot() {
     if (!mesh_.hasWedges()) result.wedge_position.push_back(position);
     return position;
   };
-  const auto wedgeAt = [&](uint32_t position, uint32_t old) {  // equal wedges become one
+  const auto wedgeAt = [&](uint32_t position, uint32_t old) {  // merges equal wedges
     uint32_t& wedge = new_wedge[wedges_.find(old)];
     if (wedge != kNone) return wedge;
     const VertexAttributes code = values_.code(wedges_.find(old));
@@ -289,7 +289,8 @@ SimplifiedMesh Clusterer::snapshot() {
 }
 
 void Clusterer::run(std::span<const size_t> targets, const SnapshotSink& sink) {
-  std::vector<std::pair<double, uint32_t>> order;  // by cost, then inner cells first
+  std::vector<std::pair<double, uint32_t>>
+      order;  // cells by ascending cost; among equal costs, inner cells first
   for (uint32_t i = 0; i < tree_.order().size(); ++i) order.emplace_back(states_[tree_.order()[i]].cost, i);
   std::sort(order.begin(), order.end());
   size_t live = mesh_.live_triangles;

@@ -9,9 +9,9 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint32_t kAbove = 64;  // above any cell's level
+constexpr uint32_t kAbove = 64;  // larger than any cell's level
 
-// Level of the smallest cell that holds both codes.
+// Returns the level of the smallest cell that contains both codes.
 uint32_t commonLevel(uint64_t a, uint64_t b) noexcept {
   return (static_cast<uint32_t>(std::bit_width(a ^ b)) + 2) / 3;
 }
@@ -42,8 +42,8 @@ ClusterTree::ClusterTree(const CollapseMesh& mesh)
   }
 }
 
-// `open` is a stack of nested open cells. The common level of neighbours in Morton order tells which of them
-// end.
+// `open` is a stack of nested open cells. The common level of two neighbours in Morton order tells which open
+// cells end between the neighbours.
 void ClusterTree::build(const std::vector<Entry>& entries) {
   std::vector<uint32_t> open;
   for (size_t i = 0; i < entries.size(); ++i) {
@@ -98,8 +98,8 @@ ClusterWedges::ClusterWedges(const CollapseMesh& mesh, const ClusterTree& tree)
     : first_(tree.cells().size() + 1), root_(mesh.wedges.size()) {
   reset();
   if (!mesh.hasWedges()) return;
-  std::vector<uint32_t> cells(mesh.corner_position.size(),
-                              ClusterTree::kNone);  // by corner: cell of the edge that starts there
+  // For each corner, the cell of the edge that starts at the corner.
+  std::vector<uint32_t> cells(mesh.corner_position.size(), ClusterTree::kNone);
   for (uint32_t c = 0; c < cells.size(); ++c) {
     if ((c & 3) == 3) continue;
     cells[c] = tree.common(mesh.at(c), mesh.at(CollapseMesh::next(c)));

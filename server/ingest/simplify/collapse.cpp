@@ -21,17 +21,19 @@ namespace lode::ingest {
 
 namespace {
 
-// Each level allows more than the one before. Most meshes never leave the first.
+// Each level allows more collapses than the previous level. Most meshes need only the first level.
 constexpr std::array<CollapseLimits, 3> kLimits{{
     {.least_cosine = 0.3, .least_shape = 0.05, .link_condition = true, .most_triangles = 256},
     {.least_cosine = 0.0, .least_shape = 0.0, .link_condition = false, .most_triangles = 4096},
     {.least_cosine = -1.0, .least_shape = 0.0, .link_condition = false},
 }};
-constexpr double kPostponed = 4;            // cost factor each time a collapse is not possible now,
-constexpr uint32_t kMostPostponements = 6;  // at most this often; then the edge waits for the next round
+constexpr double kPostponed =
+    4;  // factor by which an edge's cost grows each time its collapse is not possible
+constexpr uint32_t kMostPostponements = 6;  // after so many times, the edge waits for the next round
 constexpr double kBreaksFeature = 8;        // cost factor of a collapse that moves a position off its seam
-constexpr double kLeastArea = 1e-6;         // square lattice steps; stands for a zero area
-constexpr size_t kProgress = 32;  // a round that collapses less than 1 in 32 of its edges ends its level
+constexpr double kLeastArea = 1e-6;         // replaces a zero area; in square lattice steps
+constexpr size_t kProgress =
+    32;  // the next level begins after a round that collapses less than 1 in 32 of its edges
 
 /// How far a collapse may move an end of an edge.
 enum class Freedom { kFree, kPenalised, kFixed };
@@ -52,11 +54,11 @@ class Collapser {
   void run(std::span<const size_t> targets, const SnapshotSink& sink);
 
  private:
-  /// A queued edge. Its ends may have merged into other positions since.
+  /// A queued edge. Since then, the edge's ends may have merged into other positions.
   struct Record {
     uint32_t u, v;
-    uint32_t evaluated_at;  ///< value of clock_ at that time
-    uint32_t postponed;     ///< number of times
+    uint32_t evaluated_at;  ///< value of clock_ when the edge was evaluated
+    uint32_t postponed;     ///< number of times that the edge was postponed
   };
   struct Candidate {
     Placement placement;
@@ -102,8 +104,9 @@ class Collapser {
   std::vector<Seen> seen_;
   Quadric quadric_;                      ///< summed quadric of the edge evaluated last
   std::vector<WedgeTable::Pair> pairs_;  ///< scratch
-  std::vector<uint32_t> forward_;        ///< position that each one merged into; itself while it is alive
-  uint32_t clock_ = 0;                   ///< number of collapses so far
+  std::vector<uint32_t> forward_;  ///< for each position, the position that it has merged into; a remaining
+                                   ///< position refers to itself
+  uint32_t clock_ = 0;             ///< number of collapses so far
   size_t level_ = 0;
 };
 
@@ -133,7 +136,7 @@ Collapser::Seen& Collapser::seenPlace(uint32_t u, uint32_t v) noexcept {
   return seen_[(u * 0x9E3779B1u ^ v * 0x85EBCA77u) >> 7 & (seen_.size() - 1)];
 }
 
-// Prefetches the data of a record that will be taken soon.
+// Prefetches the data of a record that will leave the queue soon.
 void Collapser::prefetch(Record& record) noexcept {
   record.u = forward_[forward_[record.u]];
   record.v = forward_[forward_[record.v]];
@@ -155,8 +158,9 @@ void Collapser::put(Record record, double cost) {
   queue_.push(record, keyOf(cost));
 }
 
-// Fills the queue and returns the number of edges in it. Evaluation needs the kinds of all positions, so all
-// edges wait in the lowest bucket, ahead of evaluated ones, until every edge has been seen.
+// Fills the queue and returns the number of edges in it. Evaluation needs the kinds of all positions, which
+// are known only after a pass over all edges. So all edges first go to the lowest bucket, before evaluated
+// edges.
 size_t Collapser::startRound(bool is_first) {
   queue_.clear();
   queue_.reserve(mesh_.live_triangles * 3 / 2);
@@ -193,7 +197,7 @@ Freedom Collapser::freedom(const CollapsePosition& position, EdgeKind edge) cons
   return Freedom::kPenalised;
 }
 
-// Subtracts from the summed quadric the part that the optimal attributes of the merged wedges explain.
+// Subtracts from the summed quadric the error that vanishes if the merged wedges have optimal attributes.
 void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
   const uint32_t wedge_u = mesh_.only_wedge[u], wedge_v = mesh_.only_wedge[v];
   if (wedge_u != kManyWedges && wedge_v != kManyWedges) return attributes_.reduce(q, wedge_u, wedge_v);
@@ -213,21 +217,22 @@ void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
   });
 }
 
-/// Side of a square of about the area of the triangles around both ends; never 0. The weight of boundary and
-/// seam planes counts as a geometric mean with the area: as pure area, boundaries would be too cheap;
-/// without, they would use up triangles that the rest needs.
+/// Returns the side of a square with about the area of the triangles around both ends; never 0. Uses the
+/// geometric mean of this area and the weight of all planes, which is larger than the area if boundary or
+/// seam edges end there. With the weight alone, boundaries would be too cheap; with the area alone, they
+/// would use up triangles that the rest of the mesh needs.
 double Collapser::breadth(uint32_t u, uint32_t v) const noexcept {
   const double area = mesh_.areas[u] + mesh_.areas[v];
   const double weight = mesh_.quadrics[u].weight() + mesh_.quadrics[v].weight();
   return std::sqrt(std::sqrt(std::max(area, kLeastArea) * std::max(weight, kLeastArea)));
 }
 
-/// Cost: the integral of squared distance over the surrounding area, divided by its breadth. This lies
-/// halfway between the integral, which minimises the mean distance per triangle, and the mean, which
-/// minimises the maximum.
+/// Computes the cost of a collapse: the integral of squared distance over the surrounding area, divided by
+/// breadth(). This cost is a compromise between the integral, which minimises the mean distance per triangle,
+/// and the integral divided by the area, which minimises the largest distance.
 Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) {
-  const double across =
-      breadth(u, v);  // computed first: square roots are slow, and place() does not wait for them
+  // Computed first, because square roots are slow and place() does not wait for their result.
+  const double across = breadth(u, v);
   Candidate candidate = place(u, v);
   candidate.breadth = across;
   candidate.placement.cost /= across;
@@ -280,8 +285,9 @@ void Collapser::apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds) {
   if (folds) mesh_.removeFolds(keep);
 }
 
-// After a merge two edges are the same edge, and both are in the queue. Returns whether (u, v), last changed
-// at changed_at, has been queued again since. May miss one, which only costs time.
+// A merge turns two edges into the same edge, and the queue still contains both. Returns whether (u, v) has
+// been queued again since its last change at changed_at. Sometimes returns false for such an edge, which only
+// costs time.
 bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
   Seen& seen = seenPlace(u, v);
   if (seen.u == u && seen.v == v && seen.changed_at == changed_at) return true;
@@ -289,8 +295,9 @@ bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
   return false;
 }
 
-// Takes the next edge from the queue; returns false if the queue is empty. Costs rarely fall as quadrics are
-// summed, so the key of a changed edge is a lower bound: the edge is re-evaluated only when it is taken.
+// Processes the next edge of the queue; returns false if the queue is empty. Adding quadrics rarely lowers
+// costs, so the key of a changed edge is nearly always a lower bound. Therefore the function evaluates a
+// changed edge again only when the edge leaves the queue.
 bool Collapser::collapseNext() {
   Record record;
   if (!queue_.pop(record, [this](Record& soon) { prefetch(soon); })) return false;
@@ -334,7 +341,7 @@ void Collapser::collapseEdge(Record record, const Candidate& candidate) {
                                        mesh_.point(record.u), mesh_.point(record.v));
   const CollapseFinding finding = check_.check(around_, to, limits);
   if (!finding.allowed) return postpone(record, candidate);
-  if (finding.folds) {  // a piece or a fin vanishes: its size is the cost
+  if (finding.folds) {  // a piece or a fin vanishes, so the cost is the size of the piece or fin
     const glm::dvec3 along = mesh_.point(record.u) - mesh_.point(record.v);
     const double lost = finding.folded_area * glm::dot(along, along) / candidate.breadth;
     if (EdgeQueue<Record>::bucketOf(keyOf(lost)) > queue_.current()) {

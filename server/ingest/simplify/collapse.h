@@ -20,12 +20,12 @@ using SnapshotSink = std::function<void(size_t target_index, SimplifiedMesh&& sn
 
 /// Simplifies a node's mesh by edge collapses in order of quadric error; one sequence yields all LODs.
 ///
-/// Simplification maps positions to positions and leaves locked ones fixed. A triangle disappears only if two
-/// of its corners coincide, or together with an opposite triangle, so boundary edges map to boundary edges
-/// (I2). Boundary edges add quadrics that keep them in place. Seams (edges at which attributes differ between
-/// two triangles) collapse along themselves, not across. The file's normals, colours and texture coordinates
-/// are part of the quadrics (see wedge_quadrics.h); attributes of locked positions stay. Positions are
-/// rounded to the lattice. Deterministic, stateless, thread safe.
+/// Simplification maps positions to positions; locked positions map to themselves and do not move. A triangle
+/// disappears only if two of its corners coincide, or together with an opposite triangle, so boundary edges
+/// map to boundary edges (I2). Boundary edges add quadrics that keep them in place. Seams (edges at which
+/// attributes differ between two triangles) collapse along themselves, not across. The file's normals,
+/// colours and texture coordinates are part of the quadrics (see wedge_quadrics.h); attributes of locked
+/// positions stay. Positions are rounded to the lattice. Deterministic, stateless, thread safe.
 /// @param targets  triangle counts, descending.
 /// Sources: Garland & Heckbert, Surface Simplification Using Quadric Error Metrics, 1997; Simplifying
 /// Surfaces with Color and Texture using Quadric Error Metrics, 1998; Hoppe, New Quadric Metric, 1999.

@@ -20,7 +20,7 @@ inline bool anyOf(TwoTruths truths) noexcept { return (truths[0] | truths[1]) !=
 struct TwoVectors {
   TwoVectors(Two of_x, Two of_y, Two of_z) noexcept : x(of_x), y(of_y), z(of_z) {}
   TwoVectors(glm::dvec3 a, glm::dvec3 b) noexcept : x{a.x, b.x}, y{a.y, b.y}, z{a.z, b.z} {}
-  /// The first or the last two of four vectors.
+  /// Makes a pair from the first or the last two of four vectors.
   TwoVectors(const FourVectors& four, bool last) noexcept
       : x(half(four.x, last)), y(half(four.y, last)), z(half(four.z, last)) {}
 
@@ -44,8 +44,8 @@ inline TwoVectors cross(const TwoVectors& a, const TwoVectors& b) noexcept {
   return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
 }
 
-/// Checks two triangles (a, b, from) whose third corner moves to `to`: true if one of them turns or
-/// degenerates beyond the limits.
+/// Returns whether one of two triangles (a, b, from) turns or degenerates beyond the limits when its third
+/// corner moves to `to`.
 bool harms(const TwoVectors& a, const TwoVectors& b, const TwoVectors& from, const TwoVectors& to,
            const CollapseLimits& limits) {
   const TwoVectors side = b - a, old_side = from - a, new_side = to - a;

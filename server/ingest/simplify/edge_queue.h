@@ -83,7 +83,8 @@ class EdgeQueue {
 
  private:
   static constexpr uint32_t kNone = ~0u;
-  static constexpr uint32_t kDroppedBits = 19;                   // of the 23 bits of a float's fraction
+  static constexpr uint32_t kDroppedBits =
+      19;  // number of fraction bits, of 23 in a float, that do not affect the bucket
   static constexpr size_t kBuckets = 1u << (31 - kDroppedBits);  // no sign bit
   static constexpr size_t kWords = kBuckets / 64;
   static constexpr uint32_t kBlock = 30;
@@ -96,7 +97,7 @@ class EdgeQueue {
   };
   struct Chain {
     uint32_t first = kNone, last = kNone;  // blocks
-    uint32_t begin = 0, end = 0;           // of the items in the first and in the last block
+    uint32_t begin = 0, end = 0;  // begin of the items in the first block, and their end in the last block
   };
 
   bool advance() noexcept {

@@ -10,8 +10,8 @@
 namespace lode::ingest {
 namespace {
 
-// Largest spacing of candidate points: relative to the mean edge, and to the error that a collapse makes
-// anyway.
+// Largest spacing of candidate points, relative to the mean edge length and relative to the error of the
+// collapse itself.
 constexpr double kOfEdge = 1.0 / 32, kOfError = 2;
 constexpr double kAreaOfEdge = 0.433;  ///< area of an equilateral triangle with side 1
 
@@ -21,14 +21,14 @@ double powerOfTwoAtMost(double value) noexcept {
   return std::bit_cast<double>(std::bit_cast<uint64_t>(value) & kExponent);
 }
 
-/// Inlined floor for values that fit into an integer; faster than the library's function.
+/// Floor for values that fit into an integer; inlined, so faster than the library's function.
 glm::dvec3 floorOf(glm::dvec3 p) noexcept {
   glm::dvec3 floor{glm::i64vec3(p)};
   for (int k = 0; k < 3; ++k) floor[k] -= floor[k] > p[k];
   return floor;
 }
 
-/// Branchless, because branches on random costs are mispredicted.
+/// Branchless, because the processor cannot predict branches on random costs.
 uint32_t firstOfLeast(const std::array<double, 8>& values) noexcept {
   const double least =
       std::min({values[0], values[1], values[2], values[3], values[4], values[5], values[6], values[7]});

@@ -42,7 +42,7 @@ class WedgeQuadrics {
   void reduce(Quadric& q, uint32_t wedge) const noexcept;
   void reduce(Quadric& q, uint32_t wedge, uint32_t other) const noexcept;
   void join(uint32_t keep, uint32_t gone) noexcept;
-  /// Sets a wedge's attributes to the best ones at a point.
+  /// Sets a wedge's attributes to the best attributes at a point.
   void setValues(WedgeTable& wedges, uint32_t wedge, glm::dvec3 point) const;
 
  private:
