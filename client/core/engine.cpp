@@ -178,13 +178,13 @@ void Engine::renewRequests() {
   requests_waiting_ = held_back_ = false;
   if (!connection_.session() && !options_.has_cache) return;
   std::vector<Request> requests;
-  std::unordered_set<uint32_t> asked;  // blob numbers
+  std::unordered_set<uint32_t> asked;  // blob numbers of requests already handled
   const Session* const draining = connection_.session(SessionRole::kDraining);
   const uint64_t budget_bytes = model_->transitBudgetBytes();
   uint64_t waiting_bytes = model_->undecodedBytes();
   /// @return false if no further request fits.
   const auto ask = [&](const Request& request) {
-    // While every query hits the cache, stand-ins are not worth loading.
+    // Do not load stand-ins while the cache answers every query with a hit.
     if (request.is_stand_in && options_.has_cache && !queries_.hasMisses()) return true;
     if (!model_->wants(request) || !asked.insert(request.blob.number).second) return true;
     if (draining != nullptr && draining->isRequested(request.blob)) return true;

@@ -41,12 +41,12 @@ struct EngineOptions {
   bool offline = false;   ///< the engine shows cached_model from the cache and never connects
   bool prefetch = false;  ///< the engine requests blobs ahead of a moving camera
   /// False: all requests have the same class and priority, so that the server answers them in the order sent.
-  /// Benchmarks compare best-first order with it.
+  /// Benchmarks use this order as baseline.
   bool best_first = true;
   /// Called when a connection breaks, before the session's open requests are dropped; may be empty.
   /// @param is_last  true if the engine does not reconnect and throws `why` next.
   std::function<void(SessionRole role, const Error& why, bool is_last)> on_broken = nullptr;
-  /// Called when a server rejects the connection because it is full or shuts down; may be empty.
+  /// Called when a server rejects the connection because the server is full or shuts down; may be empty.
   std::function<void(const std::string& why)> on_turned_away = nullptr;
   /// Called when the server refuses a blob; may be empty.
   std::function<void(const BlobRef& blob, const std::string& why)> on_refused = nullptr;
@@ -57,7 +57,7 @@ enum class Waiting : size_t {
   kNot,     ///< the cut has converged, or no view is set
   kLink,    ///< the cut waits for a connection or for bytes from the server or the cache
   kDecode,  ///< the cut waits until received blobs are decoded
-  kBudget,  ///< a budget is exhausted
+  kBudget,  ///< an exhausted budget prevents further refinement
 };
 constexpr size_t kWaitings = 4;
 
@@ -86,11 +86,11 @@ struct EngineCounts {
   uint64_t received_bytes = 0;  ///< all bytes received from the server
   uint64_t cache_bytes = 0;     ///< size of the blobs read from the cache
   uint64_t open_requests = 0;
-  RequestCounts requests;       ///< number of open requests by class
-  uint64_t decoding = 0;        ///< blobs waiting to be decoded or being decoded
+  RequestCounts requests;       ///< numbers of open requests by class
+  uint64_t decoding = 0;        ///< number of blobs that wait to be decoded or are being decoded
   uint64_t transit_bytes = 0;   ///< size of requested and undecoded blobs, plus the decoders' memory
   uint64_t resident_bytes = 0;  ///< memory of the decoded meshes
-  uint64_t wanted_bytes = 0;    ///< ViewGroup::wantedBytes()
+  uint64_t wanted_bytes = 0;    ///< memory that the views need: see ViewGroup::wantedBytes()
   uint64_t known_nodes = 0;
   uint64_t hierarchy_bytes = 0;     ///< memory of the known nodes
   uint64_t texture_blob_bytes = 0;  ///< size of the received texture set and tiles
@@ -99,7 +99,7 @@ struct EngineCounts {
   uint64_t tiles_left_out = 0;      ///< number of tiles that the view needs and the texture budget excludes
   PrefetchCounts prefetch;
   WaitTimes waited;             ///< waiting time before convergence, by reason
-  double link_bytes_per_s = 0;  ///< measured throughput; 0: unknown
+  double link_bytes_per_s = 0;  ///< measured throughput of the link; 0: unknown
   double round_trip_ms = 0;     ///< smallest measured round trip; 0: unknown
   uint64_t window_bytes = 0;    ///< unacknowledged bytes that the server may send
 };
@@ -113,17 +113,18 @@ class Engine {
  public:
   explicit Engine(EngineOptions options);
 
-  /// Returns true if the caller should open a connection and then call connect(). The active connection, if
-  /// any, becomes the draining one.
+  /// Returns true if the caller should open a connection and then call connect(). If there is an active
+  /// connection, connect() makes it the draining connection.
   bool wantsConnection(TimePoint now) const noexcept { return !options_.offline && connection_.due(now); }
   void connect(TimePoint now);
-  /// Returns false if the caller should close the transport.
+  /// Returns true if the connection exists; if not, the caller should close its transport.
   bool connected(SessionRole role = SessionRole::kActive) const noexcept {
     return connection_.session(role) != nullptr;
   }
   /// Returns true if the active connection accepts requests, because its server is not shutting down.
   bool staysConnected() const noexcept { return connection_.takesRequests(); }
-  /// Number of open requests of a connection, including cancelled ones that are not acknowledged yet.
+  /// Returns the number of open requests of a connection, including cancelled requests that are not
+  /// acknowledged yet.
   uint64_t openRequests(SessionRole role) const noexcept {
     const Session* const session = connection_.session(role);
     return session ? session->openRequests() : 0;
@@ -165,7 +166,7 @@ class Engine {
   /// Returns true if the engine is offline and the cache has answered all queries.
   bool exhausted() const noexcept;
 
-  /// Null until the model is open.
+  /// Returns the summary of the model; null until the model is open.
   const ModelSummary* summary() const noexcept { return model_ ? &model_->summary() : nullptr; }
   /// The last published cut; null until the root's coarsest LOD is resident and a view is set.
   const std::shared_ptr<const Cut>& cut() const noexcept { return group_.cut(); }
@@ -203,7 +204,7 @@ class Engine {
   WaitTimes waited_;
   TimePoint now_{};
   bool requests_waiting_ = false;  // renewRequests() may be able to send more requests
-  bool held_back_ = false;         // requests wait until received blobs are decoded
+  bool held_back_ = false;         // some requests wait until received blobs are decoded
 };
 
 }  // namespace lode::core

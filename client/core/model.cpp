@@ -86,8 +86,8 @@ void Model::take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte>
   }
 }
 
-/// Ignores pages that are loaded already, since every connection starts with the root page, and pages whose
-/// parent page has been evicted.
+/// Adds a page to the hierarchy. Ignores pages that are already loaded, because every connection starts with
+/// the root page. Ignores pages whose parent page has been evicted.
 void Model::addPage(const BlobUse& use, std::span<const std::byte> bytes) {
   const KnownNode* owner = hierarchy_.find(use.mesh.node);
   const bool is_root_page = use.kind == BlobKind::kRootPage;
@@ -154,7 +154,7 @@ void Model::finishDecode(DecodeResult result) {
   insert(std::move(result));
 }
 
-/// Inserts a mesh for every LOD of its node that has the same payload.
+/// Inserts a decoded mesh for every LOD of its node that has the same payload.
 void Model::insert(DecodeResult result) {
   const KnownNode* node = hierarchy_.find(result.use.mesh.node);
   if (node == nullptr) return;  // its page was evicted

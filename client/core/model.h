@@ -24,7 +24,7 @@ constexpr uint64_t kHierarchyBudgetShare = 8;  ///< the hierarchy may use 1/8 of
 /// Blobs that are requested or not decoded yet may use 1/16 of the memory budget, and the decoders another
 /// 1/16. A single blob may exceed this share.
 constexpr uint64_t kTransitBudgetShare = 16;
-/// Upper limit of the share of blobs, and of the decoders' share.
+/// Upper limit of each of these two shares.
 constexpr uint64_t kMaxTransitBytes = 64ull << 20;
 
 /// The resident data of one build of a model: hierarchy, meshes and textures. The caller passes in blobs from
@@ -42,11 +42,11 @@ class Model {
   const ModelSummary& summary() const noexcept { return summary_; }
   const Hierarchy& hierarchy() const noexcept { return hierarchy_; }
   Hierarchy& hierarchy() noexcept { return hierarchy_; }
-  /// Memory budget of the hierarchy's pages, those in use and those used recently.
+  /// Memory budget of the hierarchy's pages, both pages in use and recently used pages.
   uint64_t hierarchyBudgetBytes() const noexcept { return hierarchy_budget_bytes_; }
   MeshCache& meshes() noexcept { return meshes_; }
   const MeshCache& meshes() const noexcept { return meshes_; }
-  /// Null if the model has no textures.
+  /// Returns the textures; null if the model has no textures.
   TextureStream* textures() noexcept { return textures_ ? &*textures_ : nullptr; }
   const TextureStream* textures() const noexcept { return textures_ ? &*textures_ : nullptr; }
 
@@ -56,7 +56,7 @@ class Model {
   /// Returns true if the blob should be requested: it is neither being decoded nor refused.
   bool wants(const Request& request) const;
 
-  /// Takes the bytes of a blob. @param bytes  must match the blob's digest.
+  /// Stores a blob or queues it for decoding. @param bytes  bytes that match the blob's digest.
   /// @throws Error kFormat or kLimit for an invalid page or texture set.
   void take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
   /// Notes that a blob cannot be loaded. @param is_lost  true if the blob is lost for good; refinement then
@@ -68,9 +68,9 @@ class Model {
   /// Stores the result of a decode job; ignores results of another build.
   void finishDecode(DecodeResult result);
 
-  /// Identifies the build: the first 8 bytes of its build id.
+  /// Returns the first 8 bytes of the build id, which identify the build.
   uint64_t build() const noexcept;
-  /// Increases with every change that may change a cut.
+  /// Returns a number that increases with every change that may affect a cut.
   uint64_t version() const noexcept { return version_; }
   /// Reason why a part of the model cannot be loaded; empty if no part has failed.
   const std::string& failure() const noexcept { return failure_; }
@@ -85,7 +85,7 @@ class Model {
   uint64_t textureBlobBytes() const noexcept { return texture_blob_bytes_; }
 
  private:
-  /// Identifies a decode job; LODs of a node that share a payload share the job.
+  /// Identifies a decode job. LODs of a node that share a payload also share the job.
   struct Decoding {
     BlobKind kind;
     NodeKey node;
@@ -115,7 +115,7 @@ class Model {
   uint64_t transit_budget_bytes_ = 0;
   uint64_t undecoded_bytes_ = 0, decoding_bytes_ = 0;
   std::deque<DecodeJob> jobs_;  // jobs that wait for takeDecodeJobs()
-  std::set<uint32_t> refused_;  // blob numbers
+  std::set<uint32_t> refused_;  // numbers of the refused blobs
   uint64_t texture_blob_bytes_ = 0;
   uint64_t version_ = 0;
   std::string failure_;

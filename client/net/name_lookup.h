@@ -26,7 +26,7 @@ class NameLookup {
   /// Returns the endpoints of an address; IP addresses need no lookup.
   /// @throws std::system_error if the name is unknown, or after abandon().
   asio::awaitable<std::vector<asio::ip::tcp::endpoint>> find(Address address);
-  /// Makes a pending find() fail at once. Any thread may call it while the loop is not running.
+  /// Makes a pending find() fail at once. While the loop is not running, any thread may call abandon().
   void abandon();
 
  private:

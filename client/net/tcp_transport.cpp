@@ -80,17 +80,17 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   asio::io_context& io;
   const Route route;
   const std::function<void()> wake;
-  bool abandoned = false;  // the transport is destroyed
+  bool abandoned = false;  // the transport has been destroyed
   NameLookup lookup{io};
-  tcp::socket connecting{io};               // socket in use until it is connected
-  std::optional<proto::ByteStream> stream;  // stream in use once the socket is connected
+  tcp::socket connecting{io};               // socket until the connection is established
+  std::optional<proto::ByteStream> stream;  // stream after the connection is established
   bool any_received = false;
   bool connected = false, timed_out = false;  // timed_out means that no byte arrived before the deadline
   asio::steady_timer deadline{io};
   // Cancelled when received bytes are taken.
   asio::steady_timer room{io, asio::steady_timer::time_point::max()};
   asio::steady_timer work{io,
-                          asio::steady_timer::time_point::max()};  // cancelled: there is something to send
+                          asio::steady_timer::time_point::max()};  // cancelled when there are bytes to send
 
   std::mutex mutex;  // guards the members below
   proto::Bytes received, unsent;

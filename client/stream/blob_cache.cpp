@@ -44,8 +44,8 @@ std::optional<std::vector<std::byte>> readFile(const fs::path& path, uint64_t ma
   return bytes;
 }
 
-/// Writes a file atomically, but does not sync it to disk. A crash may leave an incomplete file, which
-/// readers detect by its digest.
+/// Writes a file atomically, but does not sync it to disk. A crash may leave an incomplete file, but readers
+/// detect that its digest does not match.
 bool writeFile(const fs::path& path, std::span<const std::byte> bytes) {
   static std::atomic<uint64_t> serial{0};
   std::error_code failed;

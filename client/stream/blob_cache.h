@@ -16,8 +16,8 @@ namespace lode::stream {
 
 constexpr uint64_t kDefaultCacheBytes = 4ull << 30;
 
-/// Creates a cache folder and checks that it is writable, since BlobCache ignores write errors.
-/// @throws Error kIo if it is not.
+/// Creates a cache folder and checks that it is writable, because BlobCache ignores write errors.
+/// @throws Error kIo if the folder is not writable.
 void prepareCacheFolder(const std::filesystem::path& folder, const core::Remedies& remedies);
 
 /// Caches blobs on disk by digest, one file each, and the last summary of each served model. Any number of

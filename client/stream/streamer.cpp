@@ -26,7 +26,7 @@ constexpr std::chrono::milliseconds kRetryTick{50};  // longest interval while t
 
 using Clock = std::chrono::steady_clock;
 
-/// Indexed by core::SessionRole.
+/// Transports of the active and the draining session, indexed by core::SessionRole.
 using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;
 
 /// Returns true if the status has changed, apart from its counts.
@@ -96,11 +96,11 @@ struct Streamer::State {
   uint64_t status_view_number = 0;  // serial number of the view that the status describes
   std::vector<std::shared_ptr<const core::Cut>> to_keep;
   StreamStatus status;
-  bool has_news = false;  // for waitForNews()
+  bool has_news = false;  // waitForNews() has not reported the last change yet
   std::optional<ModelSummary> summary;
   std::optional<Error> error;
 
-  // Used only by the thread:
+  // Only the stream's thread uses these members:
   Digest kept_build_id;  // build of the cached summary
   PublishedCuts published;
   // Pool that the constructor creates, so that it can report errors.
@@ -277,7 +277,7 @@ StreamStatus Streamer::State::waitFor(std::chrono::milliseconds timeout, Done do
   return statusOfView();
 }
 
-/// Returns the status; clears the flags of an outdated view.
+/// Returns the status. Clears flags that refer to an outdated view.
 StreamStatus Streamer::State::statusOfView() const {
   StreamStatus result = status;
   result.current = status_view_number == view_number;

@@ -26,10 +26,10 @@ struct StreamOptions {
   /// Folder of the blob cache; empty: no cache; required if engine.offline is true.
   std::filesystem::path cache_folder;
   uint64_t cache_bytes = kDefaultCacheBytes;
-  unsigned decode_threads = 0;  ///< 0: defaultDecodeThreads()
+  unsigned decode_threads = 0;  ///< number of decode threads; 0: defaultDecodeThreads()
 };
 
-/// Returns the route to the server of a model. @throws Error kUsage as net::trustAuthorities().
+/// Returns the route to the server of a model. @throws Error kUsage as net::trustAuthorities() does.
 net::Route routeTo(const ServedModel& model, const StreamOptions& options);
 
 /// State of a stream after its last step.
@@ -39,7 +39,7 @@ struct StreamStatus {
   std::shared_ptr<const core::ViewCuts> view_cuts;
   uint64_t cut_build = 0;  ///< build of the cut; changes when the model is replaced
   core::EngineCounts counts;
-  bool limited = false;    ///< a budget keeps the cut from converging
+  bool limited = false;    ///< a budget prevents the cut from converging
   bool settled = false;    ///< the cut is final for the view and the budgets
   bool exhausted = false;  ///< the stream is offline, and the cache lacks blobs that the view needs
   std::string failure;     ///< reason why the stream has ended or a part cannot be loaded; empty otherwise

@@ -19,7 +19,7 @@ constexpr size_t kMaxRememberedMisses = 65536;
 class CacheQueries {
  public:
   /// Returns true if the cache is known not to contain the blob. Otherwise returns false and queries the
-  /// cache, or waits for a later call if too many queries are unanswered.
+  /// cache, or leaves the query to a later call if too many queries are unanswered.
   bool isMissing(const Request& request);
   /// Returns the blobs to look up in the cache. The caller answers each with finish().
   std::vector<BlobRef> take() { return std::exchange(new_, {}); }
@@ -27,7 +27,7 @@ class CacheQueries {
   std::optional<BlobUse> finish(const BlobRef& blob, bool found);
   /// Notes that the server has sent the blob, which the caller then adds to the cache.
   void arrived(const BlobRef& blob) { misses_.erase(blob.digest); }
-  /// Returns true if some blob was missing in the cache and has not arrived since.
+  /// Returns true if a blob was missing in the cache and has not arrived since then.
   bool hasMisses() const noexcept { return !misses_.empty(); }
   bool idle() const noexcept { return asked_.empty(); }
 

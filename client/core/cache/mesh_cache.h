@@ -14,9 +14,10 @@
 
 namespace lode::core {
 
-/// Memory of a decoded mesh.
+/// Returns the memory of a decoded mesh.
 uint64_t meshBytes(const Mesh& mesh) noexcept;
-/// Memory of a mesh that is not decoded yet, including the cluster boxes of clusterTriangles().
+/// Returns the memory that a mesh will take after decoding, including the cluster boxes of
+/// clusterTriangles().
 uint64_t meshBytes(uint64_t vertices, uint64_t triangles, AttributeSet attributes) noexcept;
 
 // GPU memory of a mesh.
@@ -26,8 +27,8 @@ constexpr uint64_t kDrawnTriangleBytes = 12;
 /// Size of the bounding box of a cluster of kClusterTriangles triangles.
 constexpr uint64_t kDrawnClusterBytes = 24;
 
-/// GPU memory of a mesh. Refinement limits GPU memory separately, because a mesh without attributes takes
-/// more memory on the GPU than in main memory.
+/// Returns the GPU memory of a mesh. Refinement limits GPU memory separately, because a mesh without
+/// attributes takes more memory on the GPU than in main memory.
 constexpr uint64_t drawnBytes(uint64_t vertices, uint64_t triangles, AttributeSet attributes) noexcept {
   const bool is_textured = attributes.has(AttributeSet::kTexture);
   return vertices * (is_textured ? kDrawnTexturedVertexBytes : kDrawnVertexBytes) +
@@ -57,7 +58,7 @@ class MeshCache {
    public:
     bool has(uint32_t lod) const noexcept { return (resident_ >> lod & 1) != 0; }
     bool any() const noexcept { return resident_ != 0; }
-    /// Requires any().
+    /// Returns the coarsest resident LOD. Requires any().
     uint32_t coarsest() const noexcept { return static_cast<uint32_t>(std::bit_width(resident_)) - 1; }
     /// @return null if it is not resident.
     std::shared_ptr<const Mesh> mesh(uint32_t lod) const noexcept;
@@ -65,7 +66,7 @@ class MeshCache {
    private:
     friend class MeshCache;
     const Entry* find(uint32_t lod) const noexcept;
-    uint64_t resident_ = 0;  // bit i: LOD i
+    uint64_t resident_ = 0;  // bit i is set if LOD i is resident
     std::vector<Entry> entries_;
   };
   static_assert(kMaxLods <= 64);
@@ -84,7 +85,7 @@ class MeshCache {
   /// @return null if it is not resident.
   std::shared_ptr<const Mesh> find(MeshKey key) const noexcept { return lodsOf(key.node).mesh(key.lod); }
   bool contains(MeshKey key) const noexcept { return lodsOf(key.node).has(key.lod); }
-  /// @return null if the mesh is not resident or its footprint is not known.
+  /// @return null if the mesh is not resident or its footprint is unknown.
   const TextureFootprint* footprint(MeshKey key) const noexcept;
 
   /// Starts a new round of use.
@@ -94,7 +95,7 @@ class MeshCache {
   uint64_t use(std::span<const MeshKey> in_use, std::span<const MeshKey> recently);
   /// Evicts meshes until the rest fits the budget. Never evicts meshes that are in use or pinned.
   void trim();
-  /// Takes effect at the next trim().
+  /// Sets the budget, which takes effect at the next trim().
   void setBudget(uint64_t bytes) noexcept { budget_bytes_ = bytes; }
 
   /// Memory of all resident meshes and footprints.

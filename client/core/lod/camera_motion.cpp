@@ -20,7 +20,7 @@ glm::dquat axesOf(const View& view) {
   return glm::quat_cast(glm::dmat3(glm::cross(view.forward, view.up), view.up, -view.forward));
 }
 
-/// Scales the angle of a rotation.
+/// Returns a rotation with its angle multiplied by a factor.
 glm::dquat scaled(const glm::dquat& turn, double factor) {
   const double angle = glm::angle(turn);
   if (angle < 1e-9) return {1, 0, 0, 0};
@@ -53,7 +53,7 @@ std::optional<View> CameraMotion::predict(TimePoint now, Seconds ahead) const {
   if (first.view == last.view) return std::nullopt;
 
   const glm::dquat from = axesOf(first.view), to = axesOf(last.view);
-  glm::dquat turn = to * glm::conjugate(from);  // in the model frame
+  glm::dquat turn = to * glm::conjugate(from);  // rotation between the two views, in the model frame
   if (turn.w < 0) turn = -turn;
   if (glm::angle(turn) > kLargestTurnRad) return std::nullopt;
   const double factor = (ahead + (now - last.at)) / passed;

@@ -9,11 +9,11 @@
 
 namespace lode::core {
 
-/// Predicts where a camera will be from its recent views. Not thread safe.
+/// Predicts the future view of a camera from its recent views. Not thread safe.
 class CameraMotion {
  public:
   void record(const View& view, TimePoint now);
-  /// Extrapolates along a helix, with constant velocity and rotation in the camera's frame.
+  /// Extrapolates the motion along a helix: velocity and rotation are constant in the camera's frame.
   /// @return nothing if the camera does not move, or if the camera has jumped.
   std::optional<View> predict(TimePoint now, std::chrono::duration<double> ahead) const;
 

@@ -63,7 +63,7 @@ struct Cut {
   uint64_t build = 0;      ///< Model::build()
   std::vector<CutPart> parts;
   std::vector<LeftOut> left_out;    ///< nodes of missing parts, all outside the view; each has a fallback
-  std::vector<Fallback> fallbacks;  ///< depth first, children before parents
+  std::vector<Fallback> fallbacks;  ///< fallbacks of all depths, children before parents
   uint64_t triangles = 0;
   uint64_t blob_bytes = 0;   ///< encoded size of the meshes and tiles in use
   uint64_t drawn_bytes = 0;  ///< GPU memory of the parts and fallbacks: see drawnBytes()
@@ -92,7 +92,7 @@ inline bool isFarOff(const Cut* cut, float threshold_px) noexcept {
 
 /// Parts and fallbacks of a cut share one numbering: parts first, then fallbacks.
 inline size_t partCount(const Cut& cut) noexcept { return cut.parts.size() + cut.fallbacks.size(); }
-/// @param number  below partCount().
+/// @param number  number less than partCount().
 inline const CutPart& partOf(const Cut& cut, size_t number) noexcept {
   return number < cut.parts.size() ? cut.parts[number] : cut.fallbacks[number - cut.parts.size()].part;
 }
@@ -102,7 +102,7 @@ inline const CutPart& partOf(const Cut& cut, size_t number) noexcept {
 /// @return numbers for partOf(), depth first.
 std::vector<uint32_t> shownParts(const Cut& cut, const View& view);
 
-/// Returns the largest projected error of the drawn parts that a camera sees; 0 if it sees none.
+/// Returns the largest projected error of the drawn parts that a camera sees; 0 if the camera sees no part.
 /// @param shown  numbers for partOf().
 float shownErrorPx(const Cut& cut, std::span<const uint32_t> shown, const View& view) noexcept;
 
@@ -120,7 +120,7 @@ struct ViewCuts {
 };
 
 /// Builds the union of several cuts: see ViewCuts::all.
-/// @param cuts  at least one; all of the same build and threshold.
+/// @param cuts  at least one cut; all have the same build and threshold.
 std::shared_ptr<Cut> gatherMeshes(std::span<const std::shared_ptr<const Cut>> cuts);
 
 }  // namespace lode::core

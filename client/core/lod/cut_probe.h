@@ -30,7 +30,7 @@ struct Hit {
   const CutPart* part = nullptr;  ///< a part or fallback of the probed cut
   double distance_model = 0;
   glm::dvec3 position_model{0};
-  uint32_t triangle = 0;  ///< index in the part's mesh
+  uint32_t triangle = 0;  ///< index of the triangle in the part's mesh
   glm::dvec3 weights{0};  ///< barycentric weights of the triangle's corners
 };
 

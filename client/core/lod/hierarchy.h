@@ -23,7 +23,7 @@ struct KnownNode : Node {
   const KnownNode* children = nullptr;
   uint32_t page_below_bytes = 0;  ///< memory of the child page; 0 if there is none or it is not loaded
   bool is_page_lost = false;      ///< true if the child page is lost: see Hierarchy::lose()
-  uint64_t lost_lods = 0;         ///< bit i: LOD i is lost
+  uint64_t lost_lods = 0;         ///< bit i is set if LOD i is lost
 
   bool childrenKnown() const noexcept { return isLeaf() || children != nullptr; }
   std::span<const KnownNode> knownChildren() const noexcept {
@@ -86,7 +86,7 @@ class Hierarchy {
   const KnownNode* find(NodeKey key) const noexcept;
   const KnownNode* root() const noexcept { return root_ ? root_->nodes.data() : nullptr; }
   size_t size() const noexcept { return size_; }
-  /// Memory of all loaded pages.
+  /// Returns the memory of all loaded pages.
   uint64_t bytes() const noexcept { return bytes_; }
   uint64_t rootPageBytes() const noexcept { return root_ ? root_->bytes : 0; }
 
@@ -108,7 +108,7 @@ class Hierarchy {
   size_t size_ = 0;
   uint64_t bytes_ = 0;
   uint64_t round_ = 1;
-  std::set<uint32_t> lost_;  // blob numbers
+  std::set<uint32_t> lost_;  // numbers of lost blobs
   std::unique_ptr<Page> root_;
   // All pages except the root page, by the owner's key.
   std::unordered_map<uint64_t, std::unique_ptr<Page>> pages_;

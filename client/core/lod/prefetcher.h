@@ -41,7 +41,7 @@ class Prefetcher {
   /// Predicts the views and renews the requests, at most once per kPrefetchInterval.
   /// @return true if the requests may have changed.
   bool lookAhead(const Model& model, const RefineOptions& options, TimePoint now);
-  /// Missing blobs of the predicted views, best first.
+  /// Returns requests for the missing blobs of the predicted views, best first.
   const std::vector<Request>& requests() const noexcept { return requests_; }
 
   /// Notes that a prefetch request was sent.

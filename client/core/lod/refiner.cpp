@@ -63,7 +63,7 @@ class Run {
     return wanted.node->lods[lod].triangles == 0 || wanted.resident->has(lod);
   }
 
-  /// Returns the finest LOD of a wanted node that may be shown.
+  /// Returns the finest LOD of a wanted node that the options allow to show.
   uint32_t finestShown(const WantedNode& wanted) const { return options_.finer_stand_ins ? 0 : wanted.lod; }
 
   bool anyReady(const WantedNode& wanted) const {
@@ -81,7 +81,7 @@ class Run {
     return place;
   }
 
-  /// Returns true if resident meshes, at the node or below, cover the part of its region near the view.
+  /// Returns true if resident meshes of the node or of nodes below cover the node's region near the view.
   bool covered(WantedNode& wanted) { return anyReady(wanted) || !wanted.near || childrenCovered(wanted); }
 
   bool childrenCovered(WantedNode& wanted) {
@@ -119,7 +119,7 @@ class Run {
     return below_hidden_ ? shown_px * kHiddenPriorityFactor : shown_px;
   }
 
-  // ---- the published cut; every function here is called for covered nodes only
+  // ---- the published cut; call all functions of this section only for covered nodes
 
   void show(WantedNode& wanted) {
     if (wanted.role == Role::kExpanded) return showExpanded(wanted);

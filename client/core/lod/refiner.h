@@ -25,7 +25,7 @@ struct Refinement {
   std::vector<NodeKey> pages;  ///< owners of the pages that the wanted or the published cut passes through
   /// All meshes of the wanted cut; empty without RefineOptions::shares_memory.
   std::vector<WantedMesh> wanted_meshes;
-  std::vector<HeldNode> held;  ///< input of the next refinement; empty without hysteresis
+  std::vector<HeldNode> held;  ///< states for the next refinement; empty without hysteresis
   bool limited = false;        ///< a budget stopped refinement above the threshold
   /// The cut equals the wanted cut and is complete, so only a new view changes the cut.
   bool settled = false;
@@ -46,12 +46,11 @@ struct Refinement {
 /// at most a twentieth of the wanted bytes below it.
 ///
 /// Occluded nodes belong to the cut like all nodes in the view. Their siblings can be shown as soon as the
-/// coarsest LOD of the occluded node is resident; the finer LODs of the occluded node are requested after all
-/// visible blobs.
+/// coarsest LOD of the occluded node is resident. Its finer LODs are requested after all visible blobs.
 ///
 /// Source: best-first view-dependent refinement as in Duchaineau et al., ROAMing Terrain, 1997, over the
 /// octree of the 2005 paper (docs/lod-selection.md).
-/// @param held  Refinement::held of the previous refinement.
+/// @param held  Refinement::held of the previous refinement; empty if there is none.
 /// @param seen  places that this view sees; null treats no node as occluded. Changes the order of requests
 ///              and the stand-ins, but never the converged cut.
 Refinement refine(const Hierarchy& hierarchy, const MeshCache& cache, const Lattice& lattice,

@@ -20,7 +20,7 @@ struct MeshKey {
 
 enum class BlobKind : uint8_t { kMesh, kPage, kRootPage, kTextureSet, kTile };
 
-/// Purpose of a requested blob. The session returns it with the blob or the refusal.
+/// Purpose of a requested blob. The session returns the purpose with the blob or the refusal.
 struct BlobUse {
   BlobKind kind = BlobKind::kMesh;
   MeshKey mesh;  ///< mesh of a payload; for a page, the page's owner node and LOD 0

@@ -11,8 +11,8 @@ namespace lode::core {
 namespace {
 
 constexpr double kWidth = 160, kHeight = 90;  // largest size of the depth buffer in pixels, without margin
-constexpr size_t kFewOf = 512;                // "few" is below 1/512 of all cells
-constexpr size_t kFewOfPart = 4;              // and below 1/4 of the mean number of cells per part
+constexpr size_t kFewOf = 512;                // a node has few cells if it has less than 1/512 of all cells
+constexpr size_t kFewOfPart = 4;              // and less than 1/4 of the mean number of cells per part
 constexpr double kMostTried = 1u << 22;       // largest number of pixel tests over all triangles
 
 /// Spreads the bits of a coordinate to every third bit.
@@ -32,7 +32,7 @@ NodeKey cellAt(glm::dvec3 in_root) {
   return {kRootKey.value << 3 * kMaxDepth | spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2};
 }
 
-/// A small depth buffer.
+/// A small depth buffer, into which triangles are rasterised.
 class SmallPicture {
  public:
   explicit SmallPicture(const View& view)
@@ -134,7 +134,7 @@ class SmallPicture {
   const double near_;
   int width_ = 0, height_ = 0;
   double focal_ = 0, tried_ = 0;
-  std::vector<double> nearness_;  // 1 / depth by rows; 0: empty
+  std::vector<double> nearness_;  // 1 / depth of each pixel, row by row; 0: no surface
 };
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace lode::core {
 namespace {
 
-constexpr int kPlaceBits = 10;  ///< bits per axis; the longest side of the mesh spans all of them
+constexpr int kPlaceBits = 10;  ///< Morton code bits per axis, scaled to the longest side of the mesh
 constexpr int kDigits = 3;  ///< number of radix sort digits of a Morton code; each digit has kPlaceBits bits
 
 /// Returns three times the centroid of a triangle.

@@ -16,7 +16,7 @@ constexpr uint64_t kReserveShare = 4;   // 1/4 of a budget must be free before a
 constexpr float kStepsOfTwo = 4;        // the threshold is raised in steps of 2^1/4
 constexpr int kMostCoarsening = 80;     // largest number of steps; the threshold grows at most by 2^20
 
-/// @param with_reserve  requires 1/kReserveShare of the budget to stay free.
+/// @param with_reserve  true requires that 1/kReserveShare of the budget stays free.
 bool hasRoom(uint64_t bytes, uint64_t budget_bytes, bool with_reserve) {
   return bytes <= budget_bytes - (with_reserve ? budget_bytes / kReserveShare : 0);
 }
@@ -180,8 +180,8 @@ bool ViewGroup::keep(Model& model, const Gathered& gathered, bool with_reserve) 
          (!gathered.all || hasRoom(gathered.all->drawn_bytes, drawn_budget_bytes_, with_reserve));
 }
 
-/// Drops fallbacks, then also stand-ins finer than wanted, until the rest fits. Restores these parts only if
-/// a reserve stays free or the cuts have settled, so that single arrivals do not change the whole cut.
+/// Drops fallbacks, then also stand-ins finer than wanted, until the rest fits. Shows these parts again only
+/// if a reserve stays free or the cuts have settled, so that single arrivals do not change the whole cut.
 void ViewGroup::fit(Model& model, Gathered& gathered) {
   const Degradation before = degradation_;
   degradation_ = Degradation::kNone;
@@ -248,7 +248,7 @@ void ViewGroup::publish(Model& model, Gathered& gathered) {
   });
 }
 
-/// Sets the build and the threshold of a cut; a cut at a raised threshold has not converged.
+/// Sets the build and the threshold of a cut. Marks a cut at a raised threshold as not converged.
 void ViewGroup::label(Cut& cut) const {
   cut.build = cut_build_;
   cut.threshold_px = options_.threshold_px;

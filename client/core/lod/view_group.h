@@ -16,15 +16,15 @@
 namespace lode::core {
 
 /// The views of one model that are drawn together, one per instance of the model. Refines a cut for each view
-/// from the resident meshes and collects the requests for the missing ones. All views share meshes and
-/// budgets; if a budget is too small for several views, one larger threshold applies to all. Not thread safe,
-/// but any thread may read the published cuts.
+/// from the resident meshes and collects the requests for the missing meshes. All views share meshes and
+/// budgets; if a budget is too small for several views, one larger threshold applies to all views. Not thread
+/// safe, but any thread may read the published cuts.
 class ViewGroup {
  public:
   /// @param options  see RefineOptions; the drawn budget applies to the cut and its fallbacks together.
   explicit ViewGroup(const RefineOptions& options = {});
 
-  /// Replaces RefineOptions::drawn_budget_bytes.
+  /// Sets a new value for RefineOptions::drawn_budget_bytes.
   void setDrawnBudget(uint64_t bytes) noexcept;
   /// @param views  views in the model frame, all with the same picture size.
   void setViews(std::span<const View> views, float threshold_px);
@@ -33,14 +33,14 @@ class ViewGroup {
   /// published.
   void forgetModel() noexcept;
 
-  /// Refines if a view or the model has changed. @return true if it refined.
+  /// Refines the cuts if a view or the model has changed. @return true if the cuts were refined.
   bool refine(Model& model);
 
   /// The last published cuts; null until the root's coarsest LOD is resident and a view is set.
   const std::shared_ptr<const ViewCuts>& viewCuts() const noexcept { return view_cuts_; }
-  /// ViewCuts::all of the last cuts; null if viewCuts() is null.
+  /// Returns ViewCuts::all of the last cuts; null if viewCuts() is null.
   const std::shared_ptr<const Cut>& cut() const noexcept;
-  /// Model::build() of the last cuts.
+  /// Returns Model::build() of the last cuts.
   uint64_t cutBuild() const noexcept { return cut_build_; }
   /// Requests of the last refinement, best first.
   const std::vector<Request>& requests() const noexcept { return requests_; }
@@ -68,12 +68,12 @@ class ViewGroup {
     View view;
     std::vector<HeldNode> held;
     std::optional<SeenPlaces> seen;  // nothing if occlusion is unknown
-    uint64_t seen_triangles = 0;     // triangles of the cut that `seen` was computed from
+    uint64_t seen_triangles = 0;     // number of triangles of the cut from which `seen` was computed
   };
 
   /// Results of one refinement of all views.
   struct Gathered {
-    std::vector<Refinement> refinements;  // results indexed by view
+    std::vector<Refinement> refinements;  // one refinement per view
     std::shared_ptr<Cut> all;             // union of the cuts; null while a view has no cut
   };
 

@@ -152,7 +152,7 @@ bool WantedCut::expand(const Candidate& candidate, const Totals& without) {
   Totals totals = without;
   for (uint32_t i = 0; i < children.size(); ++i) {
     WantedNode& child = nodes_.emplace_back(this->place(children[i], in_sight));
-    child.held = held_child == 0 ? 0 : held_child + i + 1;  // index plus 1
+    child.held = held_child == 0 ? 0 : held_child + i + 1;  // index in held_ plus 1
     if (child.visible) skipWorse(child, candidate.error_px);
     totals.add(children[i].lods[child.lod], attributes_);
   }

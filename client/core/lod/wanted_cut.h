@@ -49,9 +49,9 @@ struct WantedMesh {
 /// or at LOD 0 by its children, until no visible part exceeds the threshold or a budget is reached. Children
 /// start at their coarsest LOD; visible children start at the coarsest LOD whose error does not exceed the
 /// error of the replaced part, because a child's far LODs may have larger errors. If a LOD is lost, the next
-/// finer LOD replaces it. A part stays if its children cannot be loaded. Node keys break ties. Parts outside
-/// the view are not refined. Without a budget, the order does not change the result. The first attempt
-/// therefore uses no priority queue.
+/// finer LOD replaces it. A part stays if its children cannot be loaded. Node keys decide between parts with
+/// equal errors. Parts outside the view are not refined. Without a budget, the order does not change the
+/// result. The first attempt therefore uses no priority queue.
 class WantedCut {
  public:
   /// @param held  result of held() in the previous refinement; used only with hysteresis.
@@ -64,7 +64,7 @@ class WantedCut {
   std::span<WantedNode> children(const WantedNode& wanted) {
     return std::span(nodes_).subspan(wanted.first_child, wanted.node->knownChildren().size());
   }
-  /// Returns a node with its visibility and distance for this view.
+  /// Returns a wanted node with its visibility and distance for this view.
   /// @param in_sight  true skips the visibility test; only for a node whose parent is wholly visible.
   WantedNode place(const KnownNode& node, bool in_sight = false) const;
   float errorPx(const WantedNode& wanted, uint32_t lod) const;
@@ -122,7 +122,7 @@ class WantedCut {
   const std::span<const HeldNode> held_;
   std::vector<WantedNode> nodes_;
   bool is_best_first_ = false;
-  std::vector<Candidate> open_;  // a heap if is_best_first_
+  std::vector<Candidate> open_;  // parts to refine; a heap if is_best_first_ is true
   Totals totals_;
   uint64_t page_bytes_ = 0;
   std::vector<NodeKey> pages_;

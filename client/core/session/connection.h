@@ -33,10 +33,10 @@ class Connection {
 
   /// Returns true if the caller should open a transport and call begin().
   bool due(TimePoint now) const noexcept { return (!session_ || is_draining_) && now >= retry_at_; }
-  /// Starts a session on a new transport; its first bytes can be sent at once.
+  /// Starts a session on a new transport. The session's first bytes can be sent at once.
   /// @param known_build_id  build of the model that the client has loaded; zeros for none.
   void begin(const Digest& known_build_id, TimePoint now);
-  /// Null if there is no such session.
+  /// Returns a session of the connection; null if there is no such session.
   Session* session(SessionRole role = SessionRole::kActive) noexcept {
     std::optional<Session>& session = role == SessionRole::kActive ? session_ : draining_;
     return session ? &*session : nullptr;
@@ -50,7 +50,7 @@ class Connection {
 
   /// Notes that the model is open, and resets the retry interval.
   void succeeded() noexcept;
-  /// Ends the active session and schedules a retry. @param why  text for users.
+  /// Ends the active session and schedules a retry. @param why  reason as a text for users.
   void end(std::string why, TimePoint now);
   /// Returns true if a retry may succeed: the error is a network error or a timeout, and the model has been
   /// open before.
@@ -67,7 +67,7 @@ class Connection {
 
   /// Reason for the missing connection; empty while there is a connection.
   const std::string& trouble() const noexcept { return trouble_; }
-  /// Bytes received by all sessions.
+  /// Returns the number of bytes that all sessions have received.
   uint64_t receivedBytes() const noexcept;
 
  private:

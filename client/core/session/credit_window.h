@@ -9,9 +9,10 @@
 
 namespace lode::core {
 
-constexpr uint64_t kMaxWindowBytes = 16u << 20;  ///< enough for 1 Gbit/s at 85 ms, with kWindowGain
-constexpr double kWindowGain = 1.5;              ///< window size divided by rate × round trip
-constexpr double kGrowthGain = 3;                ///< kWindowGain while the measured rate still grows
+/// Enough for 1 Gbit/s at a round trip of 85 ms, with kWindowGain.
+constexpr uint64_t kMaxWindowBytes = 16u << 20;
+constexpr double kWindowGain = 1.5;  ///< ratio of the window to rate × round trip
+constexpr double kGrowthGain = 3;    ///< ratio that replaces kWindowGain while the measured rate still grows
 /// Lower bound for round trips, because thread scheduling dominates on a fast link.
 constexpr std::chrono::milliseconds kShortestTrip{10};
 /// Duration of a rate sample, unless the round trip is longer.
@@ -26,7 +27,7 @@ constexpr size_t kRateSamples = 8;  ///< number of recent samples; the rate is t
 /// smallest round trip).
 class CreditWindow {
  public:
-  /// Counts bytes received until `now`.
+  /// Counts bytes that were received since the last call.
   void receive(uint64_t bytes, TimePoint now);
   /// Stops measuring the rate until bytes arrive again. Call it when no blob is awaited.
   void pause() noexcept { sample_begin_.reset(); }
@@ -34,9 +35,9 @@ class CreditWindow {
 
   /// Returns the size of the window.
   uint64_t bytes() const noexcept;
-  /// Measured rate of the link; 0: unknown.
+  /// Returns the measured rate of the link; 0: unknown.
   double bytesPerSecond() const noexcept;
-  /// The smallest measured round trip.
+  /// Returns the smallest measured round trip.
   std::optional<std::chrono::nanoseconds> roundTrip() const noexcept { return round_trip_; }
 
  private:
@@ -44,8 +45,8 @@ class CreditWindow {
 
   std::optional<std::chrono::nanoseconds> round_trip_;
   std::optional<TimePoint> sample_begin_;
-  uint64_t sample_bytes_ = 0;  // received since sample_begin_
-  std::deque<double> rates_;   // bytes per second, newest last
+  uint64_t sample_bytes_ = 0;  // bytes received since sample_begin_
+  std::deque<double> rates_;   // measured rates in bytes per second, newest last
   bool growing_ = true;        // the newest sample is much faster than all earlier samples
 };
 

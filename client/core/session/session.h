@@ -31,7 +31,7 @@ constexpr std::chrono::seconds kSilenceLimit{30};
 constexpr std::chrono::seconds kMaxGap{2};
 /// Largest total size of the open requests; a single blob may be larger.
 constexpr uint64_t kMaxRequestedBytes = 32ull << 20;
-/// Enough requests to fill any window, but few enough to sort often.
+/// Largest number of requests: enough to fill any window, but few enough to sort often.
 constexpr uint32_t kMaxRequestsAtOnce = 1024;
 constexpr float kReprioritiseFactor = 1.19f;  ///< 2^1/4; smaller changes of a priority are not sent
 

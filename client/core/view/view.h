@@ -32,8 +32,9 @@ ModelBox toModelBox(const LatticeBox& box, double step) noexcept;
 double distanceToBox(glm::dvec3 eye_model, const ModelBox& box) noexcept;
 
 /// Projects a geometric error to pixels.
-/// @param error_model     >= 0, in model units.
-/// @param distance_model  from the eye to the nearest point of the node's box; clamped to view.near_model.
+/// @param error_model     error in model units, at least 0.
+/// @param distance_model  distance from the eye to the nearest point of the node's box; clamped to
+///                        view.near_model.
 /// @return error in pixels; grows with error_model, which the refinement queue relies on.
 /// Source: Luebke et al., Level of Detail for 3D Graphics, 2003.
 float screenErrorPx(float error_model, double distance_model, const View& view) noexcept;
@@ -49,7 +50,7 @@ bool boxMayBeVisible(const ModelBox& box, const View& view, double widening = 1)
 /// Result of a box test against the planes of a frustum.
 enum class Visibility : uint8_t { kOutside, kPartial, kInside };
 
-/// screenErrorPx() and boxMayBeVisible() for many boxes of one view, with the frustum computed once.
+/// Computes screenErrorPx() and boxMayBeVisible() for many boxes of one view, and the frustum only once.
 class ViewFrustum {
  public:
   /// @param widening  scale of the margin around the picture: see isInMargin().
@@ -62,7 +63,7 @@ class ViewFrustum {
   float errorPx(float error_model, double distance_model) const noexcept;
 
  private:
-  /// The planes of a picture: its four sides and the plane through the eye, with inward normals.
+  /// The planes that bound a picture, with inward normals: four sides, and the plane through the eye.
   class Pyramid {
    public:
     Pyramid(const View& view, double widening) noexcept;
