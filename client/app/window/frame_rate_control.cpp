@@ -16,7 +16,8 @@ constexpr double kStepsOfDoubling = kStepsOfOctave / 2;
 constexpr int kMostSteps = 12;    ///< 8 times the threshold; if frames need more steps, the rate is halved
 constexpr int kMostHalvings = 3;  ///< 60 frames a second become 7.5
 constexpr double kFill = 0.8;     ///< part of the target time that frames aim at
-/// KFill for a restored rate; below 1, because the rate would drop again.
+/// Part of the target time that frames may take after the rate is restored; below 1, or the rate would drop
+/// again.
 constexpr double kFillOfFaster = 0.9;
 constexpr double kSpareSteps = 0.25;  ///< margin when the threshold becomes finer
 constexpr int kSlowFrames = 3;        ///< consecutive slow frames that halve the rate

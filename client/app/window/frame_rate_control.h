@@ -88,9 +88,8 @@ class FrameRateControl {
   int calm_frames_ = 0;
   double calm_need_ = 0;        ///< steps needed
   double calm_pixel_load_ = 0;  ///< work per pixel, relative to a frame's time
-  double double_need_ =
-      0;                  ///< steps needed for twice the work if frames may fill kFillOfFaster of their time
-  double full_need_ = 0;  ///< steps needed for twice the work if frames may fill kFill of their time
+  double double_need_ = 0;      ///< steps needed for twice the work in the part kFillOfFaster of the time
+  double full_need_ = 0;        ///< steps needed for twice the work in the part kFill of the time
   Trials rate_, resolution_;
   double still_s_ = 0;  ///< time since the camera moved; starts at 0, so that the first cut can be coarse
 };

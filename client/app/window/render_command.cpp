@@ -45,7 +45,7 @@ constexpr size_t kMaxPictures = 1'000'000;
 struct RenderOptions {
   CommonOptions common;
   LookOptions look;
-  // Exactly one of these is not empty:
+  // Exactly one of the next three texts is not empty:
   std::string output;  ///< picture of the path's first key
   std::string folder;  ///< folder for a picture of each frame
   std::string video;   ///< video of all frames

@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kCrossingSeconds = 4;        ///< time to cross the model when flying at initial speed
 constexpr double kPadHeightsPerSecond = 1.2;  ///< drag of a fully deflected stick, in picture heights
-constexpr double kPadStepsPerSecond = 6;      ///< its zoom in wheel steps, like W and S
-constexpr double kEyeHeight = 0.005;          ///< initial eye height as a share of the model's size
-constexpr double kDropHeights = 2;            ///< height in eye heights from which standAt() descends
+constexpr double kPadStepsPerSecond = 6;  ///< zoom of a fully deflected stick, or by W and S, in wheel steps
+constexpr double kEyeHeight = 0.005;      ///< initial eye height as a share of the model's size
+constexpr double kDropHeights = 2;        ///< height in eye heights from which standAt() descends
 
 double sizeOf(const ModelSummary& model) {
   if (model.box.empty()) return model.lattice.step;
@@ -45,21 +45,23 @@ void CameraRig::frame() {
     framing_.aspect = static_cast<double>(view_.width_px) / view_.height_px;
   startAt(core::framingCamera(model_, framing_));
   const core::ModelBox box = core::toModelBox(model_.box, model_.lattice.step);
-  if (framing_.covered > 0) turnAbout((box.min + box.max) / 2.0);  // the model is not straight ahead then
+  // Beside the panel, the model is not straight ahead.
+  if (framing_.covered > 0) turnAbout((box.min + box.max) / 2.0);
 }
 
-/// Restarts all cameras from a view. The orbit turns about the point at this distance.
+/// Restarts all kinds of cameras from a view. The orbit turns about the point at a distance straight ahead.
 void CameraRig::restart(core::View from, double distance_model) {
-  from.width_px = view_.width_px;  // the window may have another size by now
+  from.width_px = view_.width_px;  // the size of the window may have changed
   from.height_px = view_.height_px;
   view_ = from;
-  const double size = sizeOf(model_);  // may have grown
+  const double size = sizeOf(model_);  // the model's box may have grown
   orbit_ = OrbitCamera(from, distance_model, up_);
   fly_ = FlyCamera(from, size / kCrossingSeconds, up_);
   walk_ = WalkCamera(from, size * kEyeHeight, up_);
 }
 
-/// Uses the view's up if the camera looks along the up axis or is rolled, else the up axis.
+/// Returns the camera with the up axis as its up; with the view's up if the camera is rolled or looks along
+/// the up axis.
 core::CameraKey CameraRig::camera() const {
   constexpr double kAlong = 1e-5, kUpright = 1e-9;
   const glm::dvec3 eye = model_.lattice.origin + view_.eye_model;
@@ -103,7 +105,8 @@ void CameraRig::useBookmark(size_t number, bool set) {
   restart(bookmark->view, bookmark->distance_model);
 }
 
-/// True if the camera must be updated. A walk always is, since the ground may change as it loads.
+/// Returns true if the camera must be updated. A walking camera always must, because the ground may change as
+/// it loads.
 bool CameraRig::isSteered(const Input& input) const noexcept {
   return input.turned_px != glm::dvec2(0) || input.shifted_px != glm::dvec2(0) || input.wheel != 0 ||
          input.pad_turn != glm::dvec2(0) || input.fly.right != 0 || input.fly.up != 0 ||
@@ -118,7 +121,8 @@ void CameraRig::startAgain() {
     restart(start_, start_distance_model_);
 }
 
-/// Leaves the view bit-identical while nothing steers it: recomputing it would change the rounding.
+/// Leaves the view unchanged to the bit while nothing steers the camera: computing it again would change the
+/// rounding.
 void CameraRig::apply(const Input& input, double seconds, const GroundBelow& ground) {
   if (input.reset_camera) startAgain();
   for (int i = 0; i < input.next_axis; ++i) turnUp();

@@ -14,41 +14,43 @@
 
 namespace lode::app {
 
-/// The camera of the window: orbits, flies or walks as the user chose. Switching keeps the view.
+/// The camera of the window. It orbits, flies or walks, as the user chooses. Switching the kind of motion
+/// keeps the view.
 class CameraRig {
  public:
-  /// @param model    read again whenever a camera starts, since its box may grow; must outlive this.
-  /// @param framing  has the up axis, which overrides that of the path's cameras.
-  /// @param path     its first key is the initial view, with its roll until the camera moves; nothing: frames
-  /// the
-  ///                 model.
+  /// @param model    model or scene to look at. Its box may grow, so it is read again whenever a camera
+  /// starts.
+  ///                 It must outlive this object.
+  /// @param framing  framing with the up axis, which overrides the up axes of the path's cameras.
+  /// @param path     path whose first key is the initial view, with its roll until the camera moves; nothing:
+  ///                 the initial view frames the model.
   CameraRig(const ModelSummary& model, core::Framing framing, const std::optional<core::CameraPath>& path,
             uint32_t width_px, uint32_t height_px);
 
-  /// Applies the input of a frame. @param ground  for walking.
+  /// Applies the input of a frame. @param ground  finds the ground for the walking camera.
   void apply(const Input& input, double seconds, const GroundBelow& ground);
-  /// If it walks: continues above this point, looking ahead horizontally.
+  /// Moves a walking camera above a point, looking ahead horizontally. Ignored if the camera does not walk.
   void standAt(const glm::dvec3& point_model);
   /// Returns the camera in true coordinates, at t = 0.
   core::CameraKey camera() const;
   /// Moves to a camera. @param camera  in true coordinates.
   void lookFrom(const core::CameraKey& camera, double fov_y_deg);
-  /// Sets the point that an orbit turns about. The view stays.
+  /// Sets the point about which the orbit turns. The view stays the same.
   void turnAbout(const glm::dvec3& point_model) noexcept { orbit_.turnAbout(point_model); }
-  /// Starts a flight of the orbit camera towards this point.
+  /// Starts a flight of the orbit camera towards a point.
   void flyTo(const glm::dvec3& point_model) noexcept { orbit_.flyTo(point_model); }
   void resize(uint32_t width_px, uint32_t height_px) noexcept;
-  /// Sets the share of the picture that the panel covers, for framing the model: see core::Framing.
+  /// Sets the share of the picture that the panel covers. Framing leaves this share free, see core::Framing.
   void frameBeside(double covered) noexcept { framing_.covered = covered; }
 
   const core::View& view() const noexcept { return view_; }
   CameraKind kind() const noexcept { return kind_; }
-  /// True while it moves without input.
+  /// Returns true while the camera moves without input.
   bool isMoving() const noexcept {
     return kind_ == CameraKind::kOrbit ? orbit_.isFlying() : kind_ == CameraKind::kWalk && walk_.isSettling();
   }
   const glm::dvec3& up() const noexcept { return up_; }
-  /// @param number  1 to 9.
+  /// Returns true if the bookmark is set. @param number  1 to 9.
   bool hasBookmark(int number) const noexcept {
     return bookmarks_[static_cast<size_t>(number) - 1].has_value();
   }

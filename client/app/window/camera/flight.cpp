@@ -137,7 +137,7 @@ nlohmann::ordered_json Flight::toJson() const {
 Pilot::Pilot(const ViewOptions& options, std::optional<core::CameraPath> path)
     : options_(options), path_(std::move(path)) {}
 
-/// True once there is a picture to start from.
+/// Returns true once the window shows a picture from which the flight can start.
 bool Pilot::mayBegin(const ViewedScene& scene, bool is_time_over, const core::View& view) const {
   const double drawn_px = scene.drawnThresholdRad() * focalPx(view);
   if (drawn_px > 0 && drawn_px <= kLargestThresholdPx) return true;

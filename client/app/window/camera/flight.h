@@ -19,36 +19,37 @@ namespace lode::app {
 /// A frame of a flight.
 struct FlownFrame {
   int lap = 0;
-  double t_s = 0;           ///< path time
+  double t_s = 0;           ///< time on the path
   double work_ms = 0;       ///< frame time without waiting for the display
-  double upload_ms = 0;     ///< part of it spent on uploads since the previous frame
+  double upload_ms = 0;     ///< time spent on uploads since the previous frame, part of work_ms
   double target_ms = 0;     ///< target frame time; 0: none
   double scale = 1;         ///< resolution scale per side
-  double threshold_px = 0;  ///< in scaled pixels
+  double threshold_px = 0;  ///< threshold in scaled pixels
   uint64_t triangles = 0;
 };
 
-/// A camera path that a window follows, and the times of its frames. Pure: no clock, no GL.
+/// A camera path that the window follows, and the times of the frames drawn on the path. Pure: no clock, no
+/// GL.
 class Flight {
  public:
-  /// @param laps  >= 1: number of times the path is flown, each from its first key.
+  /// @param laps  number of times that the path is flown from its first key, >= 1.
   Flight(core::CameraPath path, int laps);
 
   /// Returns the camera at a time since the start; nothing once the flight is over.
   std::optional<core::CameraKey> cameraAt(double seconds);
-  /// True once all laps are flown.
+  /// Returns true once all laps are flown.
   bool isOver() const noexcept { return lap_ >= laps_; }
   double fovYDeg() const noexcept { return path_.fov_y_deg; }
 
-  /// Adds a frame that was drawn; finish() adds its time later. Ignored once the flight is over.
+  /// Adds a frame that was drawn. finish() sets the frame's time later. Ignored once the flight is over.
   void draw(uint64_t number, FlownFrame frame);
   /// Sets the time of a frame. Ignores frames that draw() did not add.
   void finish(uint64_t number, double work_ms);
 
-  /// Returns a line per lap: frames; median, 99th percentile and maximum of frame times, uploads and
+  /// Returns a line per lap: the number of frames, and statistics of frame times, upload times and
   /// thresholds.
   std::string describe() const;
-  /// Returns the same figures, each frame, and whether the flight was interrupted.
+  /// Returns the statistics of each lap, all frames, and whether the flight was interrupted.
   nlohmann::ordered_json toJson() const;
 
  private:
@@ -64,25 +65,27 @@ class Flight {
   std::vector<FlownFrame> frames_;
 };
 
-/// Flies the window's camera from the first picture on, ignoring the user, and prints frame times.
+/// Flies the window's camera along a path from the first picture on, and prints frame times. The user cannot
+/// steer during the flight.
 class Pilot {
  public:
-  /// @param path  path to fly; none: an orbit.
+  /// @param path  path to fly; nothing: an orbit.
   Pilot(const ViewOptions& options, std::optional<core::CameraPath> path);
 
   enum class State { kWaiting, kFlying, kOver };
   /// Moves the camera along the path.
-  /// @throws Error if there will be no first picture: nothing more loads, or the time is over.
+  /// @throws Error if no picture is drawn yet and none will come, because nothing more loads or the time is
+  /// over.
   State fly(const ViewedScene& scene, bool is_time_over, CameraRig& rig);
 
-  /// True after the first picture.
+  /// Returns true after the first picture.
   bool isUnderWay() const noexcept { return flight_.has_value(); }
 
-  /// See Flight.
+  /// Adds a drawn frame to the flight, like Flight::draw().
   void draw(uint64_t number, const FlownFrame& frame);
   void finish(uint64_t number, double work_ms);
 
-  /// Prints the frame times. @throws Error afterwards if the flight is not over.
+  /// Prints the frame times. @throws Error after printing if the flight is not over.
   void print() const;
 
  private:

@@ -7,7 +7,7 @@
 
 namespace lode::app {
 
-/// Writes a path as JSON. core::parseCameraPath() reads it back exactly.
+/// Returns a path as JSON, from which core::parseCameraPath() restores exactly the same path.
 std::string writeCameraPath(const core::CameraPath& path);
 
 /// Records a camera path for `render --frames` and `replay`.
@@ -18,9 +18,10 @@ class PathRecorder {
   /// Adds a camera as a key if a tenth of a second has passed since the last key and the path is not full.
   /// @param t_s  time from a monotonic clock
   void add(double t_s, core::CameraKey camera, double fov_y_deg);
-  /// Ends the recording. @return nothing if it has no key.
+  /// Ends the recording. @return the path; nothing if it has no keys.
   std::optional<core::CameraPath> finish();
-  /// Ends the recording and writes it into the current folder. @return the file; nothing if it has no key.
+  /// Ends the recording and writes the path into the current folder.
+  /// @return name of the file; nothing if the path has no keys.
   /// @throws Error kIo.
   std::optional<std::string> save();
 

@@ -12,15 +12,16 @@ constexpr double kHeightsASecond = 2.5;  ///< initial speed, in eye heights
 constexpr double kFastWalkFactor = 4;
 constexpr double kWalkSpeedStep = 1.25, kWalkSpeedRange = 1e4;
 constexpr double kGrowthASecond = 2, kHeightRange = 1e3;
-constexpr double kClimb = 1;       ///< eye heights above the eye to search for rising ground
-constexpr double kLeast = 0.25;    ///< share of the eye height kept at once; the rest is made up smoothly
+constexpr double kClimb = 1;  ///< eye heights above the eye to search for rising ground
+/// Share of the eye height that the camera keeps at once; it recovers the rest smoothly.
+constexpr double kLeast = 0.25;
 constexpr double kSettleS = 0.15;  ///< time constant of adapting the height
 constexpr double kSettled = 1e-3;  ///< share of the eye height that is too small to notice
 
-constexpr double kMostUncertain = 0.01;  ///< share of a part's size: limit of its error
+constexpr double kMostUncertain = 0.01;  ///< limit of a part's error, as a share of the part's size
 
-/// Converts a part's projected error back to model units. Limits it by the part's size, since the error of a
-/// part around the eye was projected at the near distance.
+/// Converts a part's projected error back to model units. Limits the result by the part's size, because the
+/// error of a part around the eye was projected at the near distance.
 double uncertaintyOf(const core::CutPart& part, const core::View& view, double step) {
   LatticeBox lattice_box;
   for (const PositionCode code : part.mesh->positions) lattice_box.add(unpackPosition(code));

@@ -11,33 +11,33 @@
 
 namespace lode::app {
 
-/// Ground below a point, as far as loaded data shows it.
+/// Ground below a point according to the loaded data.
 struct Ground {
-  double depth_model = 0;        ///< straight down from the point
+  double depth_model = 0;        ///< distance from the point straight down to the ground
   double uncertainty_model = 0;  ///< finer data may move it up or down by this much
 };
-/// Returns the ground below a point, or nothing.
+/// Function that returns the ground below a point, or nothing.
 using GroundBelow = std::function<std::optional<Ground>(const glm::dvec3& point_model)>;
 
-/// Walks: keys move it over the ground at a constant eye height, the mouse turns it, the wheel changes its
-/// speed. There is no gravity: it follows the ground smoothly, also over edges, and keeps its height where
-/// there is no ground. It descends only as far as the uncertainty of the ground allows, so that finer data
-/// never ends up above the eye and the camera does not fall through parts that still load. Model frame, like
-/// View. Pure: no clock, no input device.
+/// A camera that walks: keys move it over the ground at a constant eye height, the mouse turns it, and the
+/// wheel changes its speed. The camera has no gravity: it follows the ground smoothly, also over edges, and
+/// keeps its height if no ground is below. It descends only as far as the uncertainty of the ground allows.
+/// So finer data never appears above the eye, and the camera does not fall through parts that still load.
+/// Positions are in the model frame, like those of View. Pure: no clock, no input device.
 class WalkCamera {
  public:
-  /// @param eye_height_model  > 0. @param axis  up.
+  /// @param eye_height_model  initial height of the eye above the ground, > 0. @param axis  up axis.
   WalkCamera(const core::View& start, double eye_height_model, glm::dvec3 axis) noexcept;
 
-  /// See FlyCamera::look().
+  /// Turns by a drag, like FlyCamera::look().
   void look(glm::dvec2 pixels, const core::View& view) noexcept;
   /// Moves horizontally; the keys for up and down change the eye height.
   void move(const FlyKeys& keys, double seconds, const GroundBelow& ground);
-  /// See FlyCamera::changeSpeed().
+  /// Changes the speed, like FlyCamera::changeSpeed().
   void changeSpeed(double steps) noexcept;
 
   double eyeHeightModel() const noexcept { return height_model_; }
-  /// True while it still adapts its height to the ground.
+  /// Returns true while the camera still adapts its height to the ground.
   bool isSettling() const noexcept { return is_settling_; }
   void apply(core::View& view) const noexcept;
 
@@ -51,7 +51,8 @@ class WalkCamera {
   bool is_settling_ = false;
 };
 
-/// Finds the ground straight below a point in a cut: in its parts, or in a fallback where a part is missing.
+/// Finds the ground straight below a point in a cut. Uses the cut's parts, and the fallbacks of missing
+/// parts.
 /// @param view  the camera's view, for its field of view. @param up  unit length.
 std::optional<Ground> groundBelow(const core::CutProbe& probe, const core::View& view,
                                   const glm::dvec3& point_model, const glm::dvec3& up);

@@ -30,7 +30,7 @@ void PictureWriter::write(std::filesystem::path file, render::Image image) {
   std::shared_future<Written> before;
   if (!queued_.empty()) before = queued_.back();
   auto shared = std::make_shared<const render::Image>(std::move(image));
-  // Frees the image and the future before it when it is done: its result may be taken much later.
+  // Frees the image and the previous future when the picture is written, because take() may come much later.
   auto write = [file = std::move(file), shared = std::move(shared), before = std::move(before)]() mutable {
     if (before.valid()) before.wait();
     before = {};

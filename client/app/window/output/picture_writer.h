@@ -11,8 +11,8 @@
 
 namespace lode::app {
 
-/// A picture that the user asks for by a key. It is taken when the window is at rest, so that it has the
-/// detail of a resting camera and the panel's final text, but at the latest after kLongestWait.
+/// A picture that the user requests by a key. The picture is due when the window is at rest, so that it shows
+/// the detail of a resting camera and the panel's final text, but at the latest after kLongestWait.
 class PictureRequest {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -22,7 +22,7 @@ class PictureRequest {
     if (!asked_) asked_ = now;
   }
   bool isOpen() const noexcept { return asked_.has_value(); }
-  /// Call after each frame. @return true once for each request.
+  /// Ends the request if its picture is due. Call it after each frame. @return true if the picture is due.
   bool take(bool is_at_rest, TimePoint now) noexcept {
     if (!asked_ || !(is_at_rest || now - *asked_ >= kLongestWait)) return false;
     asked_.reset();
@@ -33,22 +33,24 @@ class PictureRequest {
   std::optional<TimePoint> asked_;
 };
 
-/// Writes pictures to PNG files on another thread, one after the other. Not thread safe.
+/// Writes pictures to PNG files on other threads, one file after the other. Not thread safe.
 class PictureWriter {
  public:
-  /// Waits until all are written.
+  /// Waits until all pictures are written.
   ~PictureWriter() = default;
 
-  /// Queues a picture; waits while eight are queued. Writes it at once if the system gives no thread.
+  /// Queues a picture. Waits while eight pictures are queued. If the system cannot start a thread, writes the
+  /// picture at once.
   void write(std::filesystem::path file, render::Image image);
 
   struct Written {
     std::filesystem::path file;
-    std::exception_ptr failure;  ///< an Error; null: the file is written
+    std::exception_ptr failure;  ///< Error that prevented the file; null: the file is written
   };
-  /// Returns the oldest picture not yet returned, if it is written or has failed.
+  /// Returns the result of the oldest picture whose result was not yet returned. Returns nothing if the
+  /// picture is still being written.
   std::optional<Written> take();
-  /// Waits until all are written, then does the same.
+  /// Waits until all pictures are written, then returns what take() returns.
   std::optional<Written> waitAndTake();
 
  private:

@@ -5,11 +5,12 @@
 
 namespace lode::app {
 
-/// Finds ffmpeg in the folders of PATH. @throws Error kIo if there is none.
+/// Finds ffmpeg in the folders of a search path. @param search_path  value of PATH.
+/// @throws Error kIo if no folder contains ffmpeg.
 std::filesystem::path findFfmpeg(const std::string& search_path);
 
-/// Encodes frame_000000.png, frame_000001.png, ... of a folder as a video. The output appears only when it is
-/// complete. @throws Error kIo with ffmpeg's message.
+/// Encodes frame_000000.png, frame_000001.png, ... of a folder as a video. The output file appears only when
+/// the video is complete. @throws Error kIo with ffmpeg's message.
 void makeVideo(const std::filesystem::path& ffmpeg, const std::filesystem::path& frames, double fps,
                const std::filesystem::path& output);
 

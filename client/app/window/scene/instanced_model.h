@@ -17,41 +17,42 @@
 
 namespace lode::app {
 
-/// A model of the scene in the window, with its instances: none before it is open. Views and points "of the
-/// scene" are in the frame of ViewedScene::summary(), as the placements are here. On the thread of its OpenGL
-/// context.
+/// A model of the scene in the window, with its instances. It has no instances before it is open. Views,
+/// points and placements "of the scene" are in the frame of ViewedScene::summary(). Use it only on the thread
+/// of its OpenGL context.
 struct InstancedModel {
   /// Begins to open the target. @param number  index in Scene::models.
   InstancedModel(size_t model_number, const std::string& target, stream::StreamOptions options,
                  core::Framing framing, std::chrono::milliseconds timeout,
                  const render::MemoryShares& memory);
 
-  /// Updates `opened`, without waiting. @return true once: when the model has opened.
+  /// Updates `opened` without waiting. @return true once, when the model has opened.
   bool poll();
   bool isOpen() const noexcept { return opened.streamer != nullptr; }
-  /// Returns true while the first attempt to open it is under way.
+  /// Returns true while the first attempt to open the model is under way.
   bool isAwaited() const noexcept { return !isOpen() && !opened.error; }
 
   /// Transforms a camera of the scene into the model's frame at an instance.
   core::View viewAt(size_t instance, const core::View& scene_view) const;
-  /// Transforms a point of the model's frame into the scene, and back.
+  /// Transforms a point of the model's frame into the scene. toModel() transforms it back.
   glm::dvec3 toScene(size_t instance, const glm::dvec3& point_model) const;
   glm::dvec3 toModel(size_t instance, const glm::dvec3& point_scene) const;
-  /// In the model's frame.
+  /// Returns the model's box in the model's frame.
   core::ModelBox box() const { return core::toModelBox(opened.model->box, opened.model->lattice.step); }
-  /// Returns a ray caster for the cut drawn at an instance; null if none is drawn.
+  /// Returns a ray caster for the cut drawn at an instance; null if no cut is drawn.
   const core::CutProbe* probe(size_t instance);
-  /// Frees ray casters of cuts that are no longer drawn: they keep all meshes of their cuts.
+  /// Frees the ray casters of cuts that are no longer drawn, because a ray caster keeps all meshes of its
+  /// cut.
   void dropOldProbes();
 
   const size_t number;
   render::Renderer renderer;
   RetryingOpener opener;
-  ModelOpener::Progress opened;  ///< last polled
+  ModelOpener::Progress opened;  ///< progress at the last poll
   std::vector<Placement> instances;
-  std::vector<core::View> views;  ///< by instance
+  std::vector<core::View> views;  ///< view of each instance
   stream::StreamStatus status;
-  std::vector<std::optional<core::CutProbe>> probes;  ///< by instance, made when first used
+  std::vector<std::optional<core::CutProbe>> probes;  ///< ray caster of each instance, made at first use
 };
 
 }  // namespace lode::app

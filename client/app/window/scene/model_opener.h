@@ -18,12 +18,12 @@
 
 namespace lode::app {
 
-/// Opens a target on a thread of its own: builds a PLY, starts the child server of a file, connects. The
-/// thread lives as long as this object, since a child process ends with the thread that started it. Thread
-/// safe.
+/// Opens a target on a thread of its own: builds the store of a PLY file, starts the child server of a local
+/// file, and connects. The thread lives as long as this object, because a child process ends with the thread
+/// that started it. Thread safe.
 class ModelOpener {
  public:
-  /// @param framing  Progress::framing without the coarsest mesh.
+  /// @param framing  framing without the coarsest mesh; becomes Progress::framing.
   ModelOpener(Target target, stream::StreamOptions options, core::Framing framing,
               std::chrono::milliseconds timeout);
   ~ModelOpener();
@@ -31,15 +31,15 @@ class ModelOpener {
   ModelOpener& operator=(const ModelOpener&) = delete;
 
   struct Progress {
-    std::string phase;                     ///< for the user; empty once the model is open
+    std::string phase;                     ///< description for the user; empty once the model is open
     double part = -1;                      ///< finished part of the phase, 0 to 1; below 0: unknown
     stream::Streamer* streamer = nullptr;  ///< null until the model is open; lives as long as the opener
-    const ModelSummary* model = nullptr;   ///< as the streamer
-    core::Framing framing;                 ///< with the coarsest mesh, for the first camera
-    std::vector<std::string> warnings;     ///< from the build
+    const ModelSummary* model = nullptr;   ///< null until the model is open; lives as long as the opener
+    core::Framing framing;                 ///< framing of the first camera, with the coarsest mesh
+    std::vector<std::string> warnings;     ///< warnings of the build
     std::optional<Error> error;            ///< set if the model cannot be opened
   };
-  /// Never waits for the network.
+  /// Returns the current progress. Never waits for the network.
   Progress progress() const;
 
  private:
@@ -61,11 +61,11 @@ class ModelOpener {
 /// Not thread safe.
 class RetryingOpener {
  public:
-  /// @param target  text for parseTarget(); a text that it refuses counts as a failure.
+  /// @param target  text for parseTarget(). A refused text counts as a failed attempt.
   RetryingOpener(std::string target, stream::StreamOptions options, core::Framing framing,
                  std::chrono::milliseconds timeout);
 
-  /// Returns the current progress without waiting. An error of an earlier attempt stays until the model is
+  /// Returns the current progress without waiting. The error of a failed attempt stays set until the model is
   /// open.
   const ModelOpener::Progress& poll();
   /// Returns true if an attempt is under way or planned.
@@ -85,7 +85,7 @@ class RetryingOpener {
   bool target_is_server_ = false;
   std::optional<ModelOpener> opener_;              ///< empty between two attempts
   std::optional<Clock::time_point> next_attempt_;  ///< empty if the error cannot go away by itself
-  ModelOpener::Progress progress_;                 ///< last polled
+  ModelOpener::Progress progress_;                 ///< progress at the last poll
 };
 
 }  // namespace lode::app

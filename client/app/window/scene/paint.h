@@ -9,9 +9,9 @@
 
 namespace lode::core {
 
-/// Returns the colour at a hit, sRGB: the interpolated vertex colour times the finest resident texel, in
-/// linear light as they are drawn. Nothing if the model has neither.
-/// @param textured  a cut of the model with its textures; cuts of instances have none.
+/// Returns the sRGB colour at a hit. Multiplies the interpolated vertex colour by the finest resident texel
+/// in linear light, like the renderer. Returns nothing if the model has neither colours nor a texture.
+/// @param textured  cut of the model that has the textures; the cuts of instances have no textures.
 std::optional<glm::u8vec3> paintAt(const Hit& hit, const Cut& textured);
 
 }  // namespace lode::core

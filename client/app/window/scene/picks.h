@@ -12,15 +12,15 @@ namespace lode::app {
 
 /// A surface point at a pixel.
 struct PickedPoint {
-  glm::dvec3 position_model;  ///< in the frame of ViewedScene::summary()
-  glm::dvec3 position;        ///< true coordinates
-  bool is_ground = false;     ///< on a scene's ground: has no node, LOD and error
+  glm::dvec3 position_model;  ///< position in the frame of ViewedScene::summary()
+  glm::dvec3 position;        ///< position in true coordinates
+  bool is_ground = false;     ///< the point is on the scene's ground, which has no node, LOD or error
   NodeKey node;
   uint32_t lod = 0;
   float error_px = 0;
   double step = 1;  ///< lattice step: the precision of the position
   std::optional<glm::u8vec3> colour;
-  std::string model;  ///< name; empty on the ground and in a scene of a single model
+  std::string model;  ///< name of the model; empty on the ground and in a scene of one model
 };
 
 /// Describes a hit. @param textured  see core::paintAt().
@@ -31,13 +31,13 @@ class Picks {
  public:
   void add(PickedPoint point);
   void clear() noexcept;
-  /// Undoes the last change: a double click begins with a click.
+  /// Undoes the last change, because the first click of a double click has already picked a point.
   void takeBack() { picks_ = before_; }
 
-  /// Describes the last point: coordinates, node, LOD, error, colour, and the distance to the point before.
-  /// Empty if there is none.
+  /// Describes the last point in lines: coordinates, node, LOD, error, colour, and the distance to the point
+  /// before. Returns no lines if no point is picked.
   std::vector<std::string> lines() const;
-  /// Distance between the two points; empty if there are not two.
+  /// Returns the distance between the two points as text; empty if fewer than two points are picked.
   std::string distance() const;
   std::span<const PickedPoint> points() const noexcept { return picks_; }
 

@@ -8,18 +8,20 @@
 
 namespace lode::core {
 
-/// A line in a picture, in pixels from its top left corner, y down; its ends may lie outside.
+/// A line in a picture, in pixels from the picture's top left corner, y down. The ends of the line may lie
+/// outside the picture.
 struct PictureLine {
   glm::dvec2 from_px{0}, to_px{0};
 
   bool operator==(const PictureLine&) const = default;
 };
 
-/// Projects a point into the picture: the inverse of rayThrough().
+/// Projects a point into the picture. The inverse of rayThrough().
 /// @return nothing if the point is nearer than view.near_model or behind the eye.
 std::optional<glm::dvec2> pointInPicture(const View& view, const glm::dvec3& point_model) noexcept;
 
-/// Projects the part of a segment that is in front of the eye; nothing if no part is.
+/// Projects the part of a segment that is in front of the eye. Returns nothing if the whole segment is behind
+/// the eye.
 std::optional<PictureLine> lineInPicture(const View& view, const glm::dvec3& from_model,
                                          const glm::dvec3& to_model) noexcept;
 

@@ -16,28 +16,28 @@
 
 namespace lode::app {
 
-/// The scene that `render` draws; a single model is a scene of one. Each model has one stream and one
-/// renderer, which its instances share, and an equal part of the memory budget. Made, used and destroyed on
-/// the thread of its OpenGL context.
+/// The scene that `render` draws; a single model is a scene of one model. Each model has an equal part of the
+/// memory budget, and one stream and one renderer, which all instances of the model share. Create, use and
+/// destroy it on the thread of its OpenGL context.
 class RenderedScene {
  public:
   struct Picture {
-    bool is_drawn = false;        ///< false if an instance did not converge; no converged cut: no picture
+    bool is_drawn = false;        ///< false if an instance without a converged cut prevented the picture
     bool has_converged = false;   ///< see hasConverged()
-    stream::StreamStatus status;  ///< of the first instance that did not converge, else of the last
-    float max_error_px = 0;       ///< of all instances
+    stream::StreamStatus status;  ///< status for the first instance that did not converge, else for the last
+    float max_error_px = 0;       ///< largest error of all instances
     std::vector<render::LegendEntry> legend;
   };
 
-  /// Starts servers for local models, builds those that are PLYs, and waits until all are open.
+  /// Builds the stores of PLY files, starts servers for local models, and waits until all models are open.
   /// @param announce  see resolveTarget(). @throws Error.
   RenderedScene(const CommonOptions& options, bool announce);
   ~RenderedScene();
 
-  /// --camera's path, or the camera that frames the scene.
+  /// Returns the camera path of --camera, or the camera that frames the scene.
   const core::CameraPath& path() const { return path_; }
-  /// Draws the scene instance by instance, each once it has converged for the camera at a time of the path.
-  /// @throws Error, kLimit if a model does not fit into its GPU memory.
+  /// Draws the scene from the camera at time `t` of the path: one instance after the other, each once it has
+  /// converged. @throws Error; kLimit if a model does not fit into its GPU memory.
   Picture draw(double t, const render::Framebuffer& target, render::DrawStyle style);
 
  private:

@@ -9,23 +9,26 @@
 
 namespace lode::app {
 
-/// Divides the memory budget among the models of a scene so that all reach the same error: in proportion to
-/// the memory that each needs for the requested error. Equal parts until one model is short. Pure.
+/// Divides the memory budget among the models of a scene so that all models reach the same error. Until one
+/// model is short of memory, all parts are equal. After that, each part is in proportion to the memory that
+/// the model needs for the requested error. Pure.
 class SceneMemory {
  public:
   SceneMemory(uint64_t budget_bytes, size_t models);
 
   struct Need {
-    uint64_t bytes = 0;     ///< for the requested error, in any unit common to all models
-    bool is_short = false;  ///< its part does not hold that
+    uint64_t bytes = 0;     ///< memory for the requested error, in any unit common to all models
+    bool is_short = false;  ///< the model's part is too small for these bytes
   };
-  /// Call each frame. While the view stays, parts change only a few times, so that the picture settles.
+  /// Tells the view; call it in each frame. While the view stays the same, parts change only a few times, so
+  /// that the picture settles.
   void setView(const core::View& view, float threshold_px);
   /// Lets parts change again in the same view, because a model was added.
   void allowChanges() noexcept { changes_ = 0; }
-  /// @param needs  by model. @return true if parts have changed.
+  /// Divides the budget again if a model is short. @param needs  by model. @return true if parts have
+  /// changed.
   bool share(std::span<const Need> needs);
-  /// Bytes by model; together at most the budget.
+  /// Returns the bytes of each model. Their sum is at most the budget.
   const std::vector<uint64_t>& parts() const noexcept { return parts_; }
 
  private:
@@ -33,16 +36,17 @@ class SceneMemory {
   std::vector<uint64_t> parts_;
   core::View view_;
   float threshold_px_ = 0;
-  int changes_ = 0;  ///< in this view
+  int changes_ = 0;  ///< number of changes in this view
 };
 
+/// GPU memory of a model.
 struct GpuShare {
   uint64_t part_bytes = 0;  ///< GPU bytes in the model's part of the memory budget
   uint64_t held_bytes = 0;  ///< GPU bytes that the model uses
 };
-/// Returns the GPU budget of each model: the part of the common budget that the others do not use, at least
-/// its own part. When the common budget shrinks below the bytes in use, a model can free memory only by
-/// uploading a smaller cut, which needs its own part. Pure.
+/// Returns the GPU budget of each model: the bytes of the common budget that the other models do not use, but
+/// at least the model's part. The part is needed when the common budget shrinks below the bytes in use: a
+/// model can free memory only by uploading a smaller cut. Pure.
 std::vector<uint64_t> gpuBudgets(uint64_t budget_bytes, std::span<const GpuShare> models);
 
 }  // namespace lode::app

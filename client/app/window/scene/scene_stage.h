@@ -19,32 +19,33 @@ constexpr uint32_t instanceNumber(size_t model, size_t instance) noexcept {
   return static_cast<uint32_t>((model + 1) << 16 ^ instance);
 }
 
-/// Returns a lattice for a scene that still misses models: around the box of the models that are open, with
-/// room on each side of 64 times its longest side. Placements of missing models do not tell how far these
-/// reach: a georeferenced model may lie millions of units from its placement. Pure.
-/// @param whole  the box of the open models.
+/// Returns a lattice for a scene that still misses models. The lattice surrounds the box of the open models,
+/// with room on each side of 64 times the longest side of the box. The placement of a missing model does not
+/// tell where the model lies: a georeferenced model may lie millions of units from its placement. Pure.
+/// @param whole  summary with the box of the open models.
 Lattice latticeWithRoom(const ModelSummary& whole);
 
-/// Returns the box of `whole` in another lattice, clipped to it. Pure.
+/// Returns the box of `whole` in another lattice, clipped to this lattice. Pure.
 LatticeBox boxIn(const Lattice& lattice, const ModelSummary& whole);
 
-/// The scene apart from its models: its extent, ground and sky. Made, used and destroyed on the thread of its
+/// The scene without its models: the extent and the ground. Create, use and destroy it on the thread of its
 /// OpenGL context.
 class SceneStage {
  public:
-  /// @param models  summaries by index in Scene::models; null: the model is missing.
+  /// @param models  summary of each model, by index in Scene::models; null: the model is missing.
   SceneStage(const Scene& scene, std::span<const ModelSummary* const> models);
   ~SceneStage();
 
-  /// Describes the scene as one model: its extent, and the triangles of all instances. A single model's own
-  /// summary.
+  /// Returns a summary of the scene as if it were one model, with the extent of the scene and the triangles
+  /// of all instances. For a single model, returns the model's summary.
   const ModelSummary& whole() const noexcept { return whole_; }
-  /// Near distance of views of the scene: one lattice step of the coarsest instance, so that depths of
-  /// different models compare.
+  /// Returns the near distance for views of the scene: one lattice step of the coarsest instance. All models
+  /// use the same near distance, so that their depths are comparable.
   double nearest() const noexcept { return near_; }
 
-  /// Starts the picture: clears depths and draws the ground, if there is one, with contact shadows.
-  /// @param view  in the scene.
+  /// Starts a picture: clears the depths and draws the ground with contact shadows, if the scene has a
+  /// ground.
+  /// @param view  view of the scene.
   void begin(const core::View& view, const render::Framebuffer& target, const render::DrawStyle& style);
 
  private:
@@ -56,8 +57,9 @@ class SceneStage {
   std::unique_ptr<Ground> ground_;
 };
 
-/// Draws the background of a scene where no ground and no model was drawn: its sky, or the style's colours.
-/// @param renderer  any model's.
+/// Draws the background into the pixels without ground and model: the scene's sky, or the colours of the
+/// style.
+/// @param renderer  renderer of any model.
 void drawSky(const render::Renderer& renderer, const Scene& scene, const render::Framebuffer& target,
              render::DrawStyle style);
 

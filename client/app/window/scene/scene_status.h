@@ -7,16 +7,17 @@
 
 namespace lode::app {
 
-/// Status of one model's stream, and the view that it refines for.
+/// Status of one model's stream, and the view for which the stream refines.
 struct ModelStatus {
   const stream::StreamStatus& stream;
-  const core::View& view;  ///< at its first instance
+  const core::View& view;  ///< view of the model's first instance
 };
 
-/// Combines the status of a scene's streams. The cut has no parts; it is null until each model has a cut, and
-/// has the scene's view once each model's cut is for its view. Settled, converged and ended: all models are.
-/// Failure and trouble: the first model's that has one. Pure.
-/// @param models  models with instances.
+/// Combines the status of all streams of a scene into one. The combined cut has no parts. It is null until
+/// each model has a cut, and it has the scene's view once the cut of each model is for the model's current
+/// view. The combined status is settled, converged or ended if all models are. Its failure and its trouble
+/// are those of the first model that has one. Pure.
+/// @param models  all models that have instances.
 stream::StreamStatus sceneStatus(std::span<const ModelStatus> models, const core::View& scene_view);
 
 }  // namespace lode::app

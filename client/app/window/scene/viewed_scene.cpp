@@ -65,8 +65,8 @@ void ViewedScene::openNext() {
   gpu_budget_bytes_ += memory.gpu.budget_bytes;
 }
 
-/// Opens files one after the other, since each may have to be built, and servers at the same time, since they
-/// may not answer.
+/// Opens local files one after the other, because each may need a build. Opens models on servers at the same
+/// time, because a server may not answer.
 ViewedScene::Opening ViewedScene::open() {
   if (stage_) return {.is_open = true};
   for (const auto& model : models_) model->poll();
@@ -97,7 +97,8 @@ core::Framing ViewedScene::framing() const {
   return scene_.is_single_model ? models_.front()->opened.framing : framing_;
 }
 
-/// Sets up the models that are open. The frame of views stays when a model is added later.
+/// Sets up the stage and the instances of all open models. If a model opens later, the frame of views stays
+/// the same.
 void ViewedScene::setUp() {
   std::vector<const ModelSummary*> summaries;
   for (const auto& model : models_) summaries.push_back(model->opened.model);
@@ -186,14 +187,14 @@ void ViewedScene::update(const core::View& view, float threshold_px) {
         view_cuts && view_cuts->cuts.size() == model->instances.size())
       model->renderer.show(view_cuts);
     else
-      model->status.view_cuts = nullptr;  // cut of ModelOpener's view, which is not one of the instances'
+      model->status.view_cuts = nullptr;  // the cut is still for the view of ModelOpener
     model->dropOldProbes();
   }
   mergeStatus(view);
   shareMemory();
 }
 
-/// Shifts memory between the models if one of them is limited.
+/// Sets the GPU budgets, and divides the memory again if a model is short.
 void ViewedScene::shareMemory() {
   std::vector<SceneMemory::Need> needs;
   std::vector<GpuShare> on_gpu;
@@ -209,7 +210,7 @@ void ViewedScene::shareMemory() {
     if (model->isOpen()) applyShare(*model);
 }
 
-/// Tells a model's stream its part of the memory.
+/// Tells the stream of a model the budgets of the model's part of the memory.
 void ViewedScene::applyShare(const InstancedModel& model) {
   const render::MemoryShares memory = render::shareMemory(memory_.parts()[model.number]);
   model.opened.streamer->setMemoryBudget(memory.stream_bytes, memory.drawn_bytes);
@@ -222,7 +223,7 @@ void ViewedScene::mergeStatus(const core::View& view) {
   status_ = sceneStatus(statuses, view);
 }
 
-/// Spends one frame's budget on all models; each frame another one is the first.
+/// Spends one frame's budget on all models. In each frame, another model is the first to upload.
 void ViewedScene::uploadInRenderThread() {
   render::UploadBudget left;
   for (size_t i = 0; i < models_.size() && left.bytes > 0 && left.ms > 0; ++i) {
@@ -282,7 +283,8 @@ ViewedScene::GpuUse ViewedScene::gpuUse() const {
   return use;
 }
 
-/// Returns the instances whose boxes may be in the picture, the nearest first: it hides most of the others.
+/// Returns the instances whose boxes may be in the picture. The nearest one, which hides most of the others,
+/// is the first.
 std::vector<ViewedScene::VisibleInstance> ViewedScene::visibleInstances(const core::View& view) const {
   std::vector<VisibleInstance> found;
   for (const auto& model : models_) {
@@ -299,7 +301,8 @@ std::vector<ViewedScene::VisibleInstance> ViewedScene::visibleInstances(const co
   return found;
 }
 
-/// Ends the fades of all other instances: when they become visible again, nothing fades.
+/// Ends the fades of all instances except the visible ones, so that nothing fades when they become visible
+/// again.
 void ViewedScene::forgetInvisible(std::span<const VisibleInstance> visible) {
   for (const auto& model : models_) {
     std::vector<bool> is_visible(model->instances.size());
@@ -346,8 +349,8 @@ render::DrawCounts ViewedScene::draw(const core::View& view, const render::Frame
 }
 
 /// Returns the point where a ray meets the scene's ground from above.
-/// @param ray       in the scene.
-/// @param distance  set to the point's distance if there is one.
+/// @param ray       ray in the scene.
+/// @param distance  receives the distance of the point, if the ray meets the ground.
 std::optional<PickedPoint> ViewedScene::groundUnder(const core::Ray& ray, double& distance) const {
   const double fall = -glm::dot(ray.direction, scene_.up);
   if (!scene_.ground || fall <= 0) return std::nullopt;

@@ -27,13 +27,17 @@
 
 namespace lode::app {
 
-/// Whether a scene may be shown without models that cannot be opened.
-enum class MissingModels : uint8_t { kRefused, kAllowed };
+/// Whether a scene is shown if some of its models cannot be opened.
+enum class MissingModels : uint8_t {
+  kRefused,  ///< opening the scene fails
+  kAllowed   ///< the scene is shown without these models
+};
 
-/// The scene in the window; a single model is a scene of one. Each model has one stream and one renderer,
-/// which its instances share; each instance has its own cut and culling. Models open on threads of their own.
-/// A model whose server is unreachable is opened again every few seconds and appears when it is open. Views
-/// and points are in the frame of summary(). For the window's thread.
+/// The scene in the window; a single model is a scene of one model. Each model has one stream and one
+/// renderer, which all instances of the model share. Each instance has its own cut and culling. Each model
+/// opens on its own thread. If a model's server is unreachable, the scene tries again every few seconds and
+/// shows the model once it is open. Views and points are in the frame of summary(). Use it only on the
+/// window's thread.
 class ViewedScene {
  public:
   /// Reads the scene that the target names. @throws Error.
@@ -41,30 +45,30 @@ class ViewedScene {
   ~ViewedScene();
 
   struct Opening {
-    std::string phase = {};  ///< for the user
+    std::string phase = {};  ///< description for the user
     double part = -1;        ///< finished part of the phase, 0 to 1; below 0: unknown
     bool is_open = false;
     std::optional<Error> error = std::nullopt;
   };
-  /// Advances the opening, without waiting. Until it is open there is no summary() and framing(), and views
-  /// must not be passed to update(), under() and groundBelow().
+  /// Advances the opening without waiting. Until the scene is open, do not call summary(), framing(),
+  /// update(), under() or groundBelow().
   Opening open();
-  /// Describes the scene as one model: its name, frame, extent and triangles.
+  /// Returns a summary of the scene as if it were one model: name, frame, extent and triangles.
   const ModelSummary& summary() const { return whole_; }
-  /// Returns the warnings of its models' builds.
+  /// Returns the warnings of the builds of all models.
   std::vector<std::string> warnings() const;
   /// Returns a line for each missing model, with the reason.
   std::vector<std::string> missing() const;
-  /// Returns true if a scene's file says which axis is up: the user cannot turn it.
+  /// Returns true if the scene comes from a scene file, which fixes the up axis: the user cannot change it.
   bool hasFixedUp() const noexcept { return !scene_.is_single_model; }
-  /// Returns how the first camera frames it.
+  /// Returns the framing of the first camera.
   core::Framing framing() const;
 
   /// Changes the memory budget of all streams and GPU copies together.
   void setMemory(uint64_t budget_bytes);
-  /// Requests the LODs that a camera needs, and takes the newest cuts.
+  /// Requests the LODs that a view needs, and passes the newest cuts to the renderers.
   void update(const core::View& view, float threshold_px);
-  /// Status of all streams together for the view last updated; see sceneStatus(). Its cut has no parts.
+  /// Returns the combined status of all streams for the view of the last update(); see sceneStatus().
   const stream::StreamStatus& status() const { return status_; }
   /// Uploads within one frame's budget.
   void uploadInRenderThread();
@@ -75,18 +79,20 @@ class ViewedScene {
   /// Returns true if every model either is up to date or over budget.
   bool uploaded() const;
 
-  /// Before the scene is open it draws the background alone. @param style  `up` is the scene's up axis.
+  /// Draws the scene. Before the scene is open, draws only the background.
+  /// @param style  style whose `up` is the scene's up axis.
   render::DrawCounts draw(const core::View& view, const render::Framebuffer& target, render::DrawStyle style,
                           const render::DrawTime& time);
-  /// Parts in the last picture.
+  /// Returns the parts in the last picture.
   std::span<const render::DrawItem> inPicture() const { return in_picture_; }
-  /// Threshold of the coarsest cut that is drawn, see core::thresholdRad(); 0 while none is.
+  /// Returns the threshold of the coarsest drawn cut, see core::thresholdRad(); 0 while no cut is drawn.
   double drawnThresholdRad() const;
-  /// Grows with each cut that becomes the drawn one.
+  /// Returns a number that grows whenever another cut is drawn.
   uint64_t drawnSerial() const;
-  /// Returns true if the next picture differs from the last although no cut has arrived: parts fade, or
-  /// colours by age change.
+  // The next two functions tell whether the next picture differs from the last although no cut has arrived:
+  /// Returns true if parts fade.
   bool fading() const;
+  /// Returns true if colours that depend on the age of parts change.
   bool ageing() const;
 
   struct GpuUse {
@@ -103,7 +109,7 @@ class ViewedScene {
 
  private:
   struct VisibleInstance {
-    double distance = 0;  ///< eye to the nearest point of its box, in the scene's units
+    double distance = 0;  ///< distance from the eye to the instance's box, in the scene's units
     InstancedModel* model = nullptr;
     size_t instance = 0;  ///< index in InstancedModel::instances
   };
@@ -125,10 +131,10 @@ class ViewedScene {
   const Scene scene_;
   const CommonOptions options_;
   const MissingModels missing_models_;
-  const core::Framing framing_;  ///< a single model adds its coarsest mesh
+  const core::Framing framing_;  ///< framing without a coarsest mesh, which framing() adds for a single model
   std::vector<std::unique_ptr<InstancedModel>> models_;
   SceneMemory memory_;
-  uint64_t gpu_budget_bytes_ = 0;    ///< for the meshes of all models
+  uint64_t gpu_budget_bytes_ = 0;    ///< GPU budget for the meshes of all models
   size_t first_upload_ = 0;          ///< model that uploads first in the next frame
   std::optional<SceneStage> stage_;  ///< empty until the scene is open
   render::InstanceDrawer instance_drawer_;
