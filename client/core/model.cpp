@@ -102,7 +102,7 @@ void Model::addPage(const BlobUse& use, std::span<const std::byte> bytes) {
 
 void Model::startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
   const KnownNode* node = hierarchy_.find(use.mesh.node);
-  if (use.kind == BlobKind::kMesh && node == nullptr) return;  // its page was evicted
+  if (use.kind == BlobKind::kMesh && node == nullptr) return;  // the page of the node was evicted
   if (!decoding_.try_emplace(toDecoding(blob, use), Work{blob}).second) return;
   undecoded_bytes_ += blob.bytes;
   DecodeJob job;
@@ -157,7 +157,7 @@ void Model::finishDecode(DecodeResult result) {
 /// Inserts a decoded mesh for every LOD of its node that has the same payload.
 void Model::insert(DecodeResult result) {
   const KnownNode* node = hierarchy_.find(result.use.mesh.node);
-  if (node == nullptr) return;  // its page was evicted
+  if (node == nullptr) return;  // the page of the node was evicted
   const Lod& decoded = node->lods[result.use.mesh.lod];
   for (uint32_t lod = 0; lod < node->lods.size(); ++lod) {
     const Lod& same = node->lods[lod];

@@ -48,7 +48,7 @@ class CacheThread {
 
   BlobCache cache_;  // only the thread uses the cache
   const std::function<void()> wake_;
-  std::mutex mutex_;  // guards the members below except the thread
+  std::mutex mutex_;  // guards the members below, except thread_
   std::condition_variable work_;
   bool stopping_ = false;
   std::deque<BlobRef> asked_;

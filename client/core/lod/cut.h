@@ -47,8 +47,9 @@ struct LeftOut {
 /// below it: see shownParts(). The index ranges refer to the vectors of the cut; a range excludes its end.
 struct Fallback {
   CutPart part;
-  uint32_t first_part = 0, end_part = 0;          ///< parts below the node
-  uint32_t first_left_out = 0, end_left_out = 0;  ///< left-out nodes for which this fallback is the nearest
+  uint32_t first_part = 0, end_part = 0;  ///< index range of the parts below the node
+  /// Index range of the left-out nodes whose nearest fallback is this one.
+  uint32_t first_left_out = 0, end_left_out = 0;
   /// Index of the first fallback below the node; the last one precedes this fallback.
   uint32_t first_nested = 0;
 };
@@ -114,8 +115,8 @@ size_t countHoles(const Cut& cut, std::span<const uint32_t> shown, const View& v
 struct ViewCuts {
   std::vector<std::shared_ptr<const Cut>> cuts;  ///< indexed by view
   /// Union of the cuts. For one view, the union is the view's cut. For several views, its parts are all parts
-  /// and fallbacks of the cuts, each mesh once; it has the textures, the sum of the triangles and the largest
-  /// error.
+  /// and fallbacks of the cuts, each mesh once; the union has the textures, the sum of the triangles and the
+  /// largest error.
   std::shared_ptr<const Cut> all;
 };
 

@@ -6,14 +6,14 @@
 
 namespace lode::core {
 
-constexpr uint64_t kPartBytes = 256;         ///< memory per part of a cut, in addition to the part's mesh
-constexpr double kMarginWidening = 1.2;      ///< width of the view with its margin, relative to the picture
+constexpr uint64_t kPartBytes = 256;     ///< memory per part of a cut, in addition to the part's mesh
+constexpr double kMarginWidening = 1.2;  ///< width of the picture with its margin, relative to the picture
 constexpr float kHysteresisFactor = 0.841f;  ///< 2^-1/4; a good value for an interactive viewer
 
 /// State of one node in the previous refinement, for hysteresis. The root comes first; the children of a node
 /// are consecutive.
 struct HeldNode {
-  uint32_t first_child = 0;  ///< index of the first child; 0: not expanded
+  uint32_t first_child = 0;  ///< index of the first child; 0: the node is not expanded
   uint32_t lod = 0;
 };
 

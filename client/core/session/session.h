@@ -73,7 +73,7 @@ struct RequestCancelled {
 };
 /// The server is shutting down or rejects the session for now: connect again later.
 struct ServerLeaving {
-  std::string reason;  ///< text for users
+  std::string reason;  ///< reason as a text for users
 };
 struct ModelChanged {};
 using SessionEvent = std::variant<ModelOpened, ModelsListed, BlobArrived, BlobRefused, RequestCancelled,
@@ -87,10 +87,12 @@ class Session {
  public:
   Session(SessionOptions options, TimePoint now);
 
-  /// Takes received bytes, split anywhere. Call nextEvent() afterwards until it returns nothing.
+  /// Takes received bytes, which may end inside a frame. Afterwards call nextEvent() until it returns
+  /// nothing.
   void receive(std::span<const std::byte> bytes, TimePoint now);
-  /// Processes the received bytes up to the next event. @throws Error as above; kInput or kNetwork with the
-  /// server's message if the server refuses the session or the model.
+  /// Processes the received bytes up to the next event. @throws Error kProtocol, kLimit or kFormat for a
+  /// violation of the protocol; kInput or kNetwork with the server's message if the server refuses the
+  /// session or the model.
   std::optional<SessionEvent> nextEvent();
 
   /// Announces the next blob that the server sends without a request (request 0). The session announces the
@@ -117,11 +119,12 @@ class Session {
   bool opened() const noexcept { return state_ == State::kOpen; }
   bool isRequested(const BlobRef& blob) const { return request_of_blob_.contains(blob.number); }
   size_t openRequests() const noexcept { return requests_.size(); }  ///< includes cancelled requests
-  /// Number of open requests by class.
+  /// Returns the numbers of open requests by class.
   const RequestCounts& requestCounts() const noexcept { return request_counts_; }
   uint64_t requestedBytes() const noexcept { return requested_bytes_; }
-  uint64_t receivedBytes() const noexcept { return received_bytes_; }  ///< all bytes of the transport
-  /// Measurements of the link, and the flow control window.
+  /// Number of bytes received from the transport.
+  uint64_t receivedBytes() const noexcept { return received_bytes_; }
+  /// Returns the measurements of the link and the flow control window.
   const CreditWindow& window() const noexcept { return window_; }
 
  private:
@@ -171,16 +174,16 @@ class Session {
   uint32_t next_call_ = 1;
   uint32_t next_request_ = 1;
   std::map<uint32_t, OpenRequest> requests_;                // by request number
-  std::unordered_map<uint32_t, uint32_t> request_of_blob_;  // blob number -> request
+  std::unordered_map<uint32_t, uint32_t> request_of_blob_;  // request number by blob number
   RequestCounts request_counts_;
   uint64_t requested_bytes_ = 0;  // total size of the open requests that are not cancelled
   std::optional<Incoming> unasked_;
   uint64_t granted_bytes_;
   uint64_t sent_grant_bytes_;    // last grant that takeOutgoing() returned, which the server may use
-  uint64_t credited_bytes_ = 0;  // bytes of received Blob frame bodies
+  uint64_t credited_bytes_ = 0;  // total size of the received Blob frame bodies
   uint64_t received_bytes_ = 0;
   TimePoint now_, last_sent_, last_ping_;
-  std::chrono::nanoseconds silence_{0};  // server silence: see kMaxGap
+  std::chrono::nanoseconds silence_{0};  // duration of the server's silence: see kMaxGap
   CreditWindow window_;
   uint64_t pings_ = 0;
   bool ping_open_ = false;

@@ -25,15 +25,15 @@ class TextureCache {
   /// @param in_use  blob numbers of tiles that must stay until the next call.
   void use(std::span<const uint32_t> in_use);
 
-  /// Calls `visit(blob, image)` for every resident tile, by blob number.
+  /// Calls `visit(blob, image)` for every resident tile, in the order of blob numbers.
   template <typename Visit>
   void forEach(Visit&& visit) const {
     for (const auto& [blob, entry] : entries_) visit(blob, entry.image);
   }
 
-  uint64_t bytes() const noexcept { return bytes_; }  ///< sum of tileRoomBytes()
+  uint64_t bytes() const noexcept { return bytes_; }  ///< sum of tileRoomBytes() over all resident tiles
   uint64_t budgetBytes() const noexcept { return budget_bytes_; }
-  /// Takes effect at the next use().
+  /// Sets the budget, which takes effect at the next use().
   void setBudget(uint64_t bytes) noexcept { budget_bytes_ = bytes; }
   size_t size() const noexcept { return entries_.size(); }
 

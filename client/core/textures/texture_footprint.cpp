@@ -67,7 +67,8 @@ class TouchedGrid {
   }
 
  private:
-  /// Amount of texels on one triangle; zero if the triangle's corners share one texture position.
+  /// Areas of a triangle on the model and in texels, and its texel density. All are zero if the triangle has
+  /// no area or its corners share one texture position.
   struct Worn {
     double model_area = 0, texel_area = 0;
     double texels_per_model = 0;  ///< density along the direction with the fewest texels
@@ -132,7 +133,7 @@ class TouchedGrid {
     return true;
   }
 
-  /// Adds the part of a triangle on one repetition of the image.
+  /// Adds the part of a triangle that lies on one repetition of the image.
   void addToImage(const Corners& corners, const Worn& worn, glm::dvec2 image_origin, uint64_t& tests_left) {
     Corners here;
     for (int i = 0; i < 3; ++i) here[i] = corners[i] - image_origin;

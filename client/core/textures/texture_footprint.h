@@ -12,8 +12,8 @@ namespace lode::core {
 ///
 /// The density favours the regions with the sparsest texels, which would blur first. A triangle's density is
 /// the density along the direction with the fewest texels, but at least 1/8 of the density along the
-/// direction with the most. The densities of several triangles are combined by the area-weighted mean of the
-/// squared texel distances; the result is at least 1/8 of the density computed from the areas.
+/// direction with the most texels. The densities of several triangles are combined by the area-weighted mean
+/// of the squared texel distances; the result is at least 1/8 of the density computed from the areas.
 struct TouchedTile {
   uint32_t texture = 0;
   uint32_t y = 0, x = 0;
@@ -25,7 +25,7 @@ struct TouchedTile {
 /// A texture whose level 0 tiles a mesh uses as a whole, with one density for all tiles.
 struct WornTexture {
   uint32_t texture = 0;
-  float texels_per_model = 0;  ///< see TouchedTile
+  float texels_per_model = 0;  ///< density: see TouchedTile
 
   bool operator==(const WornTexture&) const = default;
 };
@@ -38,15 +38,15 @@ struct TextureFootprint {
   bool operator==(const TextureFootprint&) const = default;
 };
 
-/// Largest number of triangle-tile tests per mesh. A hostile or very coarse mesh may need more tests; the
-/// mesh then counts as using its remaining textures as a whole.
+/// Largest number of overlap tests between triangles and tiles per mesh. A hostile or very coarse mesh may
+/// need more tests; the mesh then counts as using its remaining textures as a whole.
 constexpr uint64_t kMaxTileTests = 1u << 20;
 
 /// Returns the largest number of tiles in a footprint, so that a footprint takes little more memory than its
 /// mesh. Textures are added in order; a texture that exceeds the remaining number counts as used as a whole.
 constexpr uint64_t maxTouchedTiles(uint64_t triangles) noexcept { return 512 + 2 * triangles; }
 
-/// Memory of a footprint.
+/// Returns the memory of a footprint.
 uint64_t footprintBytes(const TextureFootprint& footprint) noexcept;
 
 /// Computes the footprint of a mesh. A triangle uses the tiles that it overlaps after its texture coordinates

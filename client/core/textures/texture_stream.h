@@ -41,10 +41,10 @@ class TextureStream {
     cache_.insert(blob, std::move(image));
   }
 
-  /// Notes that the set or a tile cannot be loaded. The next refine() stops requesting it.
+  /// Notes that the set or a tile cannot be loaded, and removes the request for this blob.
   void lose(uint32_t blob);
 
-  /// Takes effect at the next refine().
+  /// Sets the budget, which takes effect at the next refine().
   void setBudget(uint64_t bytes) noexcept { cache_.setBudget(bytes); }
 
   /// Selects the needed tiles, and evicts other tiles if memory is short. Does nothing until the set is
@@ -57,17 +57,17 @@ class TextureStream {
   bool complete() const noexcept {
     return (set_ ? refined_ : lost_.contains(set_blob_.number)) && missing_.empty();
   }
-  /// Number of needed tiles above the budget.
+  /// Returns the number of needed tiles that exceed the budget.
   size_t leftOut() const noexcept { return left_out_; }
 
-  /// Number of visible tiles within the budget that are lost; 1 if the set is lost.
+  /// Returns the number of visible tiles within the budget that are lost; 1 if the set is lost.
   size_t lostCount() const noexcept { return lost_.contains(set_blob_.number) ? 1 : lost_in_view_; }
 
-  /// All resident tiles, coarse levels first.
+  /// Returns all resident tiles, coarse levels first.
   std::vector<ResidentTile> residentTiles() const;
   uint64_t residentBytes() const noexcept { return cache_.bytes(); }
   size_t residentCount() const noexcept { return cache_.size(); }
-  /// Encoded size of the set and of the needed resident tiles.
+  /// Returns the encoded size of the set and of the needed resident tiles.
   uint64_t blobBytesInUse() const noexcept { return blob_bytes_in_use_; }
 
  private:
@@ -82,7 +82,7 @@ class TextureStream {
   TextureCache cache_;
   std::shared_ptr<const TextureSet> set_;
   std::map<uint32_t, Keys> keys_;  // tiles of the texture set, by blob number
-  std::set<uint32_t> lost_;        // blob numbers
+  std::set<uint32_t> lost_;        // blob numbers of lost tiles, or of the lost set
   std::vector<Request> missing_;
   size_t left_out_ = 0, lost_in_view_ = 0;
   uint64_t blob_bytes_in_use_ = 0;

@@ -25,8 +25,8 @@ struct WantedTile {
   TileKey key;
   bool visible = true;
   /// Size of a shown texel in pixels while the tile is missing and all coarser tiles are resident. If the
-  /// tile is a coarsest level, without which the texture is missing: size of the whole image in pixels. At
-  /// most the larger side of the picture.
+  /// tile is a coarsest level, without which the texture is missing: size of the whole image in pixels. The
+  /// value is at most the larger side of the picture.
   float priority_px = 0;
 
   bool operator==(const WantedTile&) const = default;

@@ -13,8 +13,8 @@ namespace lode::core {
 
 /// Identifies one tile of a model's textures. Coarser levels sort first.
 struct TileKey {
-  uint32_t level = 0;    ///< 0 is the finest
-  uint32_t texture = 0;  ///< index in the texture set
+  uint32_t level = 0;    ///< number of the mip level; 0 is the finest
+  uint32_t texture = 0;  ///< index of the texture in the texture set
   uint32_t y = 0, x = 0;
 
   bool operator==(const TileKey&) const = default;
@@ -42,7 +42,7 @@ inline glm::uvec2 tileImageSize(const TextureSet& set, const TileKey& key) {
 // tail. Each level of the tail is an image with its own gutters.
 
 /// Returns the sizes of the tail's images, finest first. @param coarsest  size of the coarsest stored level.
-/// Sizes include gutters.
+/// All sizes include gutters.
 std::vector<glm::uvec2> tailSizes(glm::uvec2 coarsest);
 
 /// Computes coarsest.coarser, the tail: each level is the previous level, halved (common/image/image.h).

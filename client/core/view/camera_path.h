@@ -17,9 +17,9 @@ constexpr size_t kMaxCameraKeys = 100'000;
 constexpr double kMinFovDeg = 0.01, kMaxFovDeg = 170;
 constexpr uint32_t kMaxPictureSidePx = 32768;
 
-/// A camera at one time, in true coordinates.
+/// A camera at a point in time, in true coordinates.
 struct CameraKey {
-  double t = 0;  ///< seconds
+  double t = 0;  ///< time in seconds
   glm::dvec3 eye{0}, target{0}, up{0, 1, 0};
   bool operator==(const CameraKey&) const = default;
 };

@@ -13,13 +13,13 @@ constexpr double kMargin = 1.08;  ///< size of the picture relative to the proje
 constexpr double kTurnDeg = 35;   ///< rotation of the camera away from the broader side's normal
 constexpr double kLeastTiltDeg = 28, kLargestTiltDeg = 40;
 
-/// Axes of a model: right, up, and towards a viewer in front of it.
+/// Axes of a model: right, up, and towards a viewer in front of the model.
 struct Stand {
   glm::dvec3 right, up, front;
 };
 
 Stand standOf(const glm::dvec3& up) {
-  // Right is x where possible, so that the front is +z with y up and -y with z up.
+  // Right is x if possible, so that the front is +z if y is up and -y if z is up.
   const glm::dvec3 right = std::abs(up.x) > 0.5 ? glm::dvec3(0, 0, -up.x) : glm::dvec3(1, 0, 0);
   return {right, up, glm::cross(right, up)};
 }
@@ -40,7 +40,7 @@ std::vector<glm::dvec3> pointsOf(const ModelSummary& model, const Mesh* mesh) {
   return points;
 }
 
-/// Extent of points along a direction.
+/// Smallest and largest coordinate of points along a direction.
 struct Reach {
   double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
   void add(double place) {
