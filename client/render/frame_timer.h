@@ -16,11 +16,11 @@ class FrameTimer {
  public:
   FrameTimer();
 
-  /// Starts timing a frame, unless the ring is full of unanswered queries.
+  /// Starts timing a frame, unless results of too many earlier frames are still pending.
   /// @return the frame's unique number if it is timed; take() returns the same number.
   std::optional<uint64_t> begin();
   /// @param cpu_ms      time that the frame took on this thread.
-  /// @param coarsening  the frame's coarsening; take() returns it with the time.
+  /// @param coarsening  the frame's coarsening, which take() returns with the time.
   void end(double cpu_ms, std::optional<Coarsening> coarsening);
 
   struct Timed {

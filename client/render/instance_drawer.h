@@ -19,11 +19,11 @@ class Renderer;
 struct InstanceDraw {
   Renderer* renderer = nullptr;
   size_t instance = 0;  ///< index among the model's instances
-  core::View view;      ///< in the instance's model frame
+  core::View view;      ///< view in the instance's model frame
   DrawStyle style{};
 };
 
-/// Draws instances of models into one picture, with occlusion culling across all of them. Create, use and
+/// Draws instances of models into one picture, with occlusion culling across all instances. Create, use and
 /// destroy it on the thread of its context.
 class InstanceDrawer {
  public:

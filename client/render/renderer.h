@@ -25,8 +25,8 @@
 namespace lode::render {
 
 /// Draws the cuts of one model, as one instance or several. Create, use and destroy it on the thread of its
-/// OpenGL 4.5 context. It relies on no context state and changes the bound framebuffer, program and vertex
-/// array and the depth and polygon state.
+/// OpenGL 4.5 context. The renderer relies on no context state and changes the bound framebuffer, program and
+/// vertex array and the depth and polygon state.
 class Renderer {
  public:
   /// @param lattice_step  the model's lattice step, see isLatticeStep().
@@ -36,13 +36,13 @@ class Renderer {
   /// Sets the step of a model that was unknown at construction. Call it before the first show().
   void setLatticeStep(double lattice_step) noexcept { lattice_step_ = lattice_step; }
 
-  /// Sets the newest cut of a model with one instance: its meshes and textures.
+  /// Sets the newest cut of a model with one instance.
   void show(const std::shared_ptr<const core::Cut>& cut);
   /// Sets the newest cuts of a model with several instances.
   void show(std::shared_ptr<const core::ViewCuts> view_cuts);
   /// Uploads what the newest cuts need, meshes first, within the budget. @return the rest of the budget.
   UploadBudget uploadInRenderThread(const UploadBudget& budget);
-  /// True if the newest cuts are drawn with all of their textures.
+  /// Returns true if the newest cuts are drawn with all of their textures.
   bool upToDate() const noexcept { return meshes_.upToDate() && textures_.upToDate(); }
 
   /// Changes the memory budgets. The staging buffers keep their size.
@@ -52,57 +52,57 @@ class Renderer {
   MeshResidency& meshes() noexcept { return meshes_; }
   const MeshResidency& meshes() const noexcept { return meshes_; }
   const TextureResidency& textures() const noexcept { return textures_; }
-  /// The parts of an instance in the last picture.
+  /// Returns the parts of an instance in the last picture.
   std::span<const DrawItem> inPicture(size_t instance = 0) const noexcept {
     return instance < instances_.size() ? std::span<const DrawItem>(instances_[instance].in_picture)
                                         : std::span<const DrawItem>();
   }
-  /// GPU memory of meshes, tiles and staging buffers.
+  /// Returns the GPU memory of meshes, tiles and staging buffers.
   uint64_t gpuBytes() const noexcept;
 
-  /// Draws the model, and the background unless style.over is set. The view has the target's size.
+  /// Draws the model, and the background unless style.over is set. The view must have the target's size.
   DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {},
                   const DrawTime& time = {});
   /// Draws one instance without background. With OcclusionCulling::kReadBack it draws only clusters that were
   /// not hidden in the last frame; drawAppeared() draws the others.
-  /// @param view  in the instance's model frame.
+  /// @param view  view in the instance's model frame.
   DrawCounts drawInstance(size_t instance, const core::View& view, const Framebuffer& target,
                           const DrawStyle& style, const DrawTime& time);
-  /// Number of clusters of the instance that drawInstance() found in the view.
+  /// Returns the number of clusters of the instance that drawInstance() found in the view.
   size_t clustersInPicture(size_t instance) const noexcept { return instances_[instance].seen.size(); }
-  /// Draws the clusters that drawInstance() skipped and that the drawn depth does not hide. The picture is
+  /// Draws the clusters that drawInstance() skipped, except those that the drawn depth hides. The picture is
   /// the same as without culling. @param drawn  depth after drawInstance() of all instances.
   DrawCounts drawAppeared(size_t instance, const core::View& view, const Framebuffer& target,
                           const DrawStyle& style, const FarthestDepths& drawn);
-  /// For OcclusionCulling::kOnGpu: adds the parts of an instance that may be visible. The result counts no
-  /// triangles: see GpuCulling::trianglesLately().
+  /// Adds the possibly visible parts of an instance to a GPU culling pass (OcclusionCulling::kOnGpu). The
+  /// result counts no triangles: see GpuCulling::trianglesLately().
   DrawCounts addInstance(size_t instance, const core::View& view, const DrawStyle& style,
                          const DrawTime& time, GpuCulling& culling);
   /// Draws the clusters of an instance that the last culling pass found. Call continuePicture() before.
-  /// @return draw calls.
+  /// @return number of draw calls.
   uint32_t drawFound(size_t instance, const core::View& view, const Framebuffer& target,
                      const DrawStyle& style, const GpuCulling& culling);
   /// Fills the pixels that no model covers. Call it last.
   void drawBackground(const Framebuffer& target, const DrawStyle& style) const;
   /// Forgets an instance that is not drawn now. It appears without fading when it is drawn again.
   void leaveOut(size_t instance);
-  /// True while a cross-fade runs: the next frame differs from the last.
+  /// Returns true while a cross-fade runs, so that the next frame differs from the last.
   bool fading() const noexcept;
-  /// True while the last picture has parts younger than kOldS: colours by age still change.
+  /// Returns true while the last picture has parts younger than kOldS, whose colours by age still change.
   bool ageing() const noexcept;
 
  private:
   /// State of one instance.
   struct DrawnInstance {
     CrossFade fade;
-    uint64_t shown_serial = 0;            ///< serial of the cut in the last picture; 0: not in it
-    std::vector<SeenCluster> seen;        ///< clusters in the view; unused with culling on the GPU
-    std::vector<bool> is_drawn;           ///< by seen; a mesh that fades in and out at once has two entries
-    std::vector<SeenPart> parts;          ///< parts in the view, for culling on the GPU
-    uint32_t number = 0;                  ///< from GpuCulling::add()
+    uint64_t shown_serial = 0;      ///< serial of the cut in the last picture; 0: not drawn then
+    std::vector<SeenCluster> seen;  ///< clusters in the view; unused with culling on the GPU
+    std::vector<bool> is_drawn;   ///< by index in seen; a mesh that fades in and out at once has two entries
+    std::vector<SeenPart> parts;  ///< parts in the view, for culling on the GPU
+    uint32_t number = 0;          ///< index that GpuCulling::add() returned
     std::optional<core::View> last_view;  ///< view of the last picture, for culling on the GPU
-    std::vector<DrawItem> in_picture;     ///< parts of the cut; none that fade out
-    std::vector<DrawState> states;        ///< by base_instance: parts of the cut, then those that fade out
+    std::vector<DrawItem> in_picture;     ///< parts of the cut, without parts that fade out
+    std::vector<DrawState> states;        ///< states of parts of the cut, then of parts that fade out
     size_t states_of_cut = 0;
     GlBuffer states_buffer;
   };

@@ -24,14 +24,14 @@ struct SeenCluster {
   uint32_t firstTriangle() const noexcept { return number * kClusterTriangles; }
   uint32_t triangles() const noexcept;
   const LatticeBox& box() const noexcept { return part.item->clusters->boxes[number]; }
-  /// Whether other geometry hid it in the last frame of this instance.
+  /// Returns whether other geometry hid the cluster in the last frame of this instance.
   std::vector<bool>::reference hidden(size_t instance) const;
 };
 
-/// True if a part's box may be in the view frustum.
+/// Returns true if a part's box may be in the view frustum.
 bool isInPicture(const SeenPart& part, const core::ViewFrustum& frustum, double lattice_step);
 
-/// Adds the clusters of a part whose boxes may be in the view frustum. @return how many were added.
+/// Adds the clusters of a part whose boxes may be in the view frustum. @return number of clusters added.
 size_t addSeenClusters(const SeenPart& part, const core::ViewFrustum& frustum, double lattice_step,
                        std::vector<SeenCluster>& seen);
 
@@ -42,15 +42,16 @@ struct DrawCommand {
   uint32_t base_instance;
 };
 
-/// Draw commands of one shader program, by page.
+/// Draw commands of one shader program, grouped by page.
 struct DrawList {
   void clear(size_t pages);
-  /// Adds a cluster; extends the last command if the cluster follows it in memory.
+  /// Adds a cluster. Extends the last command if the cluster directly follows that command's triangles in
+  /// memory.
   void add(const SeenCluster& cluster);
   bool empty() const noexcept;
 
   std::vector<std::vector<DrawCommand>> by_page;
-  size_t first = 0;  ///< index of its first command in the command buffer
+  size_t first = 0;  ///< index of the list's first command in the command buffer
 };
 
 }  // namespace lode::render

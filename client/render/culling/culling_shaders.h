@@ -2,9 +2,11 @@
 
 namespace lode::render {
 
-/// Finds the clusters of each chunk that are in the view and that no depth hides; writes them as bits.
+/// Compute shader that finds the clusters of each chunk that are in the view and not hidden by the depths. It
+/// writes one bit per cluster.
 extern const char* const kFindShader;
-/// Writes for each list the commands that draw the found clusters, in order, and their number.
+/// Compute shader that writes, for each list, the commands that draw the found clusters in order, and the
+/// number of commands.
 extern const char* const kListShader;
 
 }  // namespace lode::render

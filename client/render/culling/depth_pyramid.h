@@ -49,12 +49,12 @@ class DepthPyramid {
   /// @throws Error kInternal if the driver rejects a shader.
   DepthPyramid();
 
-  /// Builds the pyramid; does not block. Changes the same state as FarthestSquares::draw().
+  /// Builds the pyramid without blocking. Changes the same state as FarthestSquares::draw().
   void build(const Framebuffer& picture);
 
-  /// The texture of reversed depths. Texels outside the picture are 1, which hides everything.
+  /// Returns the texture of reversed depths. Texels outside the picture are 1, which hides everything.
   GLuint texture() const noexcept { return texture_.get(); }
-  /// Size of the picture; 0 before the first build().
+  /// Returns the width of the picture, or 0 before the first build().
   uint32_t widthPx() const noexcept { return width_px_; }
   uint32_t heightPx() const noexcept { return height_px_; }
 

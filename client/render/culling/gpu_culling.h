@@ -18,12 +18,12 @@
 
 namespace lode::render {
 
-/// Culls clusters on the GPU, which also writes the draw commands; the CPU names the parts only. Two passes
-/// run over the same parts: the first finds clusters that the last picture's depth does not hide, the second
-/// finds among the others those that the depth of the first does not hide. A pass handles all models of a
-/// picture, so that the GPU synchronizes only twice. Commands keep the order of the parts, so that pictures
-/// are deterministic. Create, use and destroy it on the thread of its context. Source: Aaltonen and Haar,
-/// GPU-Driven Rendering Pipelines, 2015 (two-pass occlusion culling).
+/// Culls clusters on the GPU, which also writes the draw commands; the CPU only lists the parts. Two passes
+/// run over the same parts. The first pass finds the clusters that the last picture's depth does not hide;
+/// the second pass finds, among the other clusters, those that the depth of the first pass does not hide. A
+/// pass handles all models of a picture, so that the GPU synchronizes only twice. Commands keep the order of
+/// the parts, so that pictures are deterministic. Create, use and destroy it on the thread of its context.
+/// Source: Aaltonen and Haar, GPU-Driven Rendering Pipelines, 2015 (two-pass occlusion culling).
 class GpuCulling {
  public:
   /// One call of glMultiDrawElementsIndirectCount: clusters of one instance, one page and one program.
@@ -35,21 +35,23 @@ class GpuCulling {
     uint32_t count = 0;                             ///< index in counts(), relative to firstCountOfPass()
   };
 
-  /// @param most_readable_bytes  shaders read pages up to this size and the driver's limit; parts in larger
-  ///                             pages are drawn whole.
+  /// @param most_readable_bytes  limit of the size of pages that shaders read, in addition to the driver's
+  /// limit.
+  ///                             Parts in larger pages are drawn whole.
   /// @throws Error kInternal if the driver rejects a shader.
   explicit GpuCulling(uint64_t most_readable_bytes = std::numeric_limits<uint64_t>::max());
   ~GpuCulling();
   GpuCulling(GpuCulling&&) = delete;
 
-  /// True if the current context supports draw counts in GPU memory.
+  /// Returns true if the current context supports draw counts in GPU memory.
   static bool isPossible();
 
   /// Begins a picture. Pages and items of the parts added must outlive the picture.
   void begin();
-  /// Adds the parts of an instance. @param view  in the instance's model frame. @param last_view  its view in
-  /// the last picture; none: nothing is hidden in the first pass. @return the instance's index in this
-  /// picture.
+  /// Adds the parts of an instance.
+  /// @param view       view in the instance's model frame.
+  /// @param last_view  view of the instance in the last picture. Without it the first pass hides nothing.
+  /// @return the instance's index in this picture.
   uint32_t add(std::span<const SeenPart> parts, const GpuPages& pages, double lattice_step,
                const core::View& view, const std::optional<core::View>& last_view);
   /// Runs the first pass. Call it after all add().
@@ -57,14 +59,14 @@ class GpuCulling {
   /// Runs the second pass. @param drawn  picture with all clusters of the first pass.
   void findAppeared(const Framebuffer& drawn);
 
-  /// The draws of an instance, for either pass.
+  /// Returns the draws of an instance. They are the same for both passes.
   std::span<const Draw> draws(uint32_t instance) const;
   GLuint commands() const noexcept { return commands_.get(); }
   GLuint counts() const noexcept { return counts_.get(); }
   uint32_t firstCommandOfPass() const noexcept { return pass_ * most_commands_; }
   uint32_t firstCountOfPass() const noexcept { return pass_ * static_cast<uint32_t>(lists_.size()); }
 
-  /// Triangles drawn by both passes three or more pictures ago. Does not block.
+  /// Returns the number of triangles that both passes drew three or more pictures ago. Does not block.
   uint64_t trianglesLately();
 
  private:
@@ -76,8 +78,8 @@ class GpuCulling {
   };
   /// Camera of an instance, laid out for the shader.
   struct Camera {
-    glm::ivec4 eye_high;          ///< in lattice steps; w: 1 if the depths can hide
-    glm::vec4 eye_low;            ///< likewise
+    glm::ivec4 eye_high;          ///< high part of SplitEye; w: 1 if the depths can hide clusters
+    glm::vec4 eye_low;            ///< low part of SplitEye
     glm::vec4 right, up, behind;  ///< view axes; w: scale x, scale y, near in lattice steps
   };
   struct CameraPair {
@@ -108,16 +110,16 @@ class GpuCulling {
   DepthPyramid depths_;
   uint64_t most_readable_bytes_;
   std::vector<Listed> listed_;
-  std::vector<CameraPair> cameras_;  ///< by instance
+  std::vector<CameraPair> cameras_;  ///< cameras by instance
   std::vector<Chunk> chunks_;
   std::vector<Group> groups_;
   std::vector<List> lists_;
-  std::vector<Draw> draws_;     ///< by instance
-  uint32_t most_commands_ = 0;  ///< per pass
+  std::vector<Draw> draws_;     ///< sorted by instance
+  uint32_t most_commands_ = 0;  ///< largest number of commands per pass
   uint32_t pass_ = 0;
   uint32_t picture_ = 0;
   GlBuffer cameras_buffer_, chunks_buffer_, lists_buffer_, found_, commands_, counts_, triangles_;
-  const uint32_t* mapped_triangles_ = nullptr;        ///< kPicturesKept counters, mapped
+  const uint32_t* mapped_triangles_ = nullptr;        ///< kPicturesKept counters in mapped memory
   std::array<GLsync, kPicturesKept> count_fences_{};  ///< signalled when the counters are complete
   uint64_t triangles_lately_ = 0;
 };

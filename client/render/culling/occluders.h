@@ -10,22 +10,23 @@
 
 namespace lode::render {
 
-/// Farthest depth in each square of a picture. Depths are reversed: 0 if the background is visible.
+/// Farthest depth in each square of a picture. Depths are reversed: the background has depth 0.
 struct FarthestDepths {
   static constexpr uint32_t kSquarePx = 8;
   uint32_t columns = 0, rows = 0;
-  std::vector<float> depths;  ///< row by row, bottom row first
+  std::vector<float> depths;  ///< depths row by row, bottom row first
 };
 
 /// Tests on the CPU whether drawn geometry hides boxes. Pure.
 class Occluders {
  public:
   /// @param step   the model's lattice step used for drawing.
-  /// @param drawn  depths of the picture; must outlive this. If empty, nothing is hidden.
+  /// @param drawn  depths of the picture; must outlive this object. Empty depths hide nothing.
   Occluders(const core::View& view, double step, const FarthestDepths& drawn);
-  Occluders(const core::View& view, double step, const FarthestDepths&& drawn) = delete;  ///< would dangle
+  Occluders(const core::View& view, double step,
+            const FarthestDepths&& drawn) = delete;  ///< drawn_ would dangle
 
-  /// True only if the whole box is behind drawn geometry at every sample.
+  /// Returns true only if the whole box is behind drawn geometry at every sample.
   bool hide(const core::ModelBox& box) const noexcept;
 
  private:

@@ -4,14 +4,15 @@
 
 namespace lode::render {
 
-/// How clusters hidden by other geometry are culled. The picture is the same with each.
+/// Method of culling clusters that other geometry hides. All methods draw the same picture.
 enum class OcclusionCulling : uint8_t {
-  kOff,
+  kOff,       ///< draws hidden clusters too
   kReadBack,  ///< the CPU reads the depth back, which blocks, and tests clusters
-  kOnGpu,     ///< compute shaders test clusters; nothing blocks
+  kOnGpu,     ///< compute shaders test clusters, without blocking
 };
 
-/// True if the current context renders on the CPU. Reading back then costs nothing but the wait.
+/// Returns true if the current context renders on the CPU. Such a context reads depth back at no cost except
+/// the wait.
 bool drawsInSoftware();
 
 /// Returns the fastest method in the current context.

@@ -6,29 +6,30 @@
 
 namespace lode::render {
 
-/// The eye in lattice steps, split into an integer part that is subtracted from lattice coordinates exactly
-/// and a remainder that is subtracted in float. All nodes of a model use the same split, so that equal
-/// positions of neighbouring nodes land on equal pixels.
+/// The eye in lattice steps, split into an integer part and a remainder. Shaders subtract the integer part
+/// from lattice coordinates exactly and the remainder in float. All nodes of a model use the same split, so
+/// that equal positions of neighbouring nodes land on equal pixels.
 struct SplitEye {
   glm::ivec3 high{0};
   glm::vec3 low{0};
 };
 
-/// @param step  the model's lattice step, > 0. An eye beyond ±2^30 steps leaves the excess in `low`.
+/// @param step  the model's lattice step, > 0. If the eye is beyond ±2^30 steps, `low` contains the
+/// excess.
 SplitEye splitEye(glm::dvec3 eye_model, double step) noexcept;
 
 /// Rotates model directions into the view frame: x right, y up, z towards the viewer.
 glm::mat3 viewRotation(const core::View& view) noexcept;
 
-/// Scale of x and y, and near distance, of a projection with reversed depth and no far plane:
-/// clip = (scale.x * x, scale.y * y, near, -z) for a point in the view frame; depth is 1 at the near plane
-/// and falls to 0.
+/// Scale of x and y, and near distance, of a projection with reversed depth and no far plane. A point of the
+/// view frame has clip coordinates (scale.x * x, scale.y * y, near, -z). Depth is 1 at the near plane and
+/// falls to 0.
 struct Projection {
   glm::vec2 scale{1};
   float near_model = 0;
 };
 
-/// @param step  the near plane is never closer than one lattice step.
+/// @param step  lattice step of the model, the least distance of the near plane.
 Projection reversedProjection(const core::View& view, double step) noexcept;
 
 }  // namespace lode::render

@@ -7,32 +7,33 @@
 
 namespace lode::render {
 
-/// Reads the colours of a framebuffer with one sample per pixel (0: the window's, from its current read
-/// buffer).
+/// Reads the colours of a framebuffer with one sample per pixel. Framebuffer 0 is the window's, read from its
+/// current read buffer.
 Image readFramebuffer(GLuint framebuffer, uint32_t width_px, uint32_t height_px);
 
 /// An off-screen render target: sRGB colour and reversed 32-bit float depth, plus a resolved colour buffer if
 /// it is multisampled. Use it on the thread of its context.
 class Framebuffer {
  public:
-  /// @param samples  samples per pixel. The driver's limit clamps it; the driver may raise any value but 1.
+  /// @param samples  samples per pixel, clamped to the driver's limit. The driver may raise any value
+  /// except 1.
   /// @throws Error kUsage if the driver does not support this size.
   Framebuffer(uint32_t width_px, uint32_t height_px, int samples = 4);
 
   uint32_t widthPx() const noexcept { return width_px_; }
   uint32_t heightPx() const noexcept { return height_px_; }
   int samples() const noexcept { return samples_; }
-  /// The depth texture; multisampled if samples() > 1.
+  /// Returns the depth texture, which is multisampled if samples() > 1.
   GLuint depth() const noexcept { return samples_ > 1 ? sampled_depth_.get() : plain_depth_.get(); }
 
-  /// Binds this as the draw framebuffer and sets the viewport to its size.
+  /// Binds this target as the draw framebuffer and sets the viewport to its size.
   void bindForDrawing() const;
   /// Averages the samples. Call it after drawing, before readPixels() and copyTo().
   void resolve() const;
   Image readPixels() const { return readFramebuffer(resolved(), width_px_, height_px_); }
-  /// Copies the resolved picture to a framebuffer (0: the window's) and scales it with linear filtering if
-  /// the sizes differ. Leaves that framebuffer bound for drawing and reading: Mesa reads black from a window
-  /// that was first bound for reading after it was drawn.
+  /// Copies the resolved picture to a framebuffer (0: the window's), and scales the picture with linear
+  /// filtering if the sizes differ. Leaves that framebuffer bound for drawing and reading: if a window is
+  /// bound for reading only after it was drawn, Mesa reads black from it.
   void copyTo(GLuint framebuffer, uint32_t width_px, uint32_t height_px) const;
 
  private:

@@ -17,7 +17,7 @@ struct Image {
   const uint8_t* pixel(uint32_t x, uint32_t y) const&& = delete;  ///< the pixel would outlive its image
 };
 
-/// Writes a PNG (colour only, no alpha). The file appears under its name only when it is complete.
+/// Writes a PNG (colour only, no alpha). The file gets its name only when it is complete.
 /// @throws Error kIo.
 void writePng(const std::filesystem::path& path, const Image& image);
 

@@ -8,19 +8,19 @@
 
 namespace lode::render {
 
-/// Vertex shader of one triangle that covers the whole target, at depth 0.
+/// Vertex shader that makes one triangle at depth 0 cover the whole target.
 extern const char* const kFullScreenVertexShader;
 
 /// Compiles and links a program from GLSL 4.50 sources without their #version line. The fragment sources are
 /// concatenated.
 /// @param definitions      macros for all shaders: names, or names and values separated by a space.
-/// @param geometry_source  null: no geometry shader.
-/// @throws Error kInternal with the first line of the driver's log: the sources need OpenGL 4.5 only.
+/// @param geometry_source  source of the geometry shader, or null for none.
+/// @throws Error kInternal with the first line of the driver's log. The sources need no more than OpenGL 4.5.
 GlProgram linkProgram(const char* vertex_source, std::initializer_list<const char*> fragment_sources,
                       std::span<const std::string_view> definitions = {},
                       const char* geometry_source = nullptr);
 
-/// Compiles and links a compute program. @throws as linkProgram().
+/// Compiles and links a compute program. @throws the same errors as linkProgram().
 GlProgram linkComputeProgram(const char* source);
 
 }  // namespace lode::render
