@@ -8,17 +8,17 @@
 
 namespace lode::render {
 
-/// Screen-space ambient occlusion: darkens creases and hollows by the depth of a drawn picture. The radius is
-/// a share of the picture's height, so that a model looks alike near and far. The result depends on this
-/// picture alone: the same depth gives the same bits. Create, use and destroy it on the thread of its
-/// context. Source: McGuire, Mara and Luebke, Scalable Ambient Obscurance, 2012.
+/// Screen-space ambient occlusion: darkens creases and hollows that the depth of a drawn picture shows. The
+/// radius is a share of the picture's height, so that a model looks alike near and far. The result depends on
+/// the depth of this picture alone: equal depths result in equal bits. Create, use and destroy it on the
+/// thread of its context. Source: McGuire, Mara and Luebke, Scalable Ambient Obscurance, 2012.
 class AmbientOcclusion {
  public:
   /// @throws Error kInternal if the driver rejects a shader.
   AmbientOcclusion();
 
-  /// Darkens a picture. Call it once, after all models are drawn and before the picture is resolved. It skips
-  /// background samples and does nothing unless `show` is kSurface: other modes encode data in colours.
+  /// Darkens a picture. Call darken() once, after drawing all models and before resolving the picture. Skips
+  /// background samples. Does nothing unless `show` is kSurface, because other modes encode data in colours.
   /// @param picture  must be multisampled.
   /// Changes the bound framebuffer, program, vertex array and textures and the depth state.
   void darken(const Framebuffer& picture, double fov_y_rad, ColorMode show);

@@ -12,18 +12,19 @@ namespace lode::render {
 
 /// A soft dark ellipse on level ground below an object.
 struct ContactShadow {
-  glm::dvec3 middle{0};            ///< centre, on the ground
-  glm::dvec3 across{0}, along{0};  ///< horizontal half axes
+  glm::dvec3 middle{0};            ///< centre of the ellipse, on the ground
+  glm::dvec3 across{0}, along{0};  ///< horizontal half axes of the ellipse
   float depth = 0;                 ///< share of light missing in the middle, 0..1
 };
 
-/// Darkens drawn ground, before the objects on it are drawn. Create, use and destroy it on the thread of its
-/// context.
+/// Darkens ground that is already drawn. Use it before drawing the objects on the ground. Create, use and
+/// destroy it on the thread of its context.
 class ContactShadows {
  public:
   ContactShadows();
 
-  /// Draws all shadows in one pass; overlapping ones multiply. @param shadows  in the view's model frame.
+  /// Draws all shadows in one pass. Overlapping shadows multiply. @param shadows  shadows in the view's model
+  /// frame.
   void draw(std::span<const ContactShadow> shadows, const core::View& view, const Framebuffer& target);
 
  private:

@@ -14,8 +14,10 @@
 
 namespace lode::render {
 
+/// Duration of a cross-fade in seconds.
 constexpr double kFadeS = 0.25;
-/// Parts with a larger error switch at once: dithering surfaces that far apart shows the background.
+/// Largest error of parts that cross-fade. Parts with a larger error switch at once, because the background
+/// would show between dithered surfaces that are so far apart.
 constexpr float kLargestFadedStepPx = 4;
 
 /// A part drawn on the pixels whose dither value, 0..1, lies in [from, to). The ranges of parts that cover
@@ -30,30 +32,30 @@ struct FadedItem {
 /// The parts that one frame shows.
 struct ShownCover {
   std::shared_ptr<const core::Cut> cut;
-  std::span<const DrawItem> drawn;    ///< items of the cut, by number of core::partOf()
+  std::span<const DrawItem> drawn;    ///< items of the cut, indexed as in core::partOf()
   std::span<const uint32_t> numbers;  ///< numbers of the items that cover the model
-  uint64_t serial = 0;                ///< serial of the cut; it increases
+  uint64_t serial = 0;                ///< serial of the cut; newer cuts have larger serials
 };
 
-/// Cross-fades from leaving to arriving parts by dithering, each region on its own clock. A region switches
-/// at once if one side does not cover all that the camera sees of it or if its error is large. Uses no
-/// OpenGL.
+/// Cross-fades from leaving to arriving parts by dithering. Each region fades on its own clock. A region
+/// switches at once if its error is large, or if its leaving or arriving parts do not cover everything that
+/// the camera sees of the region. Uses no OpenGL.
 class CrossFade {
  public:
   /// Shows a cover and starts fades from the parts of the last frame, whose meshes must still be resident.
-  /// With time.fades false it shows the cover at once and ends running fades.
+  /// If time.fades is false, shows the cover at once and ends running fades.
   void show(const ShownCover& cover, const core::View& view, double lattice_step, const DrawTime& time);
-  /// Call it when a shown mesh was evicted: ends all fades, and the next show() starts none.
+  /// Ends all fades; the next show() starts no fade. Call it when a shown mesh was evicted.
   void forget();
 
-  /// The cut of the last show(); null: none.
+  /// Returns the cut of the last show(), or null if there is none.
   const std::shared_ptr<const core::Cut>& cut() const noexcept { return cut_; }
-  /// The cover's items, then the leaving ones, with their dither ranges at the last show().
+  /// Returns the cover's items, then the leaving items, with their dither ranges at the last show().
   const std::vector<FadedItem>& items() const noexcept { return items_; }
-  /// Number of items() that belong to the cover.
+  /// Returns the number of items() that belong to the cover.
   size_t coverCount() const noexcept { return live_.size(); }
   bool fading() const noexcept { return !leaving_.empty(); }
-  /// Serial of the oldest cut with a leaving part.
+  /// Returns the serial of the oldest cut with a leaving part.
   uint64_t oldestSerial() const noexcept;
 
  private:
@@ -61,12 +63,12 @@ class CrossFade {
 
   struct Part {
     DrawItem item;
-    const Mesh* mesh = nullptr;  ///< identity only, never dereferenced
-    double since_s = 0;          ///< first shown; then start of its fades
-    double arrived_s = kLongAgo, left_s = 0;
-    uint64_t serial = 0;  ///< serial of the last cut with this part
+    const Mesh* mesh = nullptr;               ///< identifies the mesh; never dereferenced
+    double since_s = 0;                       ///< time when the part was first shown
+    double arrived_s = kLongAgo, left_s = 0;  ///< start times of fading in and fading out
+    uint64_t serial = 0;                      ///< serial of the last cut with this part
   };
-  /// A box that one side of a fade does not cover.
+  /// A box that either the leaving or the arriving parts of a fade do not cover.
   struct Gap {
     NodeKey region;
     core::ModelBox box;
@@ -76,7 +78,7 @@ class CrossFade {
   struct Change {
     std::shared_ptr<const core::Cut> cut_before;
     std::vector<Part> before;
-    std::vector<ChangedRegion> regions;  ///< indices into before and live_
+    std::vector<ChangedRegion> regions;  ///< regions with indices into before and live_
   };
 
   Change take(const ShownCover& cover, double now_s);
@@ -93,7 +95,7 @@ class CrossFade {
   std::vector<uint32_t> numbers_;
   std::vector<Part> live_, leaving_;
   std::vector<Gap> gaps_;
-  bool is_forgotten_ = false;  ///< forget() ran since the last show()
+  bool is_forgotten_ = false;  ///< whether forget() ran since the last show()
   std::vector<FadedItem> items_;
 };
 

@@ -10,20 +10,20 @@ namespace lode::render {
 /// Appearance of a model in a picture.
 struct DrawStyle {
   ColorMode show = ColorMode::kSurface;
-  glm::dvec3 up{0};                                    ///< the model's up axis, for the sky; 0: the view's
-  ShownInstance instance = {};                         ///< instance drawn, for node colours
-  float exposure = 1;                                  ///< factor of the light, > 0
-  glm::vec3 background_top_srgb{0.30f, 0.34f, 0.39f};  ///< 0..1
+  glm::dvec3 up{0};             ///< the model's up axis, for the sky; 0 selects the view's up axis
+  ShownInstance instance = {};  ///< instance to draw, which selects node colours
+  float exposure = 1;           ///< factor on the light, > 0
+  glm::vec3 background_top_srgb{0.30f, 0.34f, 0.39f};  ///< sRGB colour, 0..1
   glm::vec3 background_bottom_srgb{0.10f, 0.11f, 0.13f};
-  bool over = false;  ///< draws over the target's content and depth; draws no background
+  bool over = false;  ///< whether to draw over the target's content and depth, without a background
 
   bool operator==(const DrawStyle&) const = default;
 };
 
 /// Time and method of drawing a frame.
 struct DrawTime {
-  double now_s = 0;    ///< from a monotonic clock
-  bool fades = false;  ///< cross-fade to parts that differ from the last frame's
+  double now_s = 0;    ///< time of a monotonic clock
+  bool fades = false;  ///< whether to cross-fade to parts that differ from the last frame's
   OcclusionCulling occlusion_culling = OcclusionCulling::kOff;
 };
 

@@ -9,14 +9,15 @@ namespace lode::render {
 /// Directions of light in the view frame. The sun is above the viewer's left shoulder and turns with the
 /// camera, so that no visible side of a model is dark. Sky and ground follow the model's up axis.
 struct Light {
-  glm::vec3 to_sun{0, 0, 1};  ///< unit length, like up
+  glm::vec3 to_sun{0, 0, 1};  ///< direction of unit length, as is up
   glm::vec3 up{0, 1, 0};
 };
 
 /// @param up  the model's up axis in its own frame, not 0.
 Light lightFor(const core::View& view, const glm::dvec3& up) noexcept;
 
-/// GLSL of shading: lit() and toned(). Precedes the fragment shader of a mesh.
+/// GLSL functions lit() and toned(), which shade a surface. Their source precedes the fragment shader of a
+/// mesh.
 extern const char* const kLightShader;
 
 }  // namespace lode::render

@@ -14,23 +14,24 @@
 
 namespace lode::render {
 
-/// Shader programs that draw meshes, one per combination of features: a CPU renderer runs both sides of a
-/// branch for every pixel, so rarely needed features are compiled in, not branched on. Use it on the thread
-/// of its context.
+/// Shader programs that draw meshes, one per combination of features. A CPU renderer runs both sides of a
+/// branch for every pixel, so rarely needed features are compiled in instead of selected by a branch. Use it
+/// on the thread of its context.
 class MeshPrograms {
  public:
   enum Part : uint8_t {
-    kFading = 1,    ///< draws a dithered share of the pixels
-    kTextured = 2,  ///< samples textures
-    kCutOut = 4,    ///< discards transparent pixels; for targets without multisampling
-    kViews = 8,     ///< colour modes other than kSurface
-    kWire = 16,     ///< triangle edges; needs a geometry shader
+    kFading = 1,    ///< feature: draws a dithered share of the pixels
+    kTextured = 2,  ///< feature: samples textures
+    kCutOut = 4,    ///< feature: discards transparent pixels, for targets without multisampling
+    kViews = 8,     ///< feature: draws colour modes other than kSurface
+    kWire = 16,     ///< feature: draws triangle edges, which needs a geometry shader
   };
 
   /// Links the programs for kSurface. @throws Error kInternal if the driver rejects a shader.
   MeshPrograms();
 
-  /// Returns a program, linked at first use. @param parts  bits of Part. @throws as the constructor.
+  /// Returns a program, and links it at the first use. @param parts  bits of Part.
+  /// @throws the same errors as the constructor.
   const GlProgram& with(unsigned parts);
 
  private:
@@ -41,7 +42,7 @@ class MeshPrograms {
 struct DrawState {
   uint32_t flags;
   glm::u8vec4 tint;
-  uint32_t share;  ///< dither range: from and to in 256ths, 16 bits each
+  uint32_t share;  ///< dither range, from and to, in 256ths with 16 bits each
 };
 
 /// Sets up the OpenGL state for draw calls of a model's meshes. Between begin() and end() call use(), then
@@ -52,6 +53,7 @@ class MeshDrawer {
   /// @throws Error kInternal if the driver rejects a shader.
   MeshDrawer();
 
+  /// Sets the state for draw calls.
   /// @param states      buffer with an array of DrawState.
   /// @param attributes  the attributes of all meshes of the model.
   void begin(const GlBuffer& states, AttributeSet attributes, const TextureResidency& textures);
@@ -67,7 +69,7 @@ class MeshDrawer {
   MeshPrograms programs_;
   GlVertexArray array_;
   AttributeSet attributes_;
-  const TextureResidency* textures_ = nullptr;  ///< between begin() and end()
+  const TextureResidency* textures_ = nullptr;  ///< textures passed to begin()
 };
 
 /// Sets all state that drawing relies on.

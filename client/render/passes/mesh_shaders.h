@@ -5,10 +5,10 @@ namespace lode::render {
 /// GLSL of the mesh programs, for linkProgram(). mesh_drawer.cpp has the uniform locations. Macros: TEXTURED
 /// samples textures; FADING draws a dithered share of the pixels, which prevents early depth tests; CUT_OUT
 /// discards transparent pixels; VIEWS draws colour modes other than kSurface; WIRE draws triangle edges.
-extern const char* const kCorner;        ///< macro: the variables passed between shader stages
-extern const char* const kTintedCorner;  ///< the same, with VIEWS
+extern const char* const kCorner;        ///< macro that declares the variables passed between shader stages
+extern const char* const kTintedCorner;  ///< the macro of kCorner for programs with VIEWS
 extern const char* const kMeshVertexShader;
-extern const char* const kWireGeometryShader;  ///< with WIRE
+extern const char* const kWireGeometryShader;  ///< geometry shader of programs with WIRE
 extern const char* const kWireShader;
 extern const char* const kMeshFragmentShader;
 

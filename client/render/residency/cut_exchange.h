@@ -14,7 +14,7 @@ namespace lode::render {
 /// A part of the newer cut of one instance.
 struct InstancePart {
   uint32_t instance = 0;
-  uint32_t number = 0;  ///< argument of core::partOf()
+  uint32_t number = 0;  ///< number of the part, see core::partOf()
 };
 
 /// Parts of the newer cuts whose meshes must be resident before any of them is drawn.
@@ -24,20 +24,22 @@ struct ExchangeStep {
   std::optional<NodeKey> region;  ///< region to switch then; none for the first step (fallbacks or all)
 };
 
-/// Plans the switch from older to newer cuts of a model's instances. Regions switch one by one, each when all
-/// of its meshes are on the GPU: visible regions first, those with the largest error first, across instances.
-/// In between a mixed cut covers the model: it has the newer or the older parts of each region and fallbacks
-/// of either for regions left out, so it has no more holes than the two cuts. Uses no OpenGL.
+/// Plans the switch from older to newer cuts of a model's instances. Regions switch one by one, each as
+/// soon as all of its meshes are on the GPU: visible regions before others, and regions with larger errors
+/// before those with smaller errors, across instances. In between, a mixed cut covers the model. In each
+/// region the mixed cut has either the newer or the older parts, and for regions left out it has fallbacks of
+/// either cut, so each of its holes is also a hole of one of the two cuts. Uses no OpenGL.
 class CutExchange {
  public:
-  using Cuts = std::vector<std::shared_ptr<const core::Cut>>;  ///< by instance
+  using Cuts = std::vector<std::shared_ptr<const core::Cut>>;  ///< one cut per instance
 
-  /// @param from  cuts of the same build, as many as `to`; empty: all of `to` is one step.
+  /// @param from  cuts of the same build, as many as in `to`. If empty, one step switches to all of `to`.
   CutExchange(Cuts from, Cuts to);
 
   std::span<const ExchangeStep> steps() const noexcept { return steps_; }
-  /// Returns the cuts to draw after the first `steps` steps: per instance `from` if none of its steps is
-  /// done, `to` if all are, else a mixed cut. Reuses the mixed cut of an instance that made no progress.
+  /// Returns the cuts to draw after the first `steps` steps: for an instance `from` if none of its steps is
+  /// done, `to` if all of its steps are done, else a mixed cut. Reuses the mixed cut of an instance that made
+  /// no progress.
   Cuts after(size_t steps);
 
  private:
@@ -51,7 +53,7 @@ class CutExchange {
 
   Cuts from_, to_;
   std::vector<ExchangeStep> steps_;
-  std::vector<Mixture> mixtures_;  ///< by instance, the latest
+  std::vector<Mixture> mixtures_;  ///< latest mixture of each instance
 };
 
 }  // namespace lode::render

@@ -14,16 +14,16 @@ namespace lode::render {
 /// Identifies an instance of a model among the instances of a picture.
 struct ShownInstance {
   uint32_t number = 0;          ///< seeds the node colours, which differ between instances
-  std::string_view model = {};  ///< for legends; empty where there is one model
-  uint32_t nth = 0;             ///< 1-based among the model's instances; 0: the only one
+  std::string_view model = {};  ///< name of the model for legends; empty if there is only one model
+  uint32_t nth = 0;             ///< number among the model's instances, from 1; 0 for the only instance
 
   bool operator==(const ShownInstance&) const = default;
 };
 
 /// Clusters of kClusterTriangles triangles of a mesh.
 struct MeshClusters {
-  std::vector<LatticeBox> boxes;  ///< by cluster; the mesh's box for meshes without cluster boxes
-  /// By instance and cluster: whether other geometry hid the cluster in the last frame.
+  std::vector<LatticeBox> boxes;  ///< boxes of the clusters; the mesh's box if the mesh has no cluster boxes
+  /// Whether other geometry hid a cluster in the last frame, by instance and cluster.
   std::vector<std::vector<bool>> hidden;
 };
 
@@ -31,7 +31,7 @@ struct MeshClusters {
 struct DrawItem {
   uint32_t page = 0;
   uint32_t base_vertex = 0, first_index = 0, index_count = 0;
-  uint32_t first_box_word = 0;  ///< offset of its cluster boxes in 32-bit words of the page
+  uint32_t first_box_word = 0;  ///< offset of the mesh's cluster boxes in 32-bit words of the page
   LatticeBox box;
   std::shared_ptr<MeshClusters> clusters;  ///< null if the part has no triangles
   AttributeSet attributes;
@@ -39,9 +39,9 @@ struct DrawItem {
   uint32_t lod = 0;
   float error_rad = 0;  ///< projected error as an angle, for the view that the cut was made for
   float error_model = 0;
-  float threshold_rad = 0, complete_rad = 0;  ///< likewise: see ShownThresholds
+  float threshold_rad = 0, complete_rad = 0;  ///< thresholds of the part as angles, see ShownThresholds
   float age_s = 0;                            ///< time since the part entered the picture
-  ShownInstance instance = {};                ///< instance that drew it last
+  ShownInstance instance = {};                ///< instance that drew the part last
 };
 
 }  // namespace lode::render

@@ -10,19 +10,20 @@
 
 namespace lode::render {
 
-/// Allocates ranges of a buffer: best fit, lowest offset on ties; release() coalesces neighbours. Pure
-/// bookkeeping, not thread safe.
+/// Allocates ranges of a buffer by best fit, and at the lowest offset on ties. release() coalesces free
+/// neighbours. Pure bookkeeping without OpenGL, not thread safe.
 class BlockAllocator {
  public:
-  static constexpr uint32_t kAlignment = 48;  ///< of offsets and lengths: common multiple of the two
-                                              ///< vertex sizes, 16 and 24 bytes
+  static constexpr uint32_t kAlignment = 48;  ///< alignment of offsets and lengths: common multiple of
+                                              ///< the two vertex sizes, 16 and 24 bytes
 
   /// @param capacity_bytes  rounded down to the alignment.
   explicit BlockAllocator(uint32_t capacity_bytes);
 
-  /// @param bytes  > 0. @return the offset in bytes, or nothing if no free range is long enough.
+  /// @param bytes  size, > 0. @return the offset in bytes, or nothing if no free range is long enough.
   std::optional<uint32_t> allocate(uint32_t bytes);
-  /// @param offset, bytes  as returned by and passed to allocate().
+  /// @param offset  offset that allocate() returned.
+  /// @param bytes   size that was passed to allocate().
   void release(uint32_t offset, uint32_t bytes);
 
   uint32_t usedBytes() const noexcept { return used_bytes_; }
@@ -32,7 +33,7 @@ class BlockAllocator {
   }
 
  private:
-  std::map<uint32_t, uint32_t> free_;  ///< offset -> bytes
+  std::map<uint32_t, uint32_t> free_;  ///< free ranges: offset -> bytes
   uint32_t used_bytes_ = 0;
 };
 
@@ -49,16 +50,17 @@ class GpuPages {
  public:
   GpuPages(uint64_t budget_bytes, uint32_t page_bytes);
 
-  /// Changes the budget. Pages above it stay until they are empty.
+  /// Changes the budget. Pages above the budget stay until they are empty.
   void setBudget(uint64_t bytes) noexcept { budget_bytes_ = bytes; }
-  /// @param bytes  > 0. @return nothing if no page has room and none can be added.
+  /// Allocates a block. @param bytes  size, > 0. @return nothing if no page has room and no page can be
+  /// added.
   std::optional<GpuBlock> allocate(uint32_t bytes);
   void release(const GpuBlock& block);
   /// Frees empty pages except one.
   void dropEmptyPages();
-  /// Frees everything and makes room for blocks of these sizes, to be allocated in this order: in ordinary
-  /// pages if they fit, else in one page for all. @return false, with nothing freed, if the budget is too
-  /// small.
+  /// Frees everything and makes room for blocks of these sizes, which the caller then allocates in this
+  /// order. Uses ordinary pages if the blocks fit into them, else one page for all blocks.
+  /// @return false, without freeing anything, if the budget is too small.
   bool clearFor(const std::vector<uint64_t>& sizes);
 
   GLuint buffer(uint32_t page) const noexcept { return pages_[page] ? pages_[page]->buffer.get() : 0; }
@@ -81,7 +83,7 @@ class GpuPages {
   uint32_t page_bytes_;
   uint64_t used_bytes_ = 0, capacity_bytes_ = 0;
   uint64_t most_bytes_ = 0;                   ///< peak of capacity_bytes_
-  std::vector<std::unique_ptr<Page>> pages_;  ///< null: a freed page
+  std::vector<std::unique_ptr<Page>> pages_;  ///< pages; null for a freed page
 };
 
 }  // namespace lode::render

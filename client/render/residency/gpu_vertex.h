@@ -14,9 +14,9 @@ namespace lode::render {
 /// A vertex in GPU memory, for models without texture coordinates.
 struct GpuVertex {
   uint32_t position_low;   ///< bits 0..31 of the position code
-  uint32_t position_high;  ///< bits 32..62
-  uint32_t normal;         ///< signed 10:10:10:2, x lowest
-  glm::u8vec4 colour;      ///< sRGB, alpha
+  uint32_t position_high;  ///< bits 32..62 of the position code
+  uint32_t normal;         ///< normal in signed 10:10:10:2 format, x lowest
+  glm::u8vec4 colour;      ///< sRGB colour and alpha
 };
 static_assert(sizeof(GpuVertex) == core::kDrawnVertexBytes);
 
@@ -34,11 +34,11 @@ constexpr uint32_t vertexBytes(AttributeSet attributes) noexcept {
   return attributes.has(AttributeSet::kTexture) ? sizeof(GpuTexturedVertex) : sizeof(GpuVertex);
 }
 
-/// Packs vertices of a mesh into `out` until it is full, starting at `first`. Each takes
-/// vertexBytes(mesh.attributes).
+/// Packs vertices of a mesh, starting at `first`, until `out` is full. Each vertex needs
+/// vertexBytes(mesh.attributes) bytes.
 void packVertices(const Mesh& mesh, size_t first, std::span<std::byte> out);
 
-/// True if meshes with these attributes have vertex normals: the file's or computed ones.
+/// Returns true if meshes with these attributes have vertex normals, either the file's or computed normals.
 constexpr bool hasNormals(AttributeSet attributes) noexcept {
   return attributes.has(AttributeSet::kNormal | AttributeSet::kComputedNormal);
 }

@@ -20,23 +20,23 @@ namespace lode::render {
 struct ResidencyOptions {
   uint64_t budget_bytes = uint64_t{1} << 30;            ///< GPU memory for meshes
   uint64_t texture_budget_bytes = uint64_t{256} << 20;  ///< GPU memory for textures
-  uint64_t spare_bytes = uint64_t{128} << 20;           ///< limit of meshes kept though not drawn
+  uint64_t spare_bytes = uint64_t{128} << 20;           ///< limit of GPU memory for meshes kept but not drawn
   uint32_t page_bytes = 32u << 20;                      ///< default size of a GPU buffer
   uint32_t staging_bytes = 4u << 20;                    ///< limit of mesh uploads per frame
-  uint32_t texture_staging_bytes = 4u << 20;            ///< of tiles; >= kLeastTextureStagingBytes
+  uint32_t texture_staging_bytes = 4u << 20;            ///< likewise for tiles, >= kLeastTextureStagingBytes
 };
 
 /// Limits the uploads of one frame.
 struct UploadBudget {
   uint32_t bytes = 4u << 20;
   double ms = 2.0;
-  bool wait = false;  ///< ignore the limits and block until all is resident: for off-screen pictures
+  bool wait = false;  ///< ignore the limits and block until everything is resident, for off-screen pictures
 };
 
-/// Keeps meshes of a model on the GPU and decides which of them each instance draws. A region of a newer cut
+/// Keeps meshes of a model on the GPU and decides which meshes each instance draws. A region of a newer cut
 /// is drawn when all of its meshes are resident; until then the region's old parts are drawn, so that slow
-/// uploads leave no holes, wherever the camera goes. A cut of another build is switched to as a whole. Meshes
-/// are identified by their shared_ptr and not kept alive. Use it on the thread of its context.
+/// uploads leave no holes, wherever the camera goes. A cut of another build replaces the drawn cut as a
+/// whole. Meshes are identified by their shared_ptr and not kept alive. Use it on the thread of its context.
 class MeshResidency {
  public:
   /// @throws Error kIo if there is no memory for the staging ring.
@@ -46,40 +46,42 @@ class MeshResidency {
   void setBudget(uint64_t bytes) noexcept;
   /// Sets ResidencyOptions::spare_bytes.
   void setSpare(uint64_t bytes) noexcept { options_.spare_bytes = bytes; }
-  /// Sets the newest cuts. Uploads switch to them after the next region of the cuts in progress is drawn, so
-  /// that each set of cuts makes progress; they switch at once to much coarser cuts.
+  /// Sets the newest cuts. If other cuts are being uploaded, uploads switch to the newest cuts after the next
+  /// region is complete, so that each set of cuts makes progress. Uploads switch at once to much coarser
+  /// cuts.
   void show(std::shared_ptr<const core::ViewCuts> cuts) { newest_ = std::move(cuts); }
   /// Sets the newest cut of a model with one instance.
   void show(const std::shared_ptr<const core::Cut>& cut);
   /// Uploads meshes of the newest cuts within the budget. @return bytes uploaded.
   uint64_t uploadInRenderThread(const UploadBudget& budget);
 
-  /// True if the newest cuts are drawn.
+  /// Returns true if the newest cuts are drawn.
   bool upToDate() const noexcept { return newest_ == complete_; }
-  /// True if the newest cuts do not fit into the budget. The cuts drawn before stay.
+  /// Returns true if the newest cuts do not fit into the budget. Then the previous cuts are still drawn.
   bool overBudget() const noexcept { return rejected_ != nullptr && rejected_ == newest_; }
   const std::shared_ptr<const core::ViewCuts>& newest() const noexcept { return newest_; }
-  /// The last cuts drawn, at least in part, before those in progress; the drawn cuts if none are in progress.
+  /// Returns the last cuts drawn, at least in part, before the cuts in progress. If no cuts are in progress,
+  /// returns the drawn cuts.
   const std::shared_ptr<const core::ViewCuts>& before() const noexcept { return before_; }
-  /// The cut drawn: one passed to show(), or a mixture of two (see CutExchange). Null before the first, and
-  /// while a cut uploads that only fits without the others.
+  /// Returns the drawn cut: a cut passed to show(), or a mixture of two (see CutExchange). Returns null
+  /// before the first cut is drawn, and during the upload of a cut that fits only without all other meshes.
   const std::shared_ptr<const core::Cut>& drawnCut(size_t instance = 0) const noexcept;
-  /// Parts and fallbacks of the drawn cut, by number of core::partOf().
+  /// Returns parts and fallbacks of the drawn cut, indexed as in core::partOf().
   std::span<const DrawItem> drawn(size_t instance = 0) const noexcept;
-  /// Serial number of the drawn cuts; it increases.
+  /// Returns the serial number of the drawn cuts, which grows with each change.
   uint64_t drawnSerial() const noexcept { return drawn_serial_; }
-  /// Returns the mixed cuts that the last upload made. They may hold the last reference to a mesh: release
-  /// them on the thread that frees cuts, not on this one.
+  /// Returns the mixed cuts that the last upload made. A mixed cut may hold the last reference to a mesh:
+  /// release it on the thread that frees cuts instead of this thread.
   std::vector<std::shared_ptr<const core::Cut>> takeMixtures() { return std::exchange(mixtures_, {}); }
   static constexpr uint64_t kNone = std::numeric_limits<uint64_t>::max();
-  /// Keeps meshes of cuts drawn since this serial while there is room, for cross-fades that still show them.
-  /// keptFrom() returns the oldest serial whose meshes were all kept.
+  /// Keeps the meshes of all cuts drawn since a serial as long as they fit, for cross-fades that still show
+  /// them. keptFrom() returns the oldest serial whose meshes were all kept.
   /// @param serial  an earlier drawnSerial(), or kNone.
   void keepFrom(uint64_t serial);
   uint64_t keptFrom() const noexcept { return kept_from_; }
   const GpuPages& pages() const noexcept { return pages_; }
   size_t meshCount() const noexcept { return entries_.size(); }
-  /// Size of the staging ring.
+  /// Returns the size of the staging ring.
   uint64_t stagingBytes() const noexcept { return uint64_t{StagingRing::kSegments} * options_.staging_bytes; }
 
  private:
@@ -87,7 +89,7 @@ class MeshResidency {
     GpuBlock block;
     LatticeBox box;
     std::shared_ptr<MeshClusters> clusters;
-    uint64_t used_by = 0;  ///< serial of the last cuts with this mesh
+    uint64_t used_by = 0;  ///< serial of the latest cuts that contain this mesh
     uint32_t vertices_done = 0, triangles_done = 0, clusters_done = 0;
     bool complete = false;
   };
@@ -132,13 +134,13 @@ class MeshResidency {
   std::shared_ptr<const core::ViewCuts>
       complete_;  ///< cuts drawn by all instances; null while cuts are mixed
   std::vector<DrawnInstance> instances_;
-  std::optional<CutExchange> exchange_;      ///< switch to target_
-  size_t steps_done_ = 0, steps_drawn_ = 0;  ///< steps of exchange_ resident, and drawn
-  size_t next_in_step_ = 0;                  ///< next part of the current step
-  bool has_room_alone_ = false;              ///< all other meshes were evicted for target_
+  std::optional<CutExchange> exchange_;      ///< plan of the switch to target_
+  size_t steps_done_ = 0, steps_drawn_ = 0;  ///< numbers of resident and of drawn steps of exchange_
+  size_t next_in_step_ = 0;                  ///< index of the next part in the current step
+  bool has_room_alone_ = false;              ///< whether all other meshes were evicted for target_
   uint64_t serial_ = 0, target_serial_ = 0, drawn_serial_ = 0;
   uint64_t kept_from_ = kNone;
-  std::vector<std::shared_ptr<const core::Cut>> mixtures_;  ///< mixed cuts of the last upload
+  std::vector<std::shared_ptr<const core::Cut>> mixtures_;  ///< mixed cuts that the last upload made
 };
 
 }  // namespace lode::render

@@ -11,8 +11,8 @@
 
 namespace lode::render {
 
-/// Persistently mapped memory for uploads: a ring of three segments, one per frame, so that the CPU writes
-/// one while the GPU still reads the others. Use it on the thread of its context.
+/// Persistently mapped memory for uploads: a ring of three segments, one per frame. The CPU writes one
+/// segment while the GPU still reads the others. Use it on the thread of its context.
 class StagingRing {
  public:
   /// @throws Error kIo if the driver is out of memory.
@@ -21,16 +21,18 @@ class StagingRing {
   StagingRing(const StagingRing&) = delete;
   StagingRing& operator=(const StagingRing&) = delete;
 
-  /// Begins a segment. @return false if the GPU still reads it and `wait` is false.
+  /// Begins a segment. @return false if the GPU still reads the segment and `wait` is false.
   bool open(bool wait);
   uint32_t freeBytes() const noexcept { return segment_bytes_ - used_bytes_; }
-  /// Returns `bytes` <= freeBytes() of the segment to write to. Call copyTo() after writing.
+  /// Allocates a range of the segment for the caller to write. Call copyTo() after writing.
+  /// @param bytes  size, <= freeBytes().
   std::span<std::byte> take(uint32_t bytes);
   /// Copies the range of the last take() into a buffer, on the GPU.
   void copyTo(GLuint buffer, uint64_t offset_bytes) const;
-  /// Copies the range of the last take(), RGBA texels by rows, into a rectangle of a texture layer.
+  /// Copies the range of the last take(), which has RGBA texels row by row, into a rectangle of a texture
+  /// layer.
   void copyTo(GLuint texture_array, GLint layer, glm::ivec2 corner, glm::ivec2 size) const;
-  /// Ends the segment begun by open(). It is reused only after the GPU has read it.
+  /// Ends the segment that open() began. The ring reuses a segment only after the GPU has read it.
   void close();
 
   static constexpr uint32_t kSegments = 3;

@@ -24,29 +24,29 @@ namespace lode::render {
 /// A square in a layer of the texture array.
 struct TileCell {
   uint32_t layer = 0;
-  glm::uvec2 corner{0};  ///< in texels, a multiple of the edge
-  uint32_t edge = 0;     ///< in texels, a power of two from kLeastTileCellPx to kTilePx
+  glm::uvec2 corner{0};  ///< top left corner in texels, a multiple of the edge
+  uint32_t edge = 0;     ///< edge in texels, a power of two from kLeastTileCellPx to kTilePx
 };
 
 /// Allocates squares of layers of kTilePx × kTilePx texels. Each layer is a quadtree whose free squares split
-/// and coalesce by four (buddy allocation; Knowlton, A Fast Storage Allocator, 1965). Takes the smallest free
-/// square that fits, in the lowest layer. Pure bookkeeping, not thread safe.
+/// and coalesce by four (buddy allocation; Knowlton, A Fast Storage Allocator, 1965). Allocates the smallest
+/// free square that fits, in the lowest layer. Pure bookkeeping without OpenGL, not thread safe.
 class TileCells {
  public:
-  /// @param most_layers  limit of layers in use.
+  /// @param most_layers  largest number of layers to use.
   explicit TileCells(uint32_t most_layers) : most_layers_(most_layers) {}
 
   /// @param size  size of an image, at most kTilePx per side. @return nothing if there is no room.
   std::optional<TileCell> allocate(glm::uvec2 size);
-  /// @param cell  as returned by allocate().
+  /// @param cell  cell that allocate() returned.
   void release(const TileCell& cell);
-  /// Raises the limit of layers.
+  /// Raises the limit of the number of layers.
   void allow(uint32_t most_layers) noexcept { most_layers_ = most_layers; }
-  /// Peak number of layers in use.
+  /// Returns the peak number of layers in use.
   uint32_t layers() const noexcept { return layers_; }
 
  private:
-  static constexpr uint32_t kOrders = 5;  // edges of 512, 256, 128, 64 and 32 texels
+  static constexpr uint32_t kOrders = 5;  // orders have edges of 512, 256, 128, 64 and 32 texels
   static constexpr uint32_t edgeOf(uint32_t order) noexcept { return kTilePx >> order; }
   using Place = std::tuple<uint32_t, uint32_t, uint32_t>;  // layer, y, x
 
@@ -58,48 +58,49 @@ constexpr uint32_t kTileLayerBytes = kTilePx * kTilePx * 4;              ///< si
 constexpr uint32_t kLeastTextureStagingBytes = kTileLayerBytes * 3 / 2;  ///< room for a tile and its tail
 
 /// Keeps texture tiles on the GPU: a texture array of a bounded number of layers, in which small tiles share
-/// a layer, and a table from (texture, level, tile) to cells that the mesh shader reads. Unlike meshes, a
-/// tile is used as soon as it is resident; a coarser one stands in for a missing one. Images are identified
+/// a layer, and a table from (texture, level, tile) to cells that the mesh shader reads. Unlike a mesh, a
+/// tile is used as soon as it is resident, and a coarser tile replaces a missing tile. Images are identified
 /// by their shared_ptr and not kept alive. Use it on the thread of its context.
 class TextureResidency {
  public:
-  /// @param budget_bytes   size limit of the array, but at least one layer.
+  /// @param budget_bytes   limit of the array's size; the array may always have one layer.
   /// @param staging_bytes  limit of uploads per frame.
   explicit TextureResidency(uint64_t budget_bytes, uint32_t staging_bytes = 4 * kTileLayerBytes);
 
-  /// Changes the budget. A smaller array than the current one evicts all tiles; the next show() uploads them
-  /// again.
+  /// Changes the budget. If the current array exceeds the new budget, evicts all tiles; after the next show()
+  /// they are uploaded again.
   void setBudget(uint64_t bytes);
 
+  /// Selects the tiles to upload and to keep.
   /// @param newest  cut whose tiles to upload.
-  /// @param drawn   cut drawn until the meshes of the newest are resident, or null. Its tiles stay until then
-  /// if
-  ///                both fit. If its texture set differs, the tiles of the newest wait.
+  /// @param drawn   cut that is drawn until the meshes of `newest` are resident, or null. The tiles of
+  /// `drawn` stay until then if both cuts' tiles fit. If the two cuts have different texture sets, the tiles
+  /// of `newest` wait.
   void show(const std::shared_ptr<const core::Cut>& newest,
             const std::shared_ptr<const core::Cut>& drawn = nullptr);
   /// Uploads tiles, coarse levels first: at least one, then more within the budget. @return bytes uploaded.
   uint64_t uploadInRenderThread(const UploadBudget& budget);
 
-  /// True if all tiles of the cut are resident, except those for which there is no room.
+  /// Returns true if all tiles of the cut are resident, except tiles that do not fit.
   bool upToDate() const noexcept { return waiting_.empty(); }
   size_t tileCount() const noexcept { return entries_.size(); }
   uint64_t bytes() const noexcept { return uint64_t{array_layers_} * kTileLayerBytes; }
-  /// Size of the staging ring.
+  /// Returns the size of the staging ring.
   uint64_t stagingBytes() const noexcept {
     return staging_ ? uint64_t{StagingRing::kSegments} * staging_bytes_ : 0;
   }
 
-  /// The texture set in use; null if the cut has no textures.
+  /// Returns the texture set in use, or null if the cut has no textures.
   const TextureSet* set() const noexcept { return set_.get(); }
-  /// True if an image of the set that was uploaded has transparent texels.
+  /// Returns true if an uploaded image of the set has transparent texels.
   bool hasClear() const noexcept { return has_clear_; }
-  /// Binds array and table to texture unit and storage buffer 0.
+  /// Binds the array to texture unit 0 and the table to storage buffer 0.
   void bind() const;
 
  private:
   using Image = std::shared_ptr<const TileImage>;
   struct Entry {
-    std::vector<TileCell> cells;      ///< cell of the image, then cells of its tail
+    std::vector<TileCell> cells;      ///< cell of the image, then cells of its coarser levels (tail)
     std::vector<core::TileKey> keys;  ///< tiles that share this image
   };
   using Entries = std::map<std::weak_ptr<const TileImage>, Entry, std::owner_less<>>;
@@ -121,11 +122,11 @@ class TextureResidency {
   GlBuffer table_;
   std::shared_ptr<const TextureSet> set_;
   bool has_clear_ = false;
-  std::vector<uint32_t> first_entries_;  ///< by texture: table index of its first tile; tail levels follow
+  std::vector<uint32_t> first_entries_;  ///< table index of each texture's first tile
   Entries entries_;
   std::shared_ptr<const core::Cut> cut_;     ///< cut whose tiles to upload
   std::shared_ptr<const core::Cut> drawn_;   ///< cut whose tiles stay
-  std::vector<core::ResidentTile> waiting_;  ///< tiles to upload, the next one last
+  std::vector<core::ResidentTile> waiting_;  ///< tiles to upload, the next tile last
   bool repacked_ = false;                    ///< whether repack() ran for this cut
 };
 
