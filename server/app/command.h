@@ -20,8 +20,8 @@ void addVerifyCommand(CLI::App& program);
 void addExportCommand(CLI::App& program);
 void addSampleCommand(CLI::App& program);
 
-/// Checks that an option is a whole number, because CLI11 parses "-5" as a very large one. Returns an error
-/// message, or "" if the text is valid.
+/// Checks that an option is a whole number, because CLI11 parses "-5" as a very large number. Returns an
+/// error message, or "" if the text is valid.
 std::string wholeNumber(const std::string& text);
 
 /// Adds an option for a number of bytes (see parseByteSize()) from `least` to `most`.

@@ -5,8 +5,9 @@
 
 namespace lode::app {
 
-/// Records SIGINT, SIGTERM and SIGHUP during its lifetime instead of ending the process, so that work can
-/// remove its temporary files. Ignored signals stay ignored. One object at a time.
+/// Records SIGINT, SIGTERM and SIGHUP while the object exists. These signals then do not end the process, so
+/// that work can remove its temporary files. Ignored signals stay ignored. Only one object can exist at a
+/// time.
 class Interruption {
  public:
   /// @param message  message of the error that check() throws.
@@ -15,10 +16,10 @@ class Interruption {
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
 
-  /// @throws Error kIo if a signal was received.
+  /// Checks for a signal. @throws Error kIo if a signal was received.
   void check() const;
-  /// If a signal was received, prints the message and ends the process by that signal, as its sender expects.
-  /// Call it after the cleanup.
+  /// If a signal was received, prints the message and ends the process by the same signal, as the sender
+  /// expects. Call this function after the cleanup.
   void endProcessIfReceived(const char* message) const;
 
  private:

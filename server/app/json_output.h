@@ -19,7 +19,7 @@ void printJson(const Json& object);
 /// Prints text and flushes the stream. @throws Error kIo if writing fails.
 void printText(const std::string& text, std::FILE* stream = stdout);
 
-/// Converts a box to world coordinates: {"min":[x,y,z],"max":[x,y,z]}, or null if it is empty.
+/// Converts a box to world coordinates: {"min":[x,y,z],"max":[x,y,z]}, or null if the box is empty.
 Json toJson(const LatticeBox& box, const Lattice& lattice);
 
 /// Returns the command-line names of the attributes: normal, color, alpha, uv, texnumber.

@@ -8,9 +8,9 @@
 
 namespace lode::app {
 
-/// Prints the progress of stages to a stream. Modes: a bar for each stage with rate and time left, redrawn in
-/// place, for terminals; a line every few seconds; JSON lines {"stage":NAME,"fraction":0..1} for programs.
-/// The start of a stage ends the one before. Not thread safe.
+/// Prints the progress of stages to a stream. One mode, for terminals, redraws a bar per stage with rate and
+/// time left. Other modes print a line every few seconds, or JSON lines {"stage":NAME,"fraction":0..1} for
+/// programs. The start of a stage ends the previous stage. Not thread safe.
 class ProgressBar {
  public:
   enum class Mode { kQuiet, kLines, kBar, kJson };
@@ -23,6 +23,7 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
+  /// Prints the progress of a stage if enough time has passed.
   /// @param fraction  done part of the stage, 0 to 1. @param done  number of items done.
   void update(std::string_view stage, double fraction, uint64_t done);
   /// Prints the current stage as done and ends its line, so that other text can follow.
@@ -41,7 +42,7 @@ class ProgressBar {
   uint64_t done_ = 0;
 };
 
-/// Formats a line of progress: "simplify  [=====>    ]  52 %  1.2 M  340 k/s  0:07 left"; without the bar if
+/// Formats a line of progress: "simplify  [=====>    ]  52 %  1.2 M  340 k/s  0:07 left". Omits the bar if
 /// `bar_width` is 0.
 std::string describeProgress(std::string_view stage, double fraction, uint64_t done, double seconds,
                              int bar_width);

@@ -6,11 +6,11 @@
 
 namespace lode::ingest {
 
-constexpr uint64_t kLeastAsteroid = 12;  ///< triangles
+constexpr uint64_t kLeastAsteroid = 12;  ///< least number of triangles
 
-/// Makes a closed connected surface: a ball of radius about 1 with relief down to the size of triangles. More
-/// triangles show the same relief in more detail.
-/// @param triangles  maximum, at least kLeastAsteroid.
+/// Creates a closed connected surface: a ball of radius about 1 with relief down to the size of triangles.
+/// More triangles show the same relief in more detail.
+/// @param triangles  maximum number of triangles, at least kLeastAsteroid.
 std::unique_ptr<SampleModel> makeAsteroid(uint64_t triangles, uint64_t seed, AttributeSet attributes);
 
 }  // namespace lode::ingest

@@ -6,12 +6,12 @@
 
 namespace lode::ingest {
 
-constexpr uint64_t kLeastGyroid = 2880;  ///< triangles
+constexpr uint64_t kLeastGyroid = 2880;  ///< least number of triangles
 
-/// Makes a closed, manifold, porous block like stone or bone: many periods of a gyroid, roughened and bent.
-/// Its longest side is about 2. More triangles give more pores and more detail, up to 24 steps per period;
-/// beyond that only more pores.
-/// @param triangles  maximum, at least kLeastGyroid.
+/// Creates a closed, manifold, porous block like stone or bone: many periods of a gyroid, roughened and bent.
+/// The longest side of the block is about 2. More triangles result in more pores and more detail. Beyond 24
+/// grid steps per period, more triangles result only in more pores.
+/// @param triangles  maximum number of triangles, at least kLeastGyroid.
 std::unique_ptr<SampleModel> makeGyroid(uint64_t triangles, uint64_t seed, AttributeSet attributes);
 
 }  // namespace lode::ingest

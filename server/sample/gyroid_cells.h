@@ -13,8 +13,8 @@ namespace lode::ingest {
 /// steps per period. The surface is closed and manifold at any resolution. Source: marching tetrahedra on
 /// Kuhn's subdivision of cubes.
 ///
-/// A period is a cell. The block's walls reach only into the outermost cells and inner cells are equal, so a
-/// block of any size >= 2 cells per axis is assembled from these 27.
+/// A cell is one period. Only the outermost cells touch the block's walls, and all inner cells are equal.
+/// Therefore the 27 cells suffice to assemble a block of any size >= 2 cells per axis.
 class GyroidGrid {
  public:
   static constexpr int kCells = 27;
@@ -27,24 +27,24 @@ class GyroidGrid {
   };
   using Triangle = std::array<Crossing, 3>;
 
-  /// @param steps  per period, at least 4.
+  /// @param steps  steps per period, at least 4.
   explicit GyroidGrid(int steps);
 
   int steps() const noexcept { return m_; }
   uint32_t edgesOfCell() const noexcept { return 7u * static_cast<uint32_t>(m_ * m_ * m_); }
 
-  /// Triangles of cell x + 3 y + 9 z, counter-clockwise seen from outside the solid.
+  /// Returns the triangles of cell x + 3 y + 9 z, counter-clockwise seen from outside the solid.
   std::vector<Triangle> triangles(int cell) const;
 
   /// Returns whether the surface crosses an edge of a cell.
   bool crosses(int cell, uint32_t edge) const;
-  /// Both ends of a cell's edge, in steps from the block's corner.
+  /// Returns both ends of a cell's edge, in steps from the block's corner.
   std::pair<glm::ivec3, glm::ivec3> ends(int cell, uint32_t edge) const;
-  /// Lowest corner of a cell, in steps from the block's corner.
+  /// Returns the lowest corner of a cell, in steps from the block's corner.
   glm::ivec3 origin(int cell) const { return m_ * glm::ivec3(cell % 3, cell / 3 % 3, cell / 9); }
 
-  /// Approximate depth below the surface (x), negative outside, and its gradient (y, z, w). @param at  in
-  /// steps from the block's corner, like the depth.
+  /// Returns the approximate depth below the surface (x), which is negative outside, and the gradient of the
+  /// depth (y, z, w). @param at  point in steps from the block's corner; the depth is in steps too.
   glm::dvec4 depth(const glm::dvec3& at) const;
 
  private:
@@ -63,8 +63,8 @@ class GyroidGrid {
 /// Mesh of all cells of one kind. The kind tells for each axis whether the cell is first, inner or last.
 struct GyroidCell {
   struct Vertex {
-    glm::vec3 position;  ///< in periods from the cell's lowest corner
-    glm::vec3 normal;    ///< unit length, out of the solid
+    glm::vec3 position;  ///< position in periods from the cell's lowest corner
+    glm::vec3 normal;    ///< unit normal that points out of the solid
     float wall;          ///< distance to the block's nearest wall, in periods, at most 1
   };
   std::vector<Vertex> vertices;
@@ -74,7 +74,7 @@ struct GyroidCell {
 
 using GyroidCells = std::array<GyroidCell, GyroidGrid::kCells>;
 
-/// Meshes every kind of cell, with vertices on the surface and evenly shaped triangles.
+/// Creates a mesh of every kind of cell, with vertices on the surface and evenly shaped triangles.
 GyroidCells makeGyroidCells(const GyroidGrid& grid);
 
 }  // namespace lode::ingest

@@ -12,16 +12,16 @@ struct NoiseSample {
   float value, x, y, z;
 };
 
-/// Gradient noise: smooth, zero at integer points, with features of about unit size. Source: Perlin,
-/// Improving Noise, 2002; an integer hash chooses the gradients.
-/// @tparam kGradient  whether to compute the gradient; it is zero otherwise.
+/// Computes gradient noise, which is smooth, zero at integer points, and has features of about unit size. An
+/// integer hash chooses the gradients. Source: Perlin, Improving Noise, 2002.
+/// @tparam kGradient  whether to compute the gradient, which is otherwise zero.
 template <bool kGradient>
 NoiseSample noise(const glm::dvec3& point, uint32_t seed);
 
 /// Height at a point and its gradient in space.
 struct ReliefPoint {
-  double height = 0;       ///< in -0.45..0.45
-  glm::dvec3 gradient{0};  ///< zero if not requested
+  double height = 0;       ///< height in -0.45..0.45
+  glm::dvec3 gradient{0};  ///< gradient of the height; zero if not requested
   double fine_height = 0;  ///< sum of the finer half of the octaves, scaled to -1..1
 };
 

@@ -10,15 +10,16 @@ namespace lode::ingest {
 
 struct SampleOptions {
   std::string kind;         ///< "asteroid", "gyroid" or "terrain"
-  uint64_t triangles = 0;   ///< maximum; up to 4e9
+  uint64_t triangles = 0;   ///< maximum number of triangles, up to 4e9
   AttributeSet attributes;  ///< any of normals, colours, texture coordinates
   uint64_t seed = 1;
-  unsigned threads = 0;  ///< 0: one per core; the file does not depend on it
+  unsigned threads = 0;  ///< number of threads, on which the file does not depend; 0: one per core
 };
 
-/// Writes a procedural mesh to a binary PLY file, in bounded memory. The file gets its name when it is
-/// complete. See asteroid.h, gyroid.h and terrain.h for the kinds.
-/// @return number of triangles: the largest that the kind can make, at most options.triangles.
+/// Writes a procedural mesh to a binary PLY file, in bounded memory. The file gets its final name when the
+/// file is complete. See asteroid.h, gyroid.h and terrain.h for the kinds.
+/// @return number of triangles written: the largest possible number for the kind that is at most
+/// options.triangles.
 /// @throws Error kUsage (unknown kind or attribute, too few or too many triangles), kIo.
 uint64_t writeSample(const SampleOptions& options, const std::filesystem::path& path);
 

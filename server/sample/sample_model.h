@@ -12,9 +12,9 @@ namespace lode::ingest {
 
 struct SampleVertex {
   glm::vec3 position{0};
-  glm::vec3 normal{0};  ///< unit length
+  glm::vec3 normal{0};  ///< unit normal
   glm::u8vec3 colour{0};
-  glm::vec2 uv{0};  ///< in 0..1
+  glm::vec2 uv{0};  ///< texture coordinates in 0..1
 };
 
 /// A procedural mesh of any size, computed in blocks of some ten thousand vertices or triangles. Each block
@@ -30,7 +30,7 @@ class SampleModel {
   virtual uint64_t vertices() const = 0;
   virtual uint64_t triangles() const = 0;
 
-  /// Number of blocks of vertices, and of triangles.
+  /// Returns the number of blocks, which is the same for vertices and for triangles.
   virtual uint64_t blocks() const = 0;
   virtual void addVertices(uint64_t block, std::vector<SampleVertex>& to) const = 0;
   /// Appends triangles as vertex numbers of the whole model, counter-clockwise seen from outside or above.

@@ -8,14 +8,14 @@
 
 namespace lode::ingest {
 
-/// Folder `.OUT.lode.building` beside the output. It holds a lock, the journal and the incomplete store, from
-/// which a later build can resume. Temporary files are in it too, or, if another parent was given, in a
-/// folder there whose name is derived from the output's. The destructor removes everything unless keep(true)
-/// was called; journal and lock go last.
+/// Folder `.OUT.lode.building` beside the output. The folder contains a lock, the journal and the incomplete
+/// store, from which a later build can resume. It also contains the temporary files, unless the caller
+/// specifies another parent for them; they are then in a folder of that parent, named after the output. The
+/// destructor removes all files, journal and lock last, unless keep(true) was called.
 class BuildFolder {
  public:
-  /// Creates and locks the folder; keep() is true at first. @throws Error kIo if that fails, or if another
-  /// process builds the same output.
+  /// Creates and locks the folder; keep() is true at first. @throws Error kIo if the folder cannot be created
+  /// or locked, or if another process builds the same output.
   BuildFolder(const std::filesystem::path& output, const std::filesystem::path& temporary_parent);
   ~BuildFolder();
   BuildFolder(const BuildFolder&) = delete;
@@ -24,11 +24,12 @@ class BuildFolder {
   std::filesystem::path journal() const { return path_ / "journal"; }
   std::filesystem::path store() const { return path_ / "store"; }
 
-  /// Removes journal, store and temporary files of earlier builds, in `temporary_parent` and this build's.
+  /// Removes journal, store and temporary files of earlier builds. Temporary files are removed in
+  /// `temporary_parent` and in this build's folder.
   void clear(const std::filesystem::path& temporary_parent);
   /// Opens the folder of temporary files; creates it if it is missing.
   TemporaryFolder openFiles();
-  /// Removes all temporary files except these.
+  /// Removes all temporary files except those with the given names.
   void removeFilesBut(std::span<const std::string_view> names) const;
   /// Syncs the entries of all folders to disk. @throws Error kIo.
   void syncFolders() const;

@@ -11,9 +11,9 @@
 namespace lode::ingest {
 
 /// Record of a build's finished work: a file of entries, each with its length, sequence number and checksum.
-/// The data that an entry describes must be on disk before append(), which returns when the entry is. A kill
-/// can damage only the last entry; open() ignores everything from the first damaged entry on. Not thread
-/// safe.
+/// The data that an entry describes must be on disk before the call of append(), which returns when the entry
+/// is on disk. A kill can damage only the last entry. open() ignores the first damaged entry and all later
+/// bytes. Not thread safe.
 class Journal {
  public:
   static constexpr uint64_t kMaxEntryBytes = 1ull << 33;
@@ -32,7 +32,7 @@ class Journal {
   Journal(Journal&& other) noexcept;
   Journal& operator=(Journal&&) = delete;
 
-  /// @throws Error kIo, kLimit.
+  /// Appends an entry and syncs it to disk. @throws Error kIo, kLimit.
   void append(uint32_t kind, std::span<const std::byte> bytes);
   uint64_t entries() const noexcept { return entries_; }
 
@@ -47,8 +47,9 @@ class Journal {
   uint64_t entries_ = 0;
 };
 
-/// Schedules entries about a stage's progress: the next is due after 100 times the duration of the last, so
-/// that entries take 1 % of the time on any disk, but after 10 s at most, so that a kill loses no more work.
+/// Schedules entries about a stage's progress. The next entry is due after 100 times the time that the last
+/// entry took, so that entries take 1 % of the time on any disk. The entry is due after at most 10 s, so that
+/// a kill loses at most that much work.
 class CheckpointClock {
  public:
   using Clock = std::chrono::steady_clock;

@@ -13,7 +13,7 @@
 
 namespace lode::ingest {
 
-/// Serializes values in native byte order, for files that only the same build reads.
+/// Serializes values in native byte order, for files that only the same build or its resumption reads.
 class RecordWriter {
  public:
   template <typename T>
@@ -50,7 +50,7 @@ class RecordWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads the bytes of a RecordWriter. Checks every length against the remaining bytes before it allocates.
+/// Reads the bytes of a RecordWriter. Compares every length with the remaining bytes before it allocates.
 /// All functions throw Error kFormat.
 class RecordReader {
  public:

@@ -15,25 +15,26 @@
 
 namespace lode::ingest {
 
-/// External merge sort of fixed-size records by a 64-bit key. Stable, so the result does not depend on the
-/// memory budget. Records that fit in memory are not written to disk. All runs are in one file, one after the
-/// other. Call it from one thread. Source: Knuth, The Art of Computer Programming 3, 5.4.1.
+/// External merge sort of fixed-size records by a 64-bit key. The sort is stable, so that the result does not
+/// depend on the memory budget. Records that fit in memory are not written to disk. One file contains all
+/// sorted runs, one after the other. Call all functions from one thread. Source: Knuth, The Art of Computer
+/// Programming 3, 5.4.1.
 class RecordSorter {
  public:
   using Progress = std::function<void(uint64_t done, uint64_t total)>;
 
-  /// @param memory_bytes  for records before a run is written, and for the buffers of the merge.
-  /// @param runs  file for the runs; created only if needed.
+  /// @param memory_bytes  memory for records before a run is written, and for the buffers of the merge.
+  /// @param runs  file for the runs; the sorter creates the file only if the records do not fit in memory.
   RecordSorter(size_t record_bytes, uint64_t memory_bytes, TemporaryFile runs, unsigned threads = 1);
   ~RecordSorter();
 
-  /// Reserves memory for `records`, at most for one run.
+  /// Reserves memory for a number of records, at most for one run.
   void reserve(uint64_t records);
   void push(uint64_t key, std::span<const std::byte> record);
   uint64_t size() const noexcept { return size_; }
   uint64_t temporaryBytes() const noexcept { return temporary_bytes_; }
 
-  /// Number of runs on disk.
+  /// Returns the number of runs on disk.
   size_t runCount() const noexcept { return runs_.size(); }
   /// Writes the records in memory as a run.
   void spill(const Progress& progress = {});
@@ -44,7 +45,7 @@ class RecordSorter {
   void restore(RecordReader& record);
 
   /// Ends the input; next() then returns the records in order.
-  /// @param progress  of sorting and writing the records in memory.
+  /// @param progress  receives the progress of sorting and writing the records in memory.
   void finish(const Progress& progress = {});
 
   struct Record {
@@ -82,7 +83,7 @@ class RecordSorter {
   bool top_given_ = false;
   std::optional<Spool> spool_;  ///< all runs; closed after the last record
   std::vector<std::unique_ptr<Run>> runs_;
-  std::vector<uint32_t> heap_;  ///< runs by (current key, run number), smallest on top
+  std::vector<uint32_t> heap_;  ///< heap of runs by (current key, run number), smallest on top
 };
 
 }  // namespace lode::ingest

@@ -12,18 +12,19 @@ namespace lode::ingest {
 /// Path and lifetime of a temporary file.
 struct TemporaryFile {
   std::filesystem::path path;
-  bool lasts = false;  ///< outlives its Spool, so that a build can resume from it
+  bool lasts = false;  ///< whether the file outlives its Spool, so that a build can resume from the file
 };
 
-/// A temporary file: appended to, then read at any offset. The destructor removes it unless it lasts. Only
-/// one thread at a time may append or flush; readAt() is thread safe after flush(). All functions throw Error
-/// kIo, which names a full disk.
+/// A temporary file to which bytes are appended and from which they are then read at any offset. The
+/// destructor removes the file unless TemporaryFile::lasts is set. Only one thread at a time can append or
+/// flush; readAt() is thread safe after flush(). All functions throw Error kIo, whose message names a full
+/// disk.
 class Spool {
  public:
   /// Creates an empty file; replaces an existing one.
   explicit Spool(TemporaryFile file);
-  /// Opens a file of an earlier build, truncates it to `size` and appends after that. @throws Error kFormat
-  /// if it is shorter.
+  /// Opens a file of an earlier build and truncates it to `size`; new bytes follow after these. @throws Error
+  /// kFormat if the file is shorter.
   Spool(TemporaryFile file, uint64_t size);
   ~Spool();
   Spool(Spool&& other) noexcept;
@@ -38,9 +39,9 @@ class Spool {
   /// Syncs flushed bytes to disk. Thread safe.
   void sync() const;
 
-  /// Bytes appended so far.
+  /// Returns the number of bytes appended so far.
   uint64_t size() const noexcept { return size_; }
-  /// Fills `bytes` from `offset`; only flushed bytes can be read.
+  /// Reads bytes from `offset` on, which must be flushed.
   void readAt(uint64_t offset, std::span<std::byte> bytes) const;
 
  private:
@@ -59,7 +60,7 @@ class SpoolCursor {
  public:
   SpoolCursor(const Spool& spool, uint64_t begin, uint64_t end, size_t buffer_bytes = 1 << 20);
 
-  /// Offset in the spool of the next byte that take() returns.
+  /// Returns the offset in the spool of the next byte that take() returns.
   uint64_t offset() const noexcept { return next_ - (buffer_.size() - used_); }
   bool atEnd() const noexcept { return next_ == end_ && used_ == buffer_.size(); }
   /// Returns the next bytes, valid until the next call; fewer than `bytes` only at the end.

@@ -8,24 +8,24 @@
 
 namespace lode::ingest {
 
-/// Words for an error: purpose of a folder, and remedy if it cannot be made.
+/// Words for an error message: the purpose of a folder, and the remedy if the folder cannot be created.
 struct FolderUse {
   const char *what, *remedy;
 };
 
-/// Makes a folder that only this user can write to, or accepts an existing one. Rejects links and folders of
-/// other users, who could redirect the files. @throws Error kIo.
+/// Creates a folder that only this user can write to, or accepts an existing folder. Rejects links and
+/// folders of other users, because they could redirect the files. @throws Error kIo.
 void makeOwnFolder(const std::filesystem::path& path, const FolderUse& use);
 
 /// A folder for temporary files.
 class TemporaryFolder {
  public:
-  /// Makes a new folder in `parent`. It is removed with its files by the destructor, or when a signal ends
-  /// the process. @throws Error kIo.
+  /// Creates a new folder in `parent`. The folder and its files are removed by the destructor, or when a
+  /// signal ends the process. @throws Error kIo.
   explicit TemporaryFolder(const std::filesystem::path& parent);
 
-  /// Makes or opens a folder at `path` that outlives this object, as its lasting files do. @throws Error kIo,
-  /// also if others can write to it.
+  /// Creates or opens a folder at `path` that outlives this object, as do its lasting files. @throws Error
+  /// kIo, also if other users can write to the folder.
   static TemporaryFolder lasting(std::filesystem::path path);
 
   ~TemporaryFolder();
@@ -33,16 +33,16 @@ class TemporaryFolder {
   TemporaryFolder& operator=(TemporaryFolder&&) = delete;
 
   const std::filesystem::path& path() const noexcept { return path_; }
-  /// A file that its Spool removes.
+  /// Returns a file that the Spool removes.
   TemporaryFile file(std::string_view name) const { return {path_ / name, false}; }
-  /// A file that outlives its Spool if this folder is lasting.
+  /// Returns a file that outlives the Spool if this folder is lasting.
   TemporaryFile lastingFile(std::string_view name) const { return {path_ / name, is_lasting_}; }
 
  private:
   TemporaryFolder() = default;
 
   std::filesystem::path path_;
-  Unfinished unfinished_;  ///< empty if lasting
+  Unfinished unfinished_;  ///< the folder to remove; empty if the folder is lasting
   bool is_lasting_ = false;
 };
 

@@ -12,10 +12,10 @@
 namespace lode::ingest {
 
 constexpr size_t kPlyBatchRows = 8192;
-/// Limit per face; ear clipping takes up to the square of it.
+/// Limit of corners per face. The time of ear clipping can grow with the square of the number of corners.
 constexpr uint64_t kMaxFaceCorners = 1u << 16;
 
-/// Set of skipped vertices. Takes no memory if empty, at most one bit per vertex.
+/// Set of skipped vertices. Needs no memory if empty, and at most about one bit per vertex.
 class SkippedVertices {
  public:
   void add(uint64_t vertex);
@@ -31,11 +31,11 @@ class SkippedVertices {
 /// Collects vertices and passes them to a sink, kPlyBatchRows at a time.
 class PlyVertexBatch {
  public:
-  /// Allocates at most kPlyBatchRows vertices, whatever the plan's count.
+  /// Allocates memory for at most kPlyBatchRows vertices, even if the file declares more.
   PlyVertexBatch(const VertexPlan& plan, const PlyReader::VertexSink& sink, PlyCounts& counts,
                  SkippedVertices& skipped);
 
-  /// Space for 1 to kPlyBatchRows vertices. Fill some, then call commit().
+  /// Returns space for 1 to kPlyBatchRows vertices. Fill the first ones, then call commit().
   std::span<PlyVertex> room() noexcept { return std::span(rows_).subspan(used_); }
   void commit(size_t vertices);
   /// Counts a defect of the uncommitted vertex at room()[index].
@@ -43,7 +43,7 @@ class PlyVertexBatch {
   /// Counts a vertex whose colour is clamped.
   void countClamped() noexcept { ++counts_.clamped_colours; }
   void flush();
-  /// Counts committed vertices without passing them on.
+  /// Counts the committed vertices without passing them to the sink.
   void countRest() noexcept {
     counts_.vertices += used_;
     used_ = 0;
@@ -60,7 +60,7 @@ class PlyVertexBatch {
   size_t used_ = 0;
 };
 
-/// Outcome for a face.
+/// Outcome of PlyFaceBatch::add().
 enum class FaceVerdict { kAccepted, kDropped, kSkippedVertex, kBadIndex };
 
 /// Collects faces, drops degenerate ones, and passes the others to a sink in batches.
@@ -72,10 +72,10 @@ class PlyFaceBatch {
   bool isVertex(int64_t index) const noexcept { return static_cast<uint64_t>(index) < vertex_count_; }
 
   /// Adds a face, or counts it as dropped or skipped.
-  /// @param texture  two numbers per corner, or empty.
+  /// @param texture  texture coordinates: two numbers per corner, or empty.
   FaceVerdict add(std::span<const int64_t> corners, std::span<const float> texture, int64_t texnumber);
   void addTriangle(const std::array<int64_t, 3>& corners) { add(corners, {}, 0); }
-  /// Counts a row of the face element or a strip.
+  /// Counts a row of the face element, or a strip.
   void countFace() noexcept { ++counts_.faces; }
   /// Counts a face that the caller skips.
   void countSkipped(size_t corners) noexcept {
@@ -92,7 +92,7 @@ class PlyFaceBatch {
   uint64_t vertex_count_;
   bool corner_texture_;
   bool materials_;
-  uint64_t textures_;  ///< 0 also without texture coordinates
+  uint64_t textures_;  ///< number of textures in the header; 0 without texture coordinates
   const PlyReader::FaceSink& sink_;
   PlyCounts& counts_;
   const SkippedVertices& skipped_;
@@ -100,7 +100,7 @@ class PlyFaceBatch {
   std::vector<int64_t> sorted_;
 };
 
-/// Cuts strips into triangles, index by index; -1 separates strips.
+/// Cuts strips into triangles. Receives one index at a time; an index of -1 separates strips.
 class StripCutter {
  public:
   explicit StripCutter(PlyFaceBatch& batch) : batch_(batch) {}
@@ -113,7 +113,7 @@ class StripCutter {
   PlyFaceBatch& batch_;
   int64_t before_last_ = 0;
   int64_t last_ = 0;
-  uint64_t length_ = 0;  ///< indices of the current strip so far
+  uint64_t length_ = 0;  ///< number of indices of the current strip so far
 };
 
 }  // namespace lode::ingest

@@ -14,11 +14,11 @@ namespace lode::ingest {
 /// Position between two elements of the body.
 struct PlyPlace {
   uint64_t offset = 0;  ///< bytes from the start of the file
-  uint64_t line = 0;    ///< from 1; ascii only
+  uint64_t line = 0;    ///< line number from 1, in ascii only
 };
 
-/// Reads the elements of a body in one encoding. All functions throw Error kInput with the element's name,
-/// the row (from 0), and the byte or, in ascii, the line.
+/// Reads the elements of a body in one encoding. All functions throw Error kInput, whose message contains the
+/// element's name, the row (from 0), and the byte or, in ascii, the line.
 class PlyBody {
  public:
   virtual ~PlyBody() = default;
@@ -31,21 +31,21 @@ class PlyBody {
 
   virtual PlyPlace place() const noexcept = 0;
   virtual void goTo(PlyPlace place) = 0;
-  /// Minimum size of an element's row.
+  /// Returns the least size of a row of an element.
   virtual uint64_t leastRowBytes(const PlyElement& element) const noexcept = 0;
 
  protected:
   PlyBody(PlyInput& input, PlyReadOptions options) : input_(input), options_(options) {}
 
-  /// Position of the current row: "byte 12" or "line 3".
+  /// Returns the position of the current row: "byte 12" or "line 3".
   virtual std::string where() const = 0;
   [[noreturn]] void fail(const std::string& what, const std::string& remedy) const;
-  /// @param how  addition to the remedy, after a comma.
+  /// Fails because the file is too short. @param how  addition to the remedy, after a comma.
   [[noreturn]] void failTruncated(const std::string& how = {}) const;
 
   /// Reports a defect of the current row to options.on_defect.
   void reportDefect(bool is_bad, const std::string& what) const;
-  /// Handles a defect of the vertex at batch.room()[index]: counts it with skip_bad, else fails.
+  /// Handles a defect of the vertex at batch.room()[index]: counts the defect with skip_bad, else fails.
   void handleVertexDefect(VertexDefect defect, size_t index, PlyVertexBatch& batch) const;
   /// Adds the face in corners_ and texture_ to the batch.
   void addFace(int64_t texnumber, PlyFaceBatch& batch);
@@ -56,17 +56,17 @@ class PlyBody {
   PlyReadOptions options_;
   const PlyElement* element_ = nullptr;
   uint64_t row_ = 0;
-  std::vector<int64_t> corners_;  ///< of the current face
-  std::vector<float> texture_;    ///< of the current face, two per corner
+  std::vector<int64_t> corners_;  ///< vertex numbers of the current face
+  std::vector<float> texture_;    ///< texture coordinates of the current face, two numbers per corner
 
  private:
-  /// Handles a corner whose vertex does not exist: reports it with skip_bad, else fails.
+  /// Handles a corner whose vertex does not exist: reports the corner with skip_bad, else fails.
   void handleBadIndex(int64_t index) const;
 };
 
 std::unique_ptr<PlyBody> makeBinaryBody(PlyInput& input, PlyEncoding encoding, PlyReadOptions options);
 /// @param first_line    line number of the body's first line, from 1.
-/// @param extra_tokens  receives the number of extra values in rows.
+/// @param extra_tokens  receives the number of values that follow the properties of a row.
 std::unique_ptr<PlyBody> makeAsciiBody(PlyInput& input, PlyReadOptions options, uint64_t first_line,
                                        uint64_t& extra_tokens);
 

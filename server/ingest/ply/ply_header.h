@@ -10,12 +10,12 @@ namespace lode::ingest {
 
 constexpr size_t kMaxPlyHeaderBytes = 1u << 20;
 constexpr size_t kMaxPlyElements = 256;
-constexpr size_t kMaxPlyProperties = 4096;  ///< per element
+constexpr size_t kMaxPlyProperties = 4096;  ///< limit of properties per element
 
 enum class PlyEncoding { kAscii, kLittleEndian, kBigEndian };
 enum class PlyType : uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
 
-/// Size of a value in a binary body.
+/// Returns the size of a value in a binary body.
 size_t plyTypeBytes(PlyType type) noexcept;
 bool isFloating(PlyType type) noexcept;
 /// Returns the classic name of a type: char, uchar, short, ...
@@ -36,7 +36,7 @@ struct PlyElement {
 
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::kAscii;
-  std::vector<PlyElement> elements;        ///< with distinct names
+  std::vector<PlyElement> elements;        ///< elements with distinct names
   std::vector<std::string> comments;       ///< text of `comment` and `obj_info`, trimmed
   std::vector<std::string> texture_files;  ///< names in `comment TextureFile NAME`, trimmed; "<this>" is
                                            ///< replaced by the PLY file's name without extension
@@ -48,8 +48,8 @@ struct PlyHeader {
 };
 
 /// Reads the header of a PLY file with CR, LF, CRLF or mixed line ends. A binary body begins right after the
-/// line end of `end_header`. CR LF there is one line end, unless all earlier lines end in a bare CR: then the
-/// LF is the first byte of the body.
+/// line end of `end_header`. If CR LF follows `end_header`, it is one line end. But if all earlier lines end
+/// in CR without LF, the LF is the first byte of the body.
 /// @throws Error kIo (no file, a directory) or kInput (problem, line, and remedy).
 PlyHeader readPlyHeader(const std::filesystem::path& path);
 

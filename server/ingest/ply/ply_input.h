@@ -9,7 +9,7 @@
 
 namespace lode::ingest {
 
-/// Quotes at most max_bytes of a text for a message; escapes unprintable bytes as \xNN.
+/// Quotes at most max_bytes of a text for a message. Escapes unprintable bytes as \xNN.
 std::string quotedText(std::string_view text, size_t max_bytes = 48);
 
 /// Reads a file through a sliding buffer. Not thread safe.
@@ -23,15 +23,15 @@ class PlyInput {
   PlyInput(PlyInput&&) = delete;
   PlyInput& operator=(PlyInput&&) = delete;
 
-  const std::string& name() const noexcept { return name_; }  ///< quoted, for messages
+  const std::string& name() const noexcept { return name_; }  ///< quoted name of the file, for messages
   uint64_t size() const noexcept { return size_; }            ///< size of the file when it was opened
   uint64_t offset() const noexcept { return window_offset_ + begin_; }
   uint64_t remaining() const noexcept { return size_ - offset(); }
 
   const char* data() const noexcept { return buffer_.get() + begin_; }
-  size_t available() const noexcept { return end_ - begin_; }  ///< bytes at data()
-  /// Makes n bytes (at most kBufferBytes) available at data(), which may move. @return false at the file's
-  /// end.
+  size_t available() const noexcept { return end_ - begin_; }  ///< number of bytes at data()
+  /// Reads until n bytes (at most kBufferBytes) are available at data(). The address data() can change.
+  /// @return false if the file ends before.
   bool fill(size_t n) { return available() >= n || refill(n); }
   /// Skips n bytes, n <= available().
   void consume(size_t n) noexcept { begin_ += n; }

@@ -18,17 +18,18 @@ namespace lode::ingest {
 enum class VertexField : uint8_t { kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kAlpha, kS, kT, kNone };
 constexpr size_t kVertexFields = static_cast<size_t>(VertexField::kNone);
 
-/// Values of one vertex in the file, by VertexField; fields that are not in the file are undefined.
+/// Values of one vertex in the file, indexed by VertexField. Values of fields that the file does not have are
+/// undefined.
 using VertexValues = std::array<double, kVertexFields>;
 
 /// Mapping of the vertex element's rows to vertices.
 struct VertexPlan {
   const PlyElement* element = nullptr;
-  std::vector<VertexField> fields;                ///< one per property; kNone: skipped
+  std::vector<VertexField> fields;                ///< field of each property; kNone: the property is skipped
   std::array<PlyType, kVertexFields> types{};     ///< type of each field's property
-  std::array<bool, kVertexFields> has{};          ///< the file has the field
-  std::array<uint32_t, kVertexFields> offsets{};  ///< of each field in a binary row, if row_bytes > 0
-  uint32_t row_bytes = 0;                         ///< size of a binary row; 0 if a list makes it vary
+  std::array<bool, kVertexFields> has{};          ///< whether the file has each field
+  std::array<uint32_t, kVertexFields> offsets{};  ///< offset of each field in a binary row, if row_bytes > 0
+  uint32_t row_bytes = 0;                         ///< size of a binary row; 0 if rows with lists vary in size
   AttributeSet attributes;
 };
 
@@ -39,26 +40,26 @@ enum class FaceRole : uint8_t { kSkipped, kIndices, kTexture, kMaterial };
 struct FacePlan {
   const PlyElement* element = nullptr;
   bool strips = false;
-  std::vector<FaceRole> roles;  ///< one per property
+  std::vector<FaceRole> roles;  ///< role of each property
 };
 
 struct PlyPlan {
   VertexPlan vertices;
-  std::vector<FacePlan> faces;  ///< face and tristrips elements with rows, in file order
-  bool corner_texture = false;  ///< a face element has texcoord
-  bool materials = false;       ///< a face element has texnumber
-  size_t textures = 0;          ///< number named in the header
+  std::vector<FacePlan> faces;  ///< plans of face and tristrips elements that have rows, in file order
+  bool corner_texture = false;  ///< whether a face element has texcoord
+  bool materials = false;       ///< whether a face element has texnumber
+  size_t textures = 0;          ///< number of textures that the header names
 
   AttributeSet attributes() const noexcept;
 };
 
-/// Plans how to read the body. The plan points into the header.
-/// @param file  quoted, for messages.
+/// Plans how to read the body. The plan contains pointers into the header.
+/// @param file  quoted name of the file, for messages.
 /// @throws Error kInput: no vertices, no faces, or a required property is missing.
 PlyPlan planBody(const PlyHeader& header, const std::string& file);
 
-/// Lists the properties that are not read, in header order, as "element 'property'", or "all of 'element'" if
-/// none of its properties is read. Elements without rows are omitted.
+/// Lists the properties that are not read, in header order, as "element 'property'". If no property of an
+/// element is read, lists "all of 'element'" instead. Omits elements without rows.
 std::vector<std::string> skippedProperties(const PlyHeader& header, const PlyPlan& plan);
 
 /// Calls visit(std::type_identity<T>) with the C++ type of a PLY type.
@@ -85,8 +86,8 @@ decltype(auto) withPlyType(PlyType type, Visit&& visit) {
   return visit(std::type_identity<double>{});
 }
 
-/// Converts a colour value to a byte, clamped to its range: floating types 0 to 1, ushort 0 to 65535, others
-/// 0 to 255. Treats char as uchar. NaN gives 0.
+/// Converts a colour value to a byte. Clamps the value to the range of its type: 0 to 1 for floating types,
+/// 0 to 65535 for ushort, 0 to 255 for other types. Treats char as uchar. Returns 0 for NaN.
 template <class T>
 uint8_t colourByte(T value) noexcept {
   if constexpr (std::is_floating_point_v<T>) {
@@ -100,7 +101,8 @@ uint8_t colourByte(T value) noexcept {
   }
 }
 
-/// Returns whether a value is within colourByte()'s range, give or take its rounding. False for NaN.
+/// Returns whether a value is within the range of colourByte(), with a tolerance for rounding. Returns false
+/// for NaN.
 template <class T>
 bool isColour(T value) noexcept {
   if constexpr (std::is_floating_point_v<T>) {
@@ -113,12 +115,12 @@ bool isColour(T value) noexcept {
   }
 }
 
-/// Defect of a vertex, in rising severity: a clamped colour, a NaN or infinite attribute, a NaN or infinite
-/// position.
+/// Worst defect of a vertex, in rising severity: none, a clamped colour, a NaN or infinite attribute, a NaN
+/// or infinite position.
 enum class VertexDefect { kNone, kColour, kAttribute, kPosition };
 
 /// Turns the values of one row into a vertex. Attributes that are NaN or infinite become zero.
-/// @return the worst defect: with a position that is NaN or infinite the vertex is all zero.
+/// If the position is NaN or infinite, the whole vertex becomes zero. @return the worst defect.
 VertexDefect makeVertex(const VertexPlan& plan, const VertexValues& values, PlyVertex& vertex);
 
 }  // namespace lode::ingest

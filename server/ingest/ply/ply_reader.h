@@ -22,70 +22,72 @@ struct PlyVertex {
   glm::vec2 texture{0};
 };
 
-/// Faces of the file, flattened. Strips are cut into triangles; polygons are not, since that needs positions
-/// (triangulate.h). Every face has at least 3 corners, none repeated.
+/// Faces of the file, flattened. Strips are cut into triangles. Polygons are not cut, because triangulate.h
+/// needs positions to cut them. Every face has at least 3 corners, and no vertex twice.
 struct PlyFaces {
-  std::vector<uint32_t> corner_counts;  ///< one per face
+  std::vector<uint32_t> corner_counts;  ///< number of corners of each face
   std::vector<uint64_t> corners;        ///< vertex numbers, all below the vertex element's count
-  std::vector<glm::vec2> texture;       ///< one per corner; empty without per-corner coordinates
-  std::vector<uint16_t> materials;      ///< texnumber, one per face, or empty
+  std::vector<glm::vec2> texture;       ///< texture coordinates of each corner, or empty
+  std::vector<uint16_t> materials;      ///< texnumber of each face, or empty
 
   void clear();
 };
 
 struct PlyCounts {
   uint64_t vertices = 0;
-  uint64_t faces = 0;                ///< rows of the face element, or strips
-  uint64_t triangles = 0;            ///< sum of (corners - 2) over accepted faces
-  uint64_t dropped_faces = 0;        ///< with fewer than 3 corners or a repeated index; triangles of strips
-  uint64_t skipped_bad = 0;          ///< with skip_bad: faces and vertices skipped
-  uint64_t replaced_attributes = 0;  ///< with skip_bad: vertices with an attribute set to zero
+  uint64_t faces = 0;          ///< rows of the face element, and strips
+  uint64_t triangles = 0;      ///< sum of (corners - 2) over accepted faces
+  uint64_t dropped_faces = 0;  ///< faces with fewer than 3 corners or a repeated index; triangles of strips
+  uint64_t skipped_bad = 0;    ///< faces and vertices that skip_bad skips
+  uint64_t replaced_attributes = 0;  ///< vertices with an attribute that skip_bad sets to zero
   uint64_t dropped_triangles = 0;    ///< triangles of dropped and skipped faces
   uint64_t clamped_colours = 0;      ///< vertices with a colour out of range, see clampedInWords()
   uint64_t normals = 0;              ///< vertices with a normal, except skipped ones
-  uint64_t lengthless_normals = 0;   ///< normals that fail hasDirection(); passed on as zero
-  /// Faces whose texnumber is neither -1 nor that of a texture in the header, if the header names any.
+  uint64_t lengthless_normals = 0;   ///< normals that fail hasDirection(); the reader replaces them by zero
+  /// Faces whose texnumber is neither -1 nor the number of a texture in the header. 0 if the header names no
+  /// texture.
   uint64_t unknown_textures = 0;
-  uint64_t extra_tokens = 0;    ///< ascii: extra values in rows, ignored
-  uint64_t trailing_bytes = 0;  ///< after the last element, ignored (ascii: after white space)
+  uint64_t extra_tokens = 0;    ///< values after the properties of ascii rows, ignored
+  uint64_t trailing_bytes = 0;  ///< ignored bytes after the last element (in ascii, after white space)
 
   uint64_t trailing_from = 0;  ///< file offset of the trailing bytes
 
-  /// Returns whether the file has normals and none has a length.
+  /// Returns whether the file has normals, but all have length zero.
   bool hasOnlyLengthlessNormals() const noexcept { return normals > 0 && lengthless_normals == normals; }
 };
 
-/// A defect in the body that loses geometry.
+/// A defect in the body that causes loss of geometry.
 struct PlyDefect {
-  bool is_bad = false;  ///< needs skip_bad, else reading fails; false: a degenerate face
-  std::string text;     ///< element, row, byte or line, and problem, without remedy
+  bool is_bad = false;  ///< true: reading fails without skip_bad; false: a face is degenerate
+  std::string text;     ///< element, row, byte or line, and the problem, without a remedy
 };
 
 struct PlyReadOptions {
-  /// Continue after bad values. A vertex whose position is NaN or infinite becomes zero, which keeps the
-  /// numbers of later vertices, and faces that use it are skipped. A NaN or infinite attribute becomes zero.
-  /// A face with an index out of range or bad texture coordinates is skipped. Each counts once, as replaced
-  /// or skipped.
+  /// If set, the reader continues after bad values. A vertex whose position is NaN or infinite becomes zero,
+  /// so that later vertices keep their numbers, and the reader skips faces that use the vertex. A NaN or
+  /// infinite attribute becomes zero. The reader skips a face with an index out of range or with bad texture
+  /// coordinates. Each such vertex or face counts once, as replaced or skipped.
   bool skip_bad = false;
-  /// If the file is shorter than its header requires, read what exists before failing.
+  /// If set and the file is shorter than its header requires, the reader reads all existing rows before it
+  /// fails.
   bool read_truncated = false;
-  /// With skip_bad: called for each defect, except for faces that use a skipped vertex.
+  /// Receives each defect if skip_bad is set, except for faces that use a skipped vertex.
   std::function<void(const PlyDefect&)> on_defect = {};
 };
 
-/// Streams the body of a PLY file in bounded memory; never allocates by the header's counts. Delivers
-/// vertices, then faces, in batches in file order, whichever element is first in the file.
+/// Streams the body of a PLY file in memory that does not depend on the counts in the header. Passes all
+/// vertices, then all faces, to the sinks in batches in file order, even if the faces are first in the file.
 class PlyReader {
  public:
   /// @throws Error as readPlyHeader; kInput if there are no vertices or no faces.
   PlyReader(const std::filesystem::path& path, PlyReadOptions options);
 
   const PlyHeader& header() const noexcept { return header_; }
-  /// Attributes of the file; alpha only if declared.
+  /// Returns the attributes of the file, with alpha only if the header declares it.
   AttributeSet attributes() const noexcept { return attributes_; }
-  /// Returns whether faces have texture coordinates per corner; these override those of vertices.
+  /// Returns whether faces have texture coordinates per corner, which override those of vertices.
   bool hasCornerTexture() const noexcept { return corner_texture_; }
-  /// Properties that are not read: see skippedProperties() in ply_plan.h.
+  /// Returns the properties that are not read; see skippedProperties() in ply_plan.h.
   const std::vector<std::string>& skippedProperties() const noexcept { return skipped_properties_; }
 
   using VertexSink = std::function<void(uint64_t first, std::span<const PlyVertex>)>;
@@ -93,10 +95,10 @@ class PlyReader {
   /// Reports the bytes of the body read so far.
   using Progress = std::function<void(uint64_t done_bytes, uint64_t total_bytes)>;
 
-  /// Reads the whole body; every call starts at its beginning.
+  /// Reads the whole body. Every call starts at the beginning of the body.
   /// @throws Error kIo, kInput (names the element and its byte offset or, in ascii, its line).
   PlyCounts read(const VertexSink& vertices, const FaceSink& faces, const Progress& progress = {});
-  /// Counts of the last read(), even if it failed.
+  /// Returns the counts of the last read(), even if that call failed.
   const PlyCounts& counts() const noexcept { return counts_; }
 
  private:
@@ -111,12 +113,12 @@ class PlyReader {
 
 // Texts of warnings.
 
-/// Lists the first few properties that are not read; empty if there are none.
+/// Lists the first few properties that are not read. Returns an empty text if all are read.
 std::string skippedInWords(const std::vector<std::string>& skipped);
 
 std::string unknownTexturesInWords(uint64_t faces, size_t textures);
 
-/// Empty if all normals have a length.
+/// Returns a warning about normals of length zero, or an empty text if all normals have a length.
 std::string lengthlessInWords(const PlyCounts& counts);
 std::string trailingInWords(const PlyCounts& counts);
 std::string replacedInWords(uint64_t vertices);

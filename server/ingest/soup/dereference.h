@@ -12,15 +12,15 @@
 namespace lode::ingest {
 
 struct DereferenceCounts {
-  uint64_t triangles = 0;       ///< passed to the sink
+  uint64_t triangles = 0;       ///< triangles passed to the sink
   uint64_t dropped = 0;         ///< triangles whose corners coincide on the lattice
   uint64_t lost = 0;            ///< dropped triangles whose corners are distinct in the file
-  double snap_error_steps = 0;  ///< largest distance that a vertex was moved
+  double snap_error_steps = 0;  ///< largest distance by which snapping moved a vertex
 };
 
 /// Start of a batch of faces, and the counts before it.
 struct DereferencePoint {
-  uint64_t face_offset = 0;  ///< of PackedInput::FaceCursor
+  uint64_t face_offset = 0;  ///< offset of PackedInput::FaceCursor
   uint64_t faces = 0;
   DereferenceCounts counts;
 };
@@ -34,16 +34,18 @@ struct DereferenceInput {
   uint64_t memory_bytes = 0;
   unsigned threads = 1;
   BuildProgress progress{};
-  DereferencePoint from{};  ///< an earlier on_batch point to continue from; counts include those before it
+  DereferencePoint from{};  ///< point of an earlier on_batch() to continue from; the result's counts
+                            ///< include the triangles before the point
   /// Called before the first triangle of each batch.
   std::function<void(const DereferencePoint&)> on_batch{};
 };
 
-/// Replaces vertex indices by lattice positions and attributes. Cuts polygons into triangles, and gives
-/// vertices whose normal has no length the normal of each face. Works in batches: reads as many faces as half
-/// the memory holds, fetches their vertices in one pass over the packed file, skipping unused ranges, and
-/// emits the triangles. Threads share the pass by vertex ranges and the triangles by blocks of faces; their
-/// number is limited to what the memory holds. @param sink  called by the caller's thread.
+/// Replaces vertex indices by lattice positions and attributes. Cuts polygons into triangles. If a vertex's
+/// normal has length zero, uses the normal of the face instead. Works in batches. A batch consists of as many
+/// faces as fit in half of the memory. One pass over the packed file, which skips unused ranges, reads the
+/// vertices of the batch; then the triangles are passed to the sink. Threads divide the pass by ranges of
+/// vertices, and the triangles by blocks of faces. The memory limits the number of threads.
+/// @param sink  receives the triangles, on the caller's thread.
 DereferenceCounts dereference(const DereferenceInput& input, const SoupSink& sink);
 
 }  // namespace lode::ingest

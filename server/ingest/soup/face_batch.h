@@ -9,25 +9,26 @@
 
 namespace lode::ingest {
 
-/// A batch of a packed input's faces that fits, with data of their vertices, in a memory limit. One
-/// sequential pass over the vertex file visits these vertices: no sort, no random access. read() is for one
-/// thread; other functions are thread safe.
+/// A batch of faces of a packed input. The faces and the data of their vertices fit in a memory limit. One
+/// sequential pass over the vertex file visits the vertices, without a sort or random access. Call read()
+/// from one thread; the other functions are thread safe.
 class FaceBatch {
  public:
-  /// @param member_bytes  memory per vertex that the faces use.
+  /// @param member_bytes  memory per member. A member is a vertex that faces of the batch use.
   FaceBatch(const PackedInput& input, uint64_t memory_bytes, uint64_t member_bytes)
       : input_(input), used_(input.vertexCount()), memory_bytes_(memory_bytes), member_bytes_(member_bytes) {}
 
-  /// Reads faces until the memory is full, at least one block. @return false if no faces are left.
+  /// Reads at least one block of faces, and more until the memory is full. @return false if no faces are
+  /// left.
   bool read(PackedInput::FaceCursor& cursor);
   const std::vector<PackedInput::FaceBlock>& blocks() const noexcept { return blocks_; }
-  /// Number of vertices that the faces use.
+  /// Returns the number of members.
   uint64_t members() const noexcept { return members_; }
-  /// Rank of a vertex among these.
+  /// Returns the rank of a member's vertex number among all members.
   uint32_t rank(uint32_t corner) const noexcept { return used_.rank(corner); }
 
   /// Calls take(number, position, attributes) for each member of vertices begin..end, in rising order.
-  /// @param begin, end  multiples of kSweepVertices; end may be the vertex count. Thread safe.
+  /// @param begin, end  multiples of kSweepVertices; `end` can also be the vertex count. Thread safe.
   template <typename Take>
   void sweep(uint64_t begin, uint64_t end, Take&& take) const {
     const auto takeMember = [&](uint64_t number, glm::dvec3 position, const VertexAttributes& attributes) {
@@ -41,7 +42,7 @@ class FaceBatch {
     }
   }
 
-  static constexpr uint64_t kSweepVertices = 4096;  ///< read or skipped at once
+  static constexpr uint64_t kSweepVertices = 4096;  ///< vertices read or skipped at once
 
  private:
   bool isNeeded(uint64_t first) const noexcept;
@@ -53,7 +54,8 @@ class FaceBatch {
   std::vector<PackedInput::FaceBlock> blocks_;
 };
 
-/// Calls visit(first, corners) for each face of a block: index of its first corner, number of corners.
+/// Calls visit(first, corners) for each face of a block, with the index of the face's first corner and the
+/// number of corners.
 template <typename Visit>
 void forEachFace(const PackedInput::FaceBlock& block, Visit&& visit) {
   size_t first = 0;

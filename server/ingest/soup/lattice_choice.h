@@ -16,13 +16,14 @@ namespace lode::ingest {
 /// Chooses the step of a model's lattice: the largest isLatticeStep() that is at most 1/32 of the
 /// 5th-percentile edge and 1/4096 of the box's longest side, but coarse enough that the box fits in 21 bits
 /// and double holds the coordinates exactly. See docs/store-format.md.
-/// @param edges  lengths of sampled edges, in model units; zeros are ignored. Reordered.
+/// @param edges  lengths of sampled edges, in model units. The function ignores zeros and reorders the
+/// vector.
 double chooseStep(std::vector<double>& edges, glm::dvec3 box_min, glm::dvec3 box_max);
 
-/// First four corners of a sampled face; the fourth of a triangle is its first.
+/// First four corners of a sampled face. The fourth corner of a triangle repeats its first corner.
 using SampledFace = std::array<uint32_t, 4>;
 SampledFace sampledFace(std::span<const uint32_t> corners);
-/// Sampling stride: 1 below a quarter of a million faces.
+/// Returns the stride between sampled faces, which is 1 below a quarter of a million faces.
 uint64_t faceStride(uint64_t faces) noexcept;
 
 /// Returns the position of a vertex, in model units.
@@ -36,18 +37,18 @@ bool isLost(std::span<const uint32_t> corners, const PositionOf& position_of, co
 Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& position_of, glm::dvec3 box_min,
                       glm::dvec3 box_max);
 
-/// Data of the vertices that faces use, from which a lattice is chosen. Unused vertices must not cost
-/// precision.
+/// Data of the vertices that faces use. The lattice is chosen from these data only, because unused vertices
+/// must not reduce the precision.
 struct UsedVertices {
   uint64_t count = 0;
   glm::dvec3 min{std::numeric_limits<double>::max()}, max{std::numeric_limits<double>::lowest()};  ///< box
-  std::vector<SampledFace> faces;     ///< sampled; corners are indices of `positions`
+  std::vector<SampledFace> faces;     ///< sampled faces, whose corners are indices of `positions`
   std::vector<glm::dvec3> positions;  ///< corners of the sampled faces
   bool coincide() const noexcept { return !glm::any(glm::lessThan(min, max)); }
 };
 UsedVertices findUsedVertices(const PackedInput& input);
 
-/// A lattice, or the problem and its remedy.
+/// A lattice, or the problem that prevents one, with its remedy.
 struct LatticeOrProblem {
   std::optional<Lattice> lattice;
   std::string_view problem;
@@ -57,10 +58,11 @@ LatticeOrProblem chooseLattice(const UsedVertices& used);
 struct LatticeChoice {
   Lattice lattice;
   glm::uvec3 extent{0};       ///< largest lattice coordinates of the used vertices
-  glm::dvec3 min{0}, max{0};  ///< their box in the file
+  glm::dvec3 min{0}, max{0};  ///< box of the used vertices in the file
 };
 
-/// Chooses the lattice of a packed input. @param name  for messages. @throws Error kInput if there is none.
+/// Chooses the lattice of a packed input. @param name  path for messages. @throws Error kInput if no lattice
+/// is suitable.
 LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name);
 
 }  // namespace lode::ingest

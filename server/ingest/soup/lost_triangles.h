@@ -13,13 +13,14 @@ namespace lode::ingest {
 
 /// Triangles that a build drops because corners that are distinct in the file coincide on the lattice.
 struct LostTriangles {
-  uint64_t lost = 0, of = 0;  ///< lost triangles, all triangles
-  double step = 0;            ///< the lattice's
+  uint64_t lost = 0, of = 0;  ///< numbers of lost triangles and of all triangles
+  double step = 0;            ///< step of the lattice
   glm::dvec3 min{0}, max{0};  ///< box of the model
 
-  /// Returns whether so many are lost that the rest does not represent the model. The build then fails.
+  /// Returns whether so many triangles are lost that the rest does not represent the model. A build then
+  /// fails.
   bool areMost() const noexcept;
-  /// Tells how many triangles are lost, why, and the remedy.
+  /// Returns a message with the number of lost triangles, the reason and the remedy.
   std::string inWords() const;
 };
 
@@ -28,7 +29,7 @@ class LostTriangleCounter {
  public:
   explicit LostTriangleCounter(const Lattice& lattice) : lattice_(lattice) {}
 
-  /// Counts for one face. @param corners  at least 3, in model units.
+  /// Counts the lost triangles of one face. @param corners  at least 3 positions, in model units.
   uint64_t count(std::span<const glm::dvec3> corners);
 
  private:
@@ -36,7 +37,7 @@ class LostTriangleCounter {
   bool someMeet();
 
   const Lattice lattice_;
-  std::vector<PositionCode> snapped_, sorted_;  ///< of the current face, like the next two
+  std::vector<PositionCode> snapped_, sorted_;  ///< data of the current face, like the next members
   std::vector<glm::dvec3> outline_;
   std::vector<glm::u32vec3> cut_;
 };

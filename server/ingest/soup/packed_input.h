@@ -17,18 +17,19 @@
 
 namespace lode::ingest {
 
-/// Replaces the octahedral code of a normal without length.
+/// Code of a normal of length zero, instead of an octahedral code.
 constexpr uint16_t kNoNormal = 0xffff;
 
-/// Vertices and faces in temporary files, which later stages read instead of the PLY. Vertices have a fixed
-/// size, faces are in blocks, both in file order. Attributes are quantized (normals may be kNoNormal);
-/// positions and texture coordinates are not, since their grids depend on all of them.
+/// Vertices and faces in temporary files, which later stages read instead of the PLY file. Vertices have a
+/// fixed size, and faces are in blocks. Both are in the order of the PLY file. Attributes are quantized;
+/// normals can be kNoNormal. Positions and texture coordinates are not quantized, because their grids are
+/// chosen when all vertices are known.
 class PackedInput {
  public:
   /// Names of the files, which outlive a killed build.
   static constexpr std::string_view kVertexFile = "vertices", kFaceFile = "faces";
 
-  /// @param corner_texture  texture coordinates are per corner of a face, not per vertex.
+  /// @param corner_texture  whether corners of faces have texture coordinates instead of vertices.
   PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
               bool corner_texture = false);
 
@@ -46,16 +47,16 @@ class PackedInput {
   void addFaces(const PlyFaces& faces);
   void flush();
 
-  /// Range of all texture coordinates.
+  /// Returns the range of all texture coordinates.
   const UvRange& uvRange() const noexcept { return uv_range_; }
-  /// Range of the texture coordinates that faces use. The input must be flushed; reads it if some vertex has
-  /// coordinates outside 0..1.
+  /// Returns the range of the texture coordinates that faces use. Reads all faces and vertices if a vertex
+  /// has texture coordinates outside 0..1. The input must be flushed.
   UvRange usedUvRange() const;
-  /// Sets the grid to which texture coordinates are snapped when read.
+  /// Sets the grid to which texture coordinates are snapped when vertices or faces are read.
   void setUvGrid(const UvGrid& grid) noexcept { uv_grid_ = grid; }
   const UvGrid& uvGrid() const noexcept { return uv_grid_; }
 
-  /// Returns whether vertices have attributes; those of corners and faces do not count.
+  /// Returns whether vertices have attributes. Attributes of corners and faces do not count.
   bool hasVertexAttributes() const noexcept { return vertex_attributes_.bits != 0; }
   /// Passes vertices first..first+count to sink(number, position, attributes).
   template <typename Sink>
@@ -64,12 +65,12 @@ class PackedInput {
   /// Reads the position of one vertex from disk. The input must be flushed.
   glm::dvec3 positionOf(uint64_t vertex) const;
 
-  /// Polygons as flat arrays; all are triangles if corner_counts is empty.
+  /// Polygons as flat arrays. All polygons are triangles if corner_counts is empty.
   struct FaceBlock {
     std::vector<uint32_t> corner_counts;
     std::vector<uint32_t> corners;
-    std::vector<glm::u16vec2> texture;  ///< one per corner, or empty
-    std::vector<uint16_t> materials;    ///< one per face, or empty
+    std::vector<glm::u16vec2> texture;  ///< texture coordinates of each corner, or empty
+    std::vector<uint16_t> materials;    ///< material of each face, or empty
     size_t faceCount() const noexcept {
       return corner_counts.empty() ? corners.size() / 3 : corner_counts.size();
     }
@@ -122,10 +123,10 @@ class PackedInput {
   std::vector<std::byte> packed_;
 };
 
-/// Attributes that belong to vertices, not to corners or faces.
+/// Returns the attributes that belong to vertices instead of corners or faces.
 AttributeSet vertexAttributes(AttributeSet attributes, bool corner_texture) noexcept;
 
-/// Size of a vertex in temporary files.
+/// Returns the size of a vertex in temporary files.
 size_t packedVertexBytes(AttributeSet vertex_attributes, bool double_positions) noexcept;
 
 template <typename Sink>

@@ -11,16 +11,16 @@ namespace lode::ingest {
 struct ScannedModel {
   PackedInput input;
   PlyCounts counts;
-  std::vector<std::string> texture_files;  ///< as the header names them
+  std::vector<std::string> texture_files;  ///< names in the header
 };
 
-/// Returns whether the file's positions need double.
+/// Returns whether the file's positions need double precision.
 bool hasDoublePositions(const PlyHeader& header);
 
-/// Attributes that a build takes from a file: without normals if none has a length.
+/// Returns the attributes that a build uses from a file. Omits normals if all have length zero.
 AttributeSet takenAttributes(AttributeSet attributes, const PlyCounts& counts) noexcept;
 
-/// Reads and packs a PLY file; reads it twice if none of its normals has a length.
+/// Reads and packs a PLY file. Reads the file twice if all its normals have length zero.
 /// @throws Error as PlyReader; kInput also if no face is usable.
 ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, const BuildProgress& progress,
                   std::vector<std::string>& warnings);

@@ -35,9 +35,9 @@ struct UvGrid {
   glm::u16vec2 snap(glm::vec2 uv) const noexcept;
 };
 
-/// Chooses the finest grid that covers a range, with a step of at least 2^-16. A range within 0..1 gets
-/// origin 0. The largest coordinate may be up to a step beyond the last code.
-/// @param file  for the message.
+/// Chooses the finest grid that covers a range, with a step of at least 2^-16. The origin is 0 if the range
+/// is within 0..1. The largest coordinate can be up to one step beyond the last code.
+/// @param file  name of the file for the error message.
 /// @throws Error kInput if the range is too wide for any grid.
 UvGrid chooseUvGrid(const UvRange& range, const std::string& file);
 

@@ -11,8 +11,8 @@ namespace lode::ingest {
 
 /// Header of an image file.
 struct ImageHeader {
-  uint64_t width = 0, height = 0;  ///< pixels, up to kMaxTextureEdgePx each
-  /// Upper bound on the memory for the texels and their decoder, or the next coarser level.
+  uint64_t width = 0, height = 0;  ///< size in pixels, at most kMaxTextureEdgePx each
+  /// Upper bound on the memory for the texels together with their decoder, or with the next coarser level.
   uint64_t working_bytes = 0;
 };
 
@@ -22,10 +22,10 @@ struct ImageHeader {
 ImageHeader readImageHeader(std::span<const std::byte> file);
 
 /// Decodes an image file.
-/// @param memory_bytes  limit, without the file's bytes; checked before any allocation.
+/// @param memory_bytes  limit of the memory without the file's bytes, checked before any allocation.
 /// @param damage        receives the decoder's warning about an image that is damaged but usable.
-/// @throws Error kInput: as readImageHeader(), or a damaged image; kLimit: too little memory. The message
-/// begins with the problem. Thread safe.
+/// @throws Error kInput as readImageHeader() does, or if the image is damaged; kLimit if the memory does not
+/// suffice. The message begins with the problem. Thread safe.
 Image decodeImage(std::span<const std::byte> file, uint64_t memory_bytes, std::string& damage);
 
 }  // namespace lode::ingest

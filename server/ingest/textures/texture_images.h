@@ -18,39 +18,40 @@ constexpr const char* kNoTextureFile =
 /// Image of a `comment TextureFile`.
 struct TextureFile {
   std::filesystem::path path;
-  std::string problem;  ///< reason why it cannot be read, and remedy; empty if it can
+  std::string problem;  ///< reason why the image cannot be read, and remedy; else empty
 };
 
-/// Finds an image in the PLY file's folder or below, then, if the PLY is a link, in the folder of its target.
-/// Follows links of images, but not out of these folders. Thread safe.
+/// Finds an image in the PLY file's folder or below. If the image is not there and the PLY file is a link,
+/// searches the folder of the link's target. Follows links of images, but not out of these folders. Thread
+/// safe.
 TextureFile findTexture(const std::filesystem::path& ply, const std::string& name);
 
 /// An image that a model names, and its header.
 struct TextureImage {
   std::string name;            ///< as written in the PLY file
-  std::filesystem::path path;  ///< empty if it was not found
-  std::string problem;         ///< reason why it cannot be used, and remedy; empty if it can
-  bool needs_memory = false;   ///< more memory would solve the problem
+  std::filesystem::path path;  ///< path of the image; empty if no file was found
+  std::string problem;         ///< reason why the image cannot be used, and remedy; else empty
+  bool needs_memory = false;   ///< whether more memory would solve the problem
   uint64_t file_bytes = 0;
   ImageHeader header;  ///< empty if there is a problem
 
-  /// Memory to decode the image and make its levels.
+  /// Returns the memory to decode the image and compute its levels.
   uint64_t memoryBytes() const noexcept { return file_bytes + header.working_bytes; }
 };
 
-/// Finds the images and reads their headers. Holds one file in memory at a time.
+/// Finds the images and reads their headers. Only one file is in memory at a time.
 /// @param memory_bytes  limit per image (MemoryPlan::image_bytes); an image that needs more has a problem.
 /// @throws Error kInput if the number of images or of their tiles exceeds a store's limit. Thread safe.
 std::vector<TextureImage> surveyTextures(const std::filesystem::path& ply, std::span<const std::string> names,
                                          uint64_t memory_bytes);
 
-/// Reads the bytes of an image file. @throws Error kInput if it cannot be read, kLimit if it is larger than
-/// `memory_bytes`; the message begins with the problem. Thread safe.
+/// Reads the bytes of an image file. @throws Error kInput if the file cannot be read, kLimit if the file is
+/// larger than `memory_bytes`. The message begins with the problem. Thread safe.
 std::vector<std::byte> readImageFile(const std::filesystem::path& path, uint64_t memory_bytes);
 
-/// Reads and decodes an image file within `memory_bytes`. @param damage  receives a warning about an image
-/// that is damaged but usable, to follow textureInWords(). @throws Error as readImageFile() and
-/// decodeImage(). Thread safe.
+/// Reads and decodes an image file within `memory_bytes`. @param damage  receives a warning if the image is
+/// damaged but usable; the text continues a message that begins with textureInWords(). @throws Error as
+/// readImageFile() and decodeImage() do. Thread safe.
 Image readImage(const std::filesystem::path& path, uint64_t memory_bytes, std::string& damage);
 
 /// Returns "FILE.ply: texture 'NAME'", the beginning of messages about an image.

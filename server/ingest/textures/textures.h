@@ -21,9 +21,10 @@ struct StagedTextures {
     uint32_t bytes = 0;
   };
   struct Texture {
-    std::string name;  ///< shortened and printable, as a texture set requires
+    std::string name;  ///< name of the image, shortened and printable, as a texture set requires
     uint32_t width = 0, height = 0;
-    std::vector<Place> tiles;  ///< in the order of lode::Texture::tiles; empty if the image has a problem
+    std::vector<Place>
+        tiles;  ///< places in the order of lode::Texture::tiles; empty if the image has a problem
   };
   /// Name of the tiles' file, which outlives a killed build.
   static constexpr std::string_view kFile = "tiles";
@@ -31,13 +32,13 @@ struct StagedTextures {
   std::vector<Texture> textures;
 
   void save(RecordWriter& record) const;
-  /// @throws Error kFormat.
+  /// Restores what save() recorded. @throws Error kFormat.
   static StagedTextures load(RecordReader& record);
 };
 
-/// Decodes the images, makes their levels and encodes the tiles, on at most options.threads threads. The
-/// tiles do not depend on the number of threads. Holds one image in memory at a time. Adds a warning for an
-/// image that has a problem or cannot be read; its texture has no tiles.
+/// Decodes the images, computes their levels and encodes the tiles, on at most options.threads threads. The
+/// tiles do not depend on the number of threads. Only one image is in memory at a time. If an image has a
+/// problem or cannot be read, adds a warning; the texture of that image then has no tiles.
 /// @param image_bytes  limit per image (MemoryPlan).
 /// @throws Error kIo.
 StagedTextures stageTextures(const BuildOptions& options, std::span<const TextureImage> images,

@@ -9,16 +9,16 @@ namespace lode::ingest {
 
 /// Format of an image's tiles.
 enum class TileCodec {
-  kJpeg,      ///< photographs: quality 90, full colour resolution
-  kWebp,      ///< photographs with alpha: quality 90, alpha exact
-  kLossless,  ///< drawings of up to 256 colours: lossless WebP
+  kJpeg,      ///< JPEG of quality 90 with full colour resolution, for photographs
+  kWebp,      ///< WebP of quality 90 with lossless alpha, for photographs with alpha
+  kLossless,  ///< lossless WebP, for drawings of up to 256 colours
 };
 
-/// Chooses the format by the image's content. All tiles of an image use one, so that no tile stands out.
-/// Thread safe.
+/// Chooses the format from the image's content. All tiles of an image have the same format, so that no tile
+/// looks different. Thread safe.
 TileCodec chooseCodec(const Image& image);
 
-/// Encodes a tile; equal texels give equal bytes. @throws Error kInternal. Thread safe.
+/// Encodes a tile. Equal tiles result in equal bytes. @throws Error kInternal. Thread safe.
 std::vector<std::byte> encodeTile(const Image& tile, TileCodec codec);
 
 }  // namespace lode::ingest

@@ -4,16 +4,16 @@
 
 namespace lode::ingest {
 
-/// Budget of threads that callers borrow to run part of their work. Thread safe.
+/// Limits the number of threads that callers use for part of their work. Thread safe.
 class Helpers {
  public:
   virtual ~Helpers() = default;
-  /// Returns true if the caller may run one more thread until it calls release().
+  /// Returns true if the caller can run one more thread until the caller calls release().
   virtual bool take() = 0;
   virtual void release() = 0;
 };
 
-/// A fixed number of threads.
+/// Helpers with a fixed number of threads.
 class FixedHelpers final : public Helpers {
  public:
   explicit FixedHelpers(unsigned count) : left_(count) {}

@@ -16,16 +16,16 @@
 namespace lode::ingest {
 
 /// Runs pieces of work in parallel, on helpers and the caller, and passes the results to a sink in the order
-/// of push(). Use it from one thread, which also calls the sink.
+/// of push(). Call all functions from one thread, which also calls the sink.
 template <typename Result>
 class InOrder {
  public:
   using Sink = std::function<void(Result&&)>;
 
-  /// @param helpers  must outlive this.
+  /// @param helpers  must outlive this object.
   InOrder(Helpers& helpers, Sink sink) : helpers_(helpers), sink_(std::move(sink)) {}
   InOrder(const InOrder&) = delete;
-  /// Waits for running pieces and drops the others.
+  /// Waits for running pieces of work and drops the waiting pieces.
   ~InOrder() {
     {
       std::lock_guard lock(mutex_);
@@ -34,9 +34,9 @@ class InOrder {
     changed_.notify_all();
   }
 
-  /// Queues a piece. Without helpers, runs it and passes its result on before returning. With helpers, blocks
-  /// while more than kWaitingPerThread pieces per thread are waiting. Rethrows exceptions of earlier pieces,
-  /// like finish().
+  /// Queues a piece of work. Without helpers, runs the piece and passes the result to the sink before push()
+  /// returns. With helpers, blocks while more than kWaitingPerThread pieces per thread are waiting. Rethrows
+  /// exceptions of earlier pieces, like finish().
   template <typename Work>
   void push(Work&& work) {
     std::packaged_task<Result()> piece(std::forward<Work>(work));
@@ -60,7 +60,8 @@ class InOrder {
     return piece.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   }
 
-  /// Passes on finished results; runs waiting pieces, or waits for the oldest, until `isEnough()`.
+  /// Passes finished results to the sink, and runs waiting pieces or waits for the oldest piece, until
+  /// isEnough() returns true.
   template <typename IsEnough>
   void passOnUntil(IsEnough&& isEnough) {
     while (true) {
@@ -140,9 +141,9 @@ class InOrder {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::packaged_task<Result()>> waiting_;  ///< pieces that no thread has taken
-  size_t called_ = 0, working_ = 0;                   ///< helpers
+  size_t called_ = 0, working_ = 0;                   ///< numbers of helpers called and working
   bool is_ending_ = false;
-  std::vector<std::jthread> threads_;  ///< last member: joined before the members that they use
+  std::vector<std::jthread> threads_;  ///< last member, so that the destructor joins the threads first
 };
 
 }  // namespace lode::ingest
