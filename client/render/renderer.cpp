@@ -142,7 +142,7 @@ DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& style, floa
 /// Updates an instance's cross-fade with the parts that the drawn cut shows to this camera.
 Renderer::DrawnInstance& Renderer::choose(size_t number, const core::View& view, const DrawTime& time) {
   static_assert(
-      std::is_nothrow_move_constructible_v<DrawnInstance>);  // clusters keep pointers into CrossFade::items()
+      std::is_nothrow_move_constructible_v<DrawnInstance>);  // clusters point into CrossFade::items()
   if (number >= instances_.size()) instances_.resize(number + 1);
   DrawnInstance& instance = instances_[number];
   if (meshes_.keptFrom() > std::min(instance.fade.oldestSerial(), instance.shown_serial))
@@ -172,7 +172,7 @@ bool Renderer::ageing() const noexcept {
   });
 }
 
-/// Collects the parts in the view if the GPU culls their clusters, else the clusters in the view.
+/// Collects the parts in the view if the GPU culls clusters, else the clusters in the view.
 DrawCounts Renderer::collect(DrawnInstance& instance, const core::View& view, const DrawStyle& style,
                              bool is_found_on_gpu) {
   DrawCounts counts;

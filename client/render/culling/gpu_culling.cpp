@@ -29,9 +29,9 @@ enum Storage : GLuint {
 };
 constexpr GLuint kPyramidUnit = 1;
 constexpr uint32_t kChunkClusters = 64;      ///< threads in a work group of kFindShader
-constexpr uint32_t kMostWorkGroups = 65535;  ///< guaranteed limit per dispatch
+constexpr uint32_t kMostWorkGroups = 65535;  ///< guaranteed limit of work groups per dispatch
 constexpr uint32_t kPasses = 2;
-static_assert(kClusterTriangles == 128 && sizeof(LatticeBox) == 24);  // hard-coded in the shaders
+static_assert(kClusterTriangles == 128 && sizeof(LatticeBox) == 24);  // the shaders hard-code these values
 
 template <typename Element>
 void upload(const GlBuffer& buffer, const std::vector<Element>& elements) {
@@ -59,7 +59,7 @@ GpuCulling::GpuCulling(uint64_t most_readable_bytes)
       commands_(GlBuffer::create()),
       counts_(GlBuffer::create()),
       triangles_(GlBuffer::create()) {
-  static_assert(kTriangles < 8);  // guaranteed number of bindings
+  static_assert(kTriangles < 8);  // OpenGL guarantees eight bindings
   GLint64 most_bytes = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most_bytes);
   most_readable_bytes_ = std::min(most_readable_bytes, static_cast<uint64_t>(most_bytes));
@@ -102,7 +102,7 @@ uint32_t GpuCulling::add(std::span<const SeenPart> parts, const GpuPages& pages,
   return instance;
 }
 
-/// Sorts parts by page, so that each is bound once, then by instance, and builds chunks, groups and lists.
+/// Builds chunks, groups and lists. Sorts parts by page, so that each page is bound once, then by instance.
 void GpuCulling::layOut() {
   chunks_.clear();
   groups_.clear();
@@ -145,7 +145,7 @@ void GpuCulling::addChunks(const SeenPart& part, uint32_t instance) {
                        static_cast<int32_t>(item.base_vertex), part.state, instance});
     ++groups_.back().chunks;
     ++lists_.back().chunks;
-    const uint32_t most_runs = (count + 1) / 2;  // a cluster not drawn separates two runs
+    const uint32_t most_runs = (count + 1) / 2;  // at least one cluster separates two runs
     draws_.back().most_commands += most_runs;
     most_commands_ += most_runs;
   }
@@ -172,7 +172,7 @@ void GpuCulling::findAppeared(const Framebuffer& drawn) {
   glDeleteSync(std::exchange(count_fences_[picture_], glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0)));
 }
 
-/// Runs a pass. @param by_last_picture  whether depths_ is of the last picture.
+/// Runs a pass. @param by_last_picture  whether depths_ shows the last picture instead of this one.
 void GpuCulling::find(bool by_last_picture) {
   if (lists_.empty()) return;
   bind(kChunks, chunks_buffer_);

@@ -6,7 +6,7 @@
 namespace lode::render {
 namespace {
 
-constexpr double kSlackPx = 1;        ///< rasterization may exceed the exact box by this much
+constexpr double kSlackPx = 1;        ///< largest distance by which rasterization exceeds the exact box
 constexpr double kDepthSlack = 1e-4;  ///< relative error of a drawn depth
 
 }  // namespace

@@ -47,7 +47,7 @@ Framebuffer::Framebuffer(uint32_t width_px, uint32_t height_px, int samples)
                glCheckNamedFramebufferStatus(framebuffer, GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
   }
   if (glGetError() != GL_NO_ERROR || !complete) failSize(width_px, height_px, limit_px);
-  constexpr float kBlack[4] = {0, 0, 0, 1};  // new storage is undefined
+  constexpr float kBlack[4] = {0, 0, 0, 1};  // contents of new storage are undefined
   glClearNamedFramebufferfv(drawn_.get(), GL_COLOR, 0, kBlack);
 }
 
@@ -64,7 +64,8 @@ void Framebuffer::makeSampled(GLsizei width, GLsizei height) {
                                  resolved_colour_.get());
 }
 
-/// Uses single-sample storage: asked for multisample storage with one sample, Mesa gives its default count.
+/// Allocates single-sample storage. Mesa would return its default number of samples for multisample storage
+/// with one sample.
 void Framebuffer::makePlain(GLsizei width, GLsizei height) {
   glNamedRenderbufferStorage(colour_.get(), GL_SRGB8_ALPHA8, width, height);
   plain_depth_ = GlTexture::create();
@@ -104,7 +105,7 @@ Image readFramebuffer(GLuint framebuffer, uint32_t width_px, uint32_t height_px)
 void Framebuffer::copyTo(GLuint framebuffer, uint32_t width_px, uint32_t height_px) const {
   const GLint width = static_cast<GLint>(width_px_), height = static_cast<GLint>(height_px_);
   const bool has_same_size = width_px == width_px_ && height_px == height_px_;
-  // The bytes are sRGB already: copy them unconverted.
+  // The bytes are already sRGB, so copy them without conversion.
   glDisable(GL_FRAMEBUFFER_SRGB);
   glBlitNamedFramebuffer(resolved(), framebuffer, 0, 0, width, height, 0, 0, static_cast<GLint>(width_px),
                          static_cast<GLint>(height_px), GL_COLOR_BUFFER_BIT,

@@ -55,8 +55,8 @@ struct OffscreenContext::Impl {
     if (display == EGL_NO_DISPLAY) return;
     eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     if (context != EGL_NO_CONTEXT) eglDestroyContext(display, context);
-    // Keep the display initialized: terminating it unloads the driver, which leaks memory, and the next
-    // context would load it again.
+    // Keep the display initialized: terminating the display would unload the driver, which leaks memory, and
+    // the next context would load the driver again.
     eglReleaseThread();
   }
 };
@@ -71,7 +71,7 @@ OffscreenContext::OffscreenContext() : impl_(std::make_unique<Impl>()) {
                                          EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                          EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                          EGL_NONE};
-  // No config: no surface is ever used, and some drivers offer no default config here.
+  // Use no config: the context never draws to a surface, and some drivers offer no default config here.
   impl_->context = eglCreateContext(impl_->display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes.data());
   if (impl_->context == EGL_NO_CONTEXT) fail("the driver makes no OpenGL 4.5 core context");
   if (!eglMakeCurrent(impl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, impl_->context)) {

@@ -7,15 +7,16 @@
 namespace lode::render {
 namespace {
 
-// The shaders in the order in which they run. Depths are the picture's, reversed and without a far plane: 1
-// at the near plane, 0 in the background, affine on planar surfaces.
+// The shaders follow in the order in which they run. They use the depths of the picture, which are reversed
+// and have no far plane: depth is 1 at the near plane, 0 in the background, and affine on planar surfaces.
 
 enum OcclusionUniform { kOcclusionMiddle, kOcclusionRayStep, kOcclusionReach };
 enum BlurUniform { kBlurAlong };
 enum DarkeningUniform { kDarkeningSamples };
 
-/// Takes every second pixel of every second row and averages it with pairs of opposite neighbours. Pairs
-/// leave planar depth unchanged, also beside an edge, and merge the two surfaces that a cross-fade dithers.
+/// Shader that halves the depth. Averages every second pixel of every second row with pairs of opposite
+/// neighbours. Pairs leave planar depth unchanged, even beside an edge, and merge the two surfaces that a
+/// cross-fade dithers.
 const char* const kHalvingShader = R"glsl(
 layout(binding = 1) uniform sampler2DMS depths;
 out float depth;
@@ -44,8 +45,8 @@ void main() {
 }
 )glsl";
 
-/// Computes the visible share of the sky. Lengths are relative to the reach, which grows with the distance
-/// from the eye as a pixel's footprint does.
+/// Shader that computes the visible share of the sky. Lengths are relative to the reach, which grows in
+/// proportion to the distance from the eye, like a pixel's footprint.
 const char* const kOcclusionShader = R"glsl(
 layout(binding = 2) uniform sampler2D depths;
 layout(location = 0) uniform vec2 middle_px;
@@ -105,8 +106,8 @@ void main() {
 }
 )glsl";
 
-/// Blurs along one axis over the length of the 4 x 4 pattern. Weighs pixels by how close they lie to the
-/// plane of the middle pixel's surface.
+/// Shader that blurs along one axis over the length of the 4 x 4 pattern. Pixels close to the plane of the
+/// middle pixel's surface have more weight.
 const char* const kOcclusionBlurShader = R"glsl(
 layout(binding = 2) uniform sampler2D open_depths;
 layout(location = 0) uniform ivec2 along;
@@ -141,7 +142,8 @@ void main() {
 }
 )glsl";
 
-/// Multiplies a pixel by the mean light of its samples, interpolated from the half-size layer by depth.
+/// Shader that multiplies a pixel by the mean light of its samples. The light of a sample is interpolated
+/// from the half-size layer, where pixels of similar depth count.
 const char* const kDarkeningShader = R"glsl(
 layout(binding = 1) uniform sampler2DMS depths;
 layout(binding = 2) uniform sampler2D open_depths;
@@ -248,7 +250,7 @@ void AmbientOcclusion::darken(const Framebuffer& picture, double fov_y_rad, Colo
   glBlendFunc(GL_ZERO, GL_SRC_COLOR);
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
-  glDepthFunc(GL_LESS);  // the triangle has depth 0, as the background: skips background samples
+  glDepthFunc(GL_LESS);  // skips background samples, whose depth is 0 like the triangle's
   glUseProgram(darkening_program_.get());
   glProgramUniform1i(darkening_program_.get(), kDarkeningSamples, picture.samples());
   glDrawArrays(GL_TRIANGLES, 0, 3);

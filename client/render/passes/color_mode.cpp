@@ -20,7 +20,7 @@ constexpr std::array<const char*, kTexelColourCount> kTexelMeanings{
     "1/4 texel per pixel or less: blurred", "1/2", "1", "2", "4 or more", "no texture"};
 
 /// Categorical colours that differ clearly, also to colour-blind people. Source: Okabe & Ito, Color Universal
-/// Design, 2008, lightened; the last four lie between them.
+/// Design, 2008, lightened; the last four colours lie between the others.
 constexpr std::array<glm::u8vec3, 12> kLadder{{{240, 228, 66},
                                                {230, 159, 0},
                                                {213, 94, 0},
@@ -34,7 +34,7 @@ constexpr std::array<glm::u8vec3, 12> kLadder{{{240, 228, 66},
                                                {130, 90, 60},
                                                {90, 110, 120}}};
 
-/// Colour of errors up to this share of the threshold; the last bin: above it.
+/// Colour of errors up to `part` of the threshold. The last bin is for errors above the threshold.
 struct ErrorBin {
   float part;
   glm::u8vec3 colour;
@@ -45,7 +45,7 @@ constexpr std::array<ErrorBin, 5> kErrorBins{{{0.125f, {49, 104, 190}},
                                               {1, {235, 200, 60}},
                                               {0, {220, 50, 40}}}};
 
-/// Colour of parts up to this age; the last bin: older.
+/// Colour of parts up to an age of `seconds`. The last bin is for older parts.
 struct AgeBin {
   float seconds;
   glm::u8vec3 colour;
@@ -79,7 +79,7 @@ size_t errorBin(float error_rad, float threshold_rad) {
 
 glm::u8vec3 ladder(uint32_t step) { return kLadder[step % kLadder.size()]; }
 
-/// Derives hue and lightness from the key and the instance.
+/// Derives the hue and lightness of a node's colour from the key and the instance.
 glm::u8vec3 colourOfNode(NodeKey node, uint32_t instance) {
   const uint64_t hash = (node.value ^ instance * 0xbf58476d1ce4e5b9ull) * 0x9e3779b97f4a7c15ull;
   const double hue = static_cast<double>(hash >> 40) / (1 << 24);
@@ -94,7 +94,8 @@ std::string instanceName(const ShownInstance& instance) {
   return std::string(instance.model) + (instance.nth > 0 ? " " + std::to_string(instance.nth) : "") + ", ";
 }
 
-/// Lists the first instance of each model before the second of any.
+/// Returns the legend of kNodes. Lists the first instance of each model before the second instance of any
+/// model.
 std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
   std::map<std::tuple<uint32_t, uint32_t, NodeKey>, ShownInstance> nodes;
   for (const DrawItem& part : drawn)
@@ -115,7 +116,7 @@ std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
   return legend;
 }
 
-/// Describes a depth or LOD; marks the coarsest and the finest of those drawn.
+/// Describes a depth or an LOD, and marks the coarsest and the finest that are drawn.
 std::string stepMeaning(ColorMode show, uint32_t step, bool is_first, bool is_last) {
   const bool is_depth = show == ColorMode::kDepths;
   std::string meaning = (is_depth ? "depth " : "LOD ") + std::to_string(step);

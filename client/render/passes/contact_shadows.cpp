@@ -40,7 +40,7 @@ void main() {
 }
 )glsl";
 
-/// A shadow, laid out for the vertex shader.
+/// A shadow in the layout of the vertex shader.
 struct Spot {
   glm::vec4 middle_depth;
   glm::vec3 across, along;

@@ -11,14 +11,14 @@
 namespace lode::render {
 namespace {
 
-/// Progress of a fade, 0..1.
+/// Returns the progress of a fade, 0..1.
 float progressOf(double start_s, double now_s) {
   return static_cast<float>(std::clamp((now_s - start_s) / kFadeS, 0.0, 1.0));
 }
 
 auto placeOf(const ChangedRegion* region) { return depthFirst(region->node); }
 
-/// True if a node is in one of these regions. @param nodes  disjoint, depth first.
+/// Returns true if a node is in one of the regions. @param nodes  nodes of disjoint regions, depth first.
 bool isWithin(NodeKey node, std::span<const NodeKey> nodes) {
   const auto after = std::ranges::upper_bound(nodes, depthFirst(node), {}, depthFirst);
   return after != nodes.begin() && (after - 1)->contains(node);
@@ -93,7 +93,8 @@ CrossFade::Change CrossFade::take(const ShownCover& cover, double now_s) {
   return change;
 }
 
-/// Handles regions that cannot fade first, since they end fades around them.
+/// Starts the change of all regions. Handles regions that cannot fade first, because they end fades around
+/// them.
 void CrossFade::change(const ShownCover& cover, const core::ViewFrustum& frustum, double lattice_step,
                        double now_s) {
   const Change change = take(cover, now_s);
@@ -120,7 +121,8 @@ void CrossFade::change(const ShownCover& cover, const core::ViewFrustum& frustum
 bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const core::ViewFrustum& frustum,
                         double lattice_step) const {
   if (is_forgotten_ || region.leaving.empty() || region.arriving.empty()) return false;
-  if (change.cut_before->build != cut_->build) return false;  // unknown distance between the surfaces
+  if (change.cut_before->build != cut_->build)
+    return false;  // the distance between surfaces of two builds is unknown
   const auto fits = [&](const DrawItem& item) {
     const double distance_model = frustum.distanceTo(core::toModelBox(item.box, lattice_step));
     return frustum.errorPx(item.error_model, distance_model) <= kLargestFadedStepPx;
@@ -129,7 +131,8 @@ bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const
          std::ranges::all_of(region.arriving, [&](uint32_t i) { return fits(live_[i].item); });
 }
 
-/// Adds gaps: boxes in fading regions that a cut leaves out and none of its parts covers.
+/// Adds gaps. A gap is a box in a fading region that a cut leaves out and that none of the cut's parts
+/// covers.
 void CrossFade::noteGaps(const Change& change, std::span<const ChangedRegion* const> regions,
                          double until_s) {
   const auto note = [&](const core::Cut* cut, bool is_before) {
@@ -179,8 +182,8 @@ void CrossFade::endFadesInSight(const core::ViewFrustum& frustum, double now_s) 
   endFadesAt(seen);
 }
 
-/// Lists items. A live part has the dither range up to its progress, a leaving part the range not yet taken
-/// from it.
+/// Lists items. The dither range of a live part reaches up to its progress. The range of a leaving part
+/// begins at the progress of the parts that replace it.
 void CrossFade::list(double now_s) {
   items_.clear();
   items_.reserve(live_.size() + leaving_.size());

@@ -58,7 +58,7 @@ GlVertexArray makeMeshArray() {
   return array;
 }
 
-/// Converts sRGB to linear light, as shaders use it.
+/// Converts an sRGB colour to linear light, in which shaders compute.
 glm::vec3 toLinear(const glm::u8vec3& srgb) {
   return glm::dvec3(linearOf(srgb.r), linearOf(srgb.g), linearOf(srgb.b));
 }
@@ -90,7 +90,7 @@ void setFrameState() {
   glDisable(GL_SCISSOR_TEST);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
-  glDepthFunc(GL_GREATER);  // reversed: near is 1, far is 0
+  glDepthFunc(GL_GREATER);  // depth is reversed: near is 1, far is 0
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
@@ -150,7 +150,8 @@ void MeshDrawer::end() const {
   glBindVertexArray(0);
 }
 
-/// Passes the fractional part of the texture origin only: floats would lose precision on whole repeats.
+/// Sets the uniforms of textures. Passes only the fractional part of the texture origin, because floats would
+/// lose precision on whole repeats.
 void MeshDrawer::setTextures() const {
   const TextureSet* const set = textures_->set();
   if (set == nullptr) return;

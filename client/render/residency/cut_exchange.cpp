@@ -19,7 +19,7 @@ using core::CutPart;
 using core::Fallback;
 using core::LeftOut;
 
-/// Sort key for post-order: a node follows its descendants.
+/// Returns the sort key of post-order, in which a node follows its descendants.
 constexpr std::pair<uint64_t, int> depthLast(NodeKey node) noexcept {
   return {((node.value + 1) << 3 * (kMaxDepth - node.depth())) - 1, -node.depth()};
 }
@@ -48,8 +48,8 @@ std::vector<Covering> coverOf(const Cut& cut) {
   return cover;
 }
 
-/// Returns the regions in which two covers differ, depth first. The node of a region is the shallowest that
-/// differs; no other part reaches below it, so leaving and arriving parts cover the same region.
+/// Returns the regions in which two covers differ, depth first. The node of a region is the shallowest node
+/// that differs. No other part is below this node, so leaving and arriving parts cover the same region.
 std::vector<NodeKey> regionsThatDiffer(const std::vector<Covering>& before,
                                        const std::vector<Covering>& now) {
   std::vector<NodeKey> regions;
@@ -66,7 +66,7 @@ std::vector<NodeKey> regionsThatDiffer(const std::vector<Covering>& before,
   return regions;
 }
 
-/// True if both cuts have the same cover. Most successive cuts of a scene differ only in the camera.
+/// Returns true if both cuts have the same cover. Most successive cuts of a scene differ only in the camera.
 bool haveSameCover(const Cut& a, const Cut& b) {
   const auto isSamePart = [](const CutPart& one, const CutPart& other) {
     return one.node == other.node && one.mesh == other.mesh;
@@ -113,7 +113,7 @@ struct PlannedRegion {
   }
 };
 
-/// Plans one region. The caller raises error_px where the older cut leaves nodes out.
+/// Plans one region. The caller raises error_px if the older cut leaves out nodes of the region.
 PlannedRegion planRegion(const Cut& from, const Cut& to, uint32_t instance, NodeKey region) {
   PlannedRegion planned;
   planned.step.instance = instance;
@@ -139,7 +139,7 @@ std::vector<PlannedRegion> regionsBetween(const Cut& from, const Cut& to, uint32
   return planned;
 }
 
-/// Merges two lists: elements of `from` inside the kept regions, elements of `to` outside them.
+/// Merges two lists: takes elements inside the kept regions from `from` and other elements from `to`.
 template <typename T>
 std::vector<T> mixed(const std::vector<T>& from, const std::vector<T>& to, const Regions& kept) {
   std::vector<T> both;
@@ -150,7 +150,7 @@ std::vector<T> mixed(const std::vector<T>& from, const std::vector<T>& to, const
   return both;
 }
 
-/// Factor from pixels of one cut's view to pixels of another's.
+/// Returns the factor that converts pixels of one cut's view to pixels of the other cut's view.
 float pixelRatio(const Cut& from, const Cut& to) {
   return static_cast<float>(focalPx(to.view) / focalPx(from.view));
 }
@@ -160,7 +160,7 @@ void measureIn(float pixel_ratio, CutPart& part) {
   part.threshold_px *= pixel_ratio;
 }
 
-/// Returns the fallbacks of both cuts; the newer cut's where both have one for a node.
+/// Returns the fallbacks of both cuts. If both cuts have a fallback for a node, returns the newer cut's.
 std::vector<Fallback> fallbacksOf(const Cut& from, const Cut& to) {
   std::vector<Fallback> both = to.fallbacks;
   for (const Fallback& fallback : from.fallbacks)
@@ -171,8 +171,8 @@ std::vector<Fallback> fallbacksOf(const Cut& from, const Cut& to) {
   return both;
 }
 
-/// Assigns to a cut those of the fallbacks that its left-out nodes need. The cut's parts and left_out are
-/// depth first.
+/// Assigns the fallbacks that a cut's left-out nodes need to the cut. The cut's parts and left_out must be in
+/// depth-first order.
 void assign(std::vector<Fallback> fallbacks, Cut& cut) {
   std::unordered_map<uint64_t, std::vector<LeftOut>> left_out_below;  // by fallback node
   for (const Fallback& fallback : fallbacks)

@@ -15,9 +15,9 @@
 namespace lode::render {
 namespace {
 
-/// Aborts an upload if the newer cut's threshold is this factor coarser (about half the triangles).
+/// Factor by which a newer cut must be coarser to abort an upload. Such a cut has about half the triangles.
 constexpr double kOvertaking = 1.4;
-constexpr uint32_t kPieceBytes = 256u << 10;  ///< uploaded between two checks of the clock
+constexpr uint32_t kPieceBytes = 256u << 10;  ///< bytes uploaded between two checks of the clock
 
 /// Calls visit(mesh) for each part and fallback that has triangles.
 template <typename Visit>
@@ -101,7 +101,8 @@ uint64_t MeshResidency::uploadInRenderThread(const UploadBudget& budget) {
   return allowance.used_bytes;
 }
 
-/// True if a much coarser cut is waiting, as when a camera starts to move: the fine one is then obsolete.
+/// Returns true if a much coarser cut waits, for example because the camera starts to move. The cut in
+/// progress is then obsolete.
 bool MeshResidency::isOvertaken() const noexcept {
   return target_ && newest_ && newest_ != target_ && !has_room_alone_ &&
          thresholdRad(*newest_->all) >= kOvertaking * thresholdRad(*target_->all);
@@ -131,7 +132,8 @@ bool MeshResidency::begin() {
   return true;
 }
 
-/// True if the drawn cuts and the target can be mixed: same build, same number of instances.
+/// Returns true if the drawn cuts and the target have the same build and number of instances, so that they
+/// can be mixed.
 bool MeshResidency::mayMix() const noexcept {
   return !instances_.empty() && instances_.size() == target_->cuts.size() &&
          instances_.front().cut->build == target_->cuts.front()->build;
@@ -158,7 +160,7 @@ bool MeshResidency::pinned(const Entry& entry) const noexcept {
   return entry.used_by == drawn_serial_ || (target_ && entry.used_by == target_serial_);
 }
 
-/// Uploads until the target is resident, or only its next region if a newer target waits.
+/// Uploads until the target is resident. If a newer target waits, uploads only the next region.
 /// @return false if the allowance ended first or the target was rejected.
 bool MeshResidency::advance(Allowance& allowance) {
   const size_t steps = exchange_->steps().size();
@@ -189,7 +191,8 @@ bool MeshResidency::advanceStep(const ExchangeStep& step, Allowance& allowance) 
   return true;
 }
 
-/// Makes evictable what the target's resident regions replace; if that is nothing, evicts all other meshes.
+/// Draws the target's resident regions, so that the meshes they replace can be evicted. If there is no such
+/// region, evicts all other meshes, or rejects the target if not even that makes room.
 void MeshResidency::makeRoom(Allowance& allowance) {
   if (steps_done_ > steps_drawn_) {
     switchToResidentSteps();
@@ -317,7 +320,7 @@ void MeshResidency::endExchange() {
   trimTo(options_.spare_bytes);
 }
 
-/// Draws the target, or its mixture with the cuts drawn before if not all of it is resident.
+/// Draws the target, or a mixture with the cuts drawn before if the target is only partly resident.
 void MeshResidency::switchToResidentSteps() {
   CutExchange::Cuts cuts = exchange_->after(steps_done_);
   steps_drawn_ = steps_done_;
@@ -350,7 +353,7 @@ void MeshResidency::setDrawnCut(DrawnInstance& instance, std::shared_ptr<const c
     const core::CutPart& part = partOf(*instance.cut, number);
     DrawItem& item = instance.drawn.emplace_back();
     const auto it = entries_.find(part.mesh);
-    if (it == entries_.end()) continue;  // it has no triangles
+    if (it == entries_.end()) continue;  // the part has no triangles
     Entry& entry = it->second;
     instance.entries.push_back(&entry);
     const uint32_t vertex_bytes = vertexBytes(part.mesh->attributes);
@@ -380,7 +383,8 @@ void MeshResidency::keepFrom(uint64_t serial) {
   if (serial > before) trimTo(options_.spare_bytes);
 }
 
-/// Evicts, oldest first, until meshes neither drawn, kept nor part of the target take at most spare_bytes.
+/// Evicts spare meshes, oldest first, until they take at most spare_bytes. A mesh is spare unless it is
+/// drawn, kept or part of the target.
 void MeshResidency::trimTo(uint64_t spare_bytes) {
   struct Spare {
     uint64_t age = 0;
@@ -392,8 +396,8 @@ void MeshResidency::trimTo(uint64_t spare_bytes) {
   for (auto it = entries_.begin(); it != entries_.end(); ++it) {
     if (pinned(it->second) || it->second.used_by >= kept_from_) continue;
     bytes += it->second.block.bytes;
-    // Expired meshes can never be drawn again: evict them first. Check each once, since another thread may
-    // release a mesh at any time.
+    // Expired meshes can never be drawn again, so evict them first. Check each mesh only once, because
+    // another thread may release a mesh at any time.
     spare.push_back({it->first.expired() ? kExpired : it->second.used_by, it});
   }
   std::stable_sort(spare.begin(), spare.end(), [](const Spare& a, const Spare& b) { return a.age < b.age; });

@@ -14,7 +14,7 @@ constexpr uint32_t kFirstLayers = 4;  // initial layers of the array, doubled wh
 constexpr uint32_t kHeadWords = 4;    // words of a texture's header in the table
 constexpr uint32_t kResidentBit = 1u << 31;
 
-/// Encodes a table entry: layer and corner of a resident tile.
+/// Encodes the layer and corner of a resident tile as an entry of the table.
 uint32_t pageOf(const TileCell& cell) {
   return kResidentBit | cell.layer << 8 | cell.corner.y / core::kLeastTileCellPx << 4 |
          cell.corner.x / core::kLeastTileCellPx;
@@ -30,7 +30,8 @@ uint64_t texelBytes(const TileImage& image) {
   return texels * sizeof(glm::u8vec4);
 }
 
-/// Checks the finest level only: coarser ones are means of it.
+/// Returns true if no texel is transparent. Checks only the finest level, because coarser levels are means of
+/// it.
 bool isOpaque(const TileImage& image) {
   return std::ranges::all_of(image.texels, [](const glm::u8vec4& texel) { return texel.a == 255; });
 }
@@ -100,9 +101,10 @@ void TextureResidency::setBudget(uint64_t bytes) {
   takeSet(nullptr);
 }
 
-/// Builds the table. It holds for each texture a header (width, height, number of levels including the tail,
-/// index of its level list); then per texture the level list (index of each level's first entry) and the
-/// entries of its tiles and tail levels, see pageOf(); 0 if not resident.
+/// Builds the table. The table begins with a header per texture: width, height, number of levels including
+/// the tail, and index of the level list. Then follow, for each texture, the level list (index of each
+/// level's first entry) and the entries of tiles and tail levels. pageOf() encodes an entry; the entry of a
+/// missing tile is 0.
 void TextureResidency::takeSet(std::shared_ptr<const TextureSet> set) {
   set_ = std::move(set);
   entries_.clear();
@@ -134,7 +136,7 @@ void TextureResidency::takeSet(std::shared_ptr<const TextureSet> set) {
   if (!staging_) staging_.emplace(staging_bytes_);
 }
 
-/// @param cells  empty: the tile was evicted.
+/// Sets a tile's entries in the table. @param cells  cells of the tile; empty if the tile was evicted.
 void TextureResidency::setPages(const core::TileKey& key, std::span<const TileCell> cells) {
   const Texture& texture = set_->textures[key.texture];
   const auto write = [this](size_t index, uint32_t page) {
@@ -170,7 +172,7 @@ void TextureResidency::show(const std::shared_ptr<const core::Cut>& newest,
   evictUnused();
 }
 
-/// Evicts images that neither the wanted nor the drawn cut has.
+/// Evicts images that neither the newest nor the drawn cut uses.
 void TextureResidency::evictUnused() {
   std::set<std::weak_ptr<const TileImage>, std::owner_less<>> kept;
   for (const core::ResidentTile& tile : cut_->tiles) kept.insert(tile.image);
@@ -187,7 +189,7 @@ void TextureResidency::evictUnused() {
   }
 }
 
-/// Evicts everything and uploads again, largest images first: that order leaves no gaps between cells.
+/// Evicts all images and uploads them again, the largest first, which leaves no gaps between cells.
 void TextureResidency::repack() {
   for (const auto& [image, entry] : entries_)
     for (const core::TileKey& key : entry.keys) setPages(key, {});
@@ -226,7 +228,8 @@ uint64_t TextureResidency::uploadInRenderThread(const UploadBudget& budget) {
   return uploaded_bytes;
 }
 
-/// @return true if the image was uploaded; false if it is resident already or there is no room.
+/// Uploads the image of a tile. @return true if the image was uploaded, false if it was already resident or
+/// does not fit.
 bool TextureResidency::upload(const core::ResidentTile& tile) {
   if (const auto same = entries_.find(tile.image); same != entries_.end()) {
     same->second.keys.push_back(tile.key);
@@ -250,7 +253,8 @@ bool TextureResidency::upload(const core::ResidentTile& tile) {
   return true;
 }
 
-/// @return a cell for the image and one per tail level, or none if not all fit.
+/// Allocates cells. @return a cell for the image and a cell per tail level, or no cells if not all of them
+/// fit.
 std::vector<TileCell> TextureResidency::allocate(const TileImage& image) {
   std::vector<TileCell> cells;
   for (size_t i = 0; i <= image.coarser.size(); ++i) {
@@ -276,7 +280,7 @@ void TextureResidency::copy(const TileImage& image, const TileCell& cell) {
                    glm::ivec2(image.size));
 }
 
-/// Grows the array. The old one exists until it is copied, so at most half of the limit is copied.
+/// Grows the array. The old array exists until it is copied, so at most half of the limit is copied.
 /// @return false if the driver is out of memory; the array then stays as it is.
 bool TextureResidency::growTo(uint32_t layers) {
   uint32_t wanted = std::min(most_layers_, std::max({layers, 2 * array_layers_, kFirstLayers}));
