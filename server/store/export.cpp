@@ -20,7 +20,7 @@
 namespace lode::store {
 namespace {
 
-/// Tiles of a texture's level 0.
+/// Reads the tiles of a texture's level 0.
 class FinestTiles {
  public:
   FinestTiles(const Reader& reader, const Texture& texture) : reader_(reader), texture_(texture) {}

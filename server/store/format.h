@@ -44,7 +44,7 @@ FileHeader decodeHeader(std::span<const std::byte, kHeaderBytes> bytes, uint64_t
 /// Checks the table against the header: checksum, sizes, limits, and that the blobs fill the space between
 /// header and table. @throws Error kFormat, kLimit.
 std::vector<TableEntry> decodeTable(std::span<const std::byte> bytes, const FileHeader& header);
-/// @throws Error kFormat.
+/// Checks the footer against the header. @throws Error kFormat.
 void checkFooter(std::span<const std::byte, kFooterBytes> footer,
                  std::span<const std::byte, kHeaderBytes> header);
 

@@ -167,7 +167,7 @@ class Comparison {
     same_key.clear();
   }
 
-  /// LODs that are not copies of the input, spread evenly over the tree in key order.
+  /// Returns LODs that are not copies of the input, spread evenly over the tree in key order.
   std::vector<LodAt> chooseLods() const {
     std::vector<LodAt> all, chosen;
     for (const Node& node : reader_.nodes()) {

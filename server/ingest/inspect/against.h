@@ -9,9 +9,9 @@ namespace lode::ingest {
 
 struct AgainstOptions {
   std::filesystem::path store, input;
-  std::filesystem::path temporary_folder;  ///< empty: the system's folder
+  std::filesystem::path temporary_folder;  ///< folder for temporary files; empty: the system's folder
   uint64_t memory_bytes = 0;               ///< memory for sorting; 0: defaultMemoryBytes()
-  unsigned threads = 0;                    ///< 0: one per core
+  unsigned threads = 0;                    ///< number of threads; 0: one per core
   size_t lods = 0;                         ///< number of LODs to measure, spread evenly over the tree; 0: all
   ResultOptions result;                    ///< build options that decide which triangles a store has
   uint64_t seed = 1;                       ///< selects LODs and points inside triangles
@@ -22,7 +22,7 @@ struct AgainstReport {
   uint64_t dropped = 0;     ///< input triangles that are degenerate on the lattice or belong to bad faces
   uint64_t lods = 0;        ///< number of LODs measured
   uint64_t lods_below = 0;  ///< number of LODs with a stored error below the measured error
-  double least_ratio = 0;   ///< smallest ratio of stored to measured error, counted as at most 2
+  double least_ratio = 0;   ///< smallest ratio of stored to measured error, or 2 if it is larger
   double median_ratio = 0;
 };
 

@@ -15,8 +15,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Triangles of a model whose simplification uses one thread: nodes near the root are simplified one after
-/// another, and only their measuring and encoding use several threads.
+/// Number of triangles near the root that a build simplifies on one thread. It builds the nodes there one
+/// after another, and only measures and encodes on several threads.
 constexpr double kTrianglesOfOneThread = 1e5;
 /// Serial share of the stages dereference and partition; measurements gave a fifth to two fifths.
 constexpr double kSerialShare = 0.3;

@@ -57,7 +57,7 @@ class Doctor {
 
   void addProblem(bool is_fatal, const std::string& text) { report_.problems.push_back({is_fatal, text}); }
 
-  /// @return false if `work` failed; the error is then among the problems.
+  /// Calls `work`, and adds an error other than kIo to the problems. @return whether `work` succeeded.
   template <typename Work>
   bool tryTo(Work&& work) {
     try {
@@ -119,7 +119,7 @@ class Doctor {
     report_.attributes = reader.attributes();
     folder_.emplace(temporaryFolder());
     topology_.emplace(*folder_, reader.attributes(), hasDoublePositions(reader.header()), budget());
-    double beside = 0;  // CPU seconds that do not belong to reading
+    double beside = 0;  // CPU seconds of work other than reading
     const auto addToTopology = [&](auto&& add) {
       const double before = cpuSeconds();
       add(*topology_);
@@ -205,7 +205,8 @@ class Doctor {
          " between faces of opposite orientation; flip faces for correct shading");
   }
 
-  /// Only a build can tell whether the memory budget is too small for the root alone.
+  /// Reports a memory budget that is small for the model. Only a build can tell whether the budget suffices
+  /// for the root.
   void checkMemory() {
     const uint32_t triangles_per_node = BuildOptions().triangles_per_node;
     const std::string words =
@@ -242,7 +243,8 @@ class Doctor {
 
   const DoctorOptions options_;
   const std::string name_;
-  std::optional<TemporaryFolder> folder_;  ///< exists while topology is counted, like the next one
+  std::optional<TemporaryFolder>
+      folder_;  ///< folder for temporary files; exists only while topology is counted
   std::optional<TopologyCounter> topology_;
   std::optional<PlyReader> reader_;
   Defects bad_, dropped_;

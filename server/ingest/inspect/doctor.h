@@ -25,7 +25,7 @@ struct DoctorOptions {
 struct DoctorReport {
   struct Problem {
     bool is_fatal = false;  ///< the problem makes a build without --skip-bad fail
-    std::string text;       ///< what is wrong, where, and what to do
+    std::string text;       ///< the problem, its place and a remedy
   };
   struct Texture {
     std::string name;

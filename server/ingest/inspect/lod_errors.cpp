@@ -16,18 +16,18 @@
 namespace lode::ingest {
 namespace {
 
-/// LODs of a node to measure, in memory from the node's first leaf to its last.
+/// The LODs of a node that are measured; they are in memory from the node's first leaf to its last.
 struct NodeCheck {
   const Node* node = nullptr;
   uint64_t original = 0;       ///< number of triangles in the leaves below the node
-  std::vector<size_t> wanted;  ///< for each LOD, its index in the result
+  std::vector<size_t> wanted;  ///< index of each LOD's result in the returned list
   std::once_flag begun;
   std::vector<std::unique_ptr<LodCheck>> lods;
   BoundaryCheck boundaries;
   std::atomic<size_t> leaves_left = 0;
 };
 
-/// Morton code of a node's first cell at maximum depth.
+/// Returns the Morton code of a node's first cell at maximum depth.
 uint64_t placeOf(NodeKey key) noexcept { return key.value << 3 * (kMaxDepth - key.depth()); }
 
 class Measurement {

@@ -70,7 +70,7 @@ Cost tryTiles(const Image& image, const lode::Texture& shape, uint32_t level, Ti
   return cost.times(1 / static_cast<double>(texels));
 }
 
-/// @return nothing if the image cannot be read.
+/// Measures the cost of an image. @return nothing if the image cannot be read.
 std::optional<Cost> tryImage(const TextureImage& given, uint64_t memory_bytes) {
   const lode::Texture shape = shapeOf(given);
   const auto texels = [&](uint32_t level) { return static_cast<double>(texelsOf(shape, level)); };

@@ -99,7 +99,7 @@ void TopologyCounter::countFace() {
   addEdges();
 }
 
-/// Uses the file's vertices, because vertices at one position may have different normals.
+/// Uses the normals of the file's own vertices, because vertices at one position may have different normals.
 bool TopologyCounter::isOpposed() const {
   glm::dvec3 front(0), mean(0);
   for (size_t c = 0; c < face_.size(); ++c) {

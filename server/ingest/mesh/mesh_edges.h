@@ -41,7 +41,7 @@ void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
   }
 }
 
-/// Sort order of edges.
+/// Sort order of edges: by first end, then by second end.
 inline bool isBefore(glm::u32vec2 e, glm::u32vec2 f) noexcept { return e.x != f.x ? e.x < f.x : e.y < f.y; }
 
 /// Returns the edges with an odd number of triangles, sorted.

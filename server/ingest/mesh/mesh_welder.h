@@ -17,7 +17,7 @@ class MeshWelder {
   /// @param expected_positions  number of positions to reserve memory for; the mesh may have more.
   void begin(AttributeSet attributes, size_t expected_positions, size_t expected_triangles);
 
-  /// @return the wedge's number.
+  /// Adds a triangle's corner, or finds an equal wedge. @return the wedge's number.
   uint32_t addCorner(PositionCode position, uint8_t lca_depth, const VertexAttributes& attributes);
   uint32_t positionOf(uint32_t wedge) const noexcept { return mesh_.wedge_position[wedge]; }
   /// Skips triangles with two corners at one position.
@@ -33,7 +33,7 @@ class MeshWelder {
 };
 
 /// Welds the meshes of several nodes. If meshes lock a position at different depths, it gets the lower depth.
-/// @param remap  receives for each mesh the numbers of its positions in the union; all positions must have
+/// @param remap  receives for each mesh the numbers of its positions in the union. All positions must have
 /// wedges.
 NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<uint32_t>>& remap);
 

@@ -12,7 +12,7 @@ constexpr uint8_t kNeverLocked = 255;
 /// Mesh of a node during a build: topology by position, attributes by wedge.
 struct NodeMesh {
   AttributeSet attributes;
-  std::vector<PositionCode> positions;  ///< distinct
+  std::vector<PositionCode> positions;  ///< distinct positions of the mesh
   std::vector<uint8_t>
       lca_depth;  ///< for each position, the depth of the lowest common ancestor of the leaves that share it,
                   ///< or kNeverLocked; nodes below that depth lock the position

@@ -25,8 +25,8 @@ struct PlaceInTriangle {
   float squared;
 };
 
-/// Returns the nearest point of a triangle: the projection if it is inside, else the nearest point of an
-/// edge.
+/// Returns the nearest point of a triangle: the point's projection if that lies inside the triangle, else the
+/// nearest point of an edge.
 /// @param ap  vector from corner a to the point.
 /// Source: Ericson, Real-Time Collision Detection, 2005, section 5.1.5, for the products that classify the
 /// point.

@@ -14,7 +14,7 @@ class VertexSet {
  public:
   explicit VertexSet(uint64_t vertices) : words_((vertices + 63) / 64) {}
 
-  /// @return true if the vertex is new.
+  /// Adds a vertex. @return whether the vertex is new.
   bool add(uint64_t vertex) noexcept {
     uint64_t& word = words_[vertex / 64];
     const uint64_t bit = uint64_t{1} << vertex % 64;

@@ -15,8 +15,8 @@ constexpr uint32_t kNoNormal = ~0u;
 constexpr float kShortest = 1e-3f;    ///< smallest usable length of a sum of normals
 constexpr float kLeastShare = 1e-3f;  ///< smallest usable sum of a corner's weights
 
-/// Distinct normals of a mesh by position; wedges that differ in other attributes share one. The first normal
-/// of a position has the position's number; further normals have numbers after all positions.
+/// Distinct normals of a mesh by position; wedges that differ only in other attributes share a normal. The
+/// first normal of a position has the position's number; further normals have numbers after all positions.
 struct NormalsByPosition {
   explicit NormalsByPosition(const NodeMesh& mesh)
       : codes(mesh.positions.size()), next(codes.size(), kNoNormal), of_wedge(mesh.wedge_position) {

@@ -53,10 +53,10 @@ struct LodError {
 struct BuiltNode {
   Node node;                                  ///< the node; its payloads have no blob numbers yet
   std::vector<PayloadSpool::Place> payloads;  ///< place of each LOD's payload in the spool
-  NodeMesh coarsest;                          ///< coarsest mesh except far LODs; input of the parent
-  uint64_t original_triangles = 0;            ///< number of triangles in the leaves below
-  LodError inherited;                         ///< largest error of the children's source LODs
-  ReferenceBoundaries references;             ///< references whose `near` are positions of `coarsest`
+  NodeMesh coarsest;                ///< mesh of the coarsest LOD except far LODs; part of the parent's input
+  uint64_t original_triangles = 0;  ///< number of triangles in the leaves below
+  LodError inherited;               ///< largest error of the children's source LODs
+  ReferenceBoundaries references;   ///< references whose `near` are positions of `coarsest`
   std::vector<SurfaceSample> samples;  ///< samples whose `near` are positions of `coarsest`; empty in a leaf,
                                        ///< because a leaf's vertices serve as samples
 };

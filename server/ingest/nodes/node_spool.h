@@ -45,7 +45,7 @@ class PayloadSpool {
     uint64_t offset = 0;
     uint32_t bytes = 0;
   };
-  /// File name; the file survives a killed build.
+  /// Name of the spool's file, which survives a killed build.
   static constexpr std::string_view kFile = "payloads";
 
   explicit PayloadSpool(const TemporaryFolder& folder) : spool_(folder.lastingFile(kFile)) {}
@@ -69,7 +69,7 @@ class PayloadSpool {
 /// Thread safe.
 class NodeSpool {
  public:
-  /// File name.
+  /// Name of the spool's file.
   static constexpr std::string_view kFile = "nodes";
 
   explicit NodeSpool(TemporaryFile file) : spool_(std::move(file)) {}

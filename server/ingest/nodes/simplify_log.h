@@ -31,7 +31,7 @@ struct FinishedNodes {
 };
 
 /// Logs finished nodes during simplification: collects the content of an entry, then writes the entry.
-/// Single-threaded, except where noted.
+/// Not thread safe, except the functions that are marked as thread safe.
 class SimplifyLog {
  public:
   /// File with the data of finished subtrees' roots that their parents need; the file survives a killed
@@ -47,7 +47,8 @@ class SimplifyLog {
   std::vector<FinishedNode> takeFinished() { return std::move(before_.nodes); }
   /// Returns whether a killed build kept the data that a node's parent needs. Thread safe.
   bool hasRoot(NodeKey key) const { return before_.roots.contains(key); }
-  /// Thread safe. @throws Error kIo, kFormat.
+  /// Reads the data that a node's parent needs, as a killed build kept it. Thread safe. @throws Error kIo,
+  /// kFormat.
   BuiltNode readRoot(NodeKey key) const;
 
   bool isDue() const noexcept { return clock_.isDue(CheckpointClock::Clock::now()); }

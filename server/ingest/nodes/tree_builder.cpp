@@ -137,7 +137,8 @@ class Scheduler {
     if (failure && !failure_) failure_ = failure;
   }
 
-  /// Returns the next node to build, or nothing when all are taken or one has failed.
+  /// Waits for a node that fits into memory, and returns it; nothing if all nodes are built or a worker has
+  /// failed.
   std::optional<Taken> take() {
     std::unique_lock lock(mutex_);
     ++idle_;
@@ -219,7 +220,8 @@ class Scheduler {
     return children;
   }
 
-  /// Restores the nodes that a killed build had finished. Their meshes stay on disk until needed.
+  /// Restores the nodes that a killed build had finished. The nodes' meshes stay on disk until their parents
+  /// need them.
   void resume() {
     const std::vector<FinishedNode> before = log_.takeFinished();
     if (before.empty()) return;
@@ -244,8 +246,8 @@ class Scheduler {
     throw Error(ErrorCode::kFormat, "the build journal belongs to another tree; build without --resume");
   }
 
-  /// Logs the nodes from which another build can continue: those whose parent is logged, and inner nodes
-  /// whose parent has not taken them yet, with the data that the parent needs. Does not log leaves, because a
+  /// Logs the nodes from which another build can continue: nodes whose parent is logged, and inner nodes that
+  /// their parent has not used yet, with the data that the parent needs. Does not log leaves, because a
   /// continued build rebuilds them. Workers wait for the disk only if they need the node that is being
   /// written.
   void writeLog() {
@@ -276,7 +278,7 @@ class Scheduler {
     return is_below;
   }
 
-  /// @return false if the node is a leaf, or its parent has taken it.
+  /// @return false if the node is a leaf, or if its parent has used it.
   bool tryToLogRoot(uint32_t number) {
     if (plan_.isLeaf(number)) return false;
     std::unique_ptr<BuiltNode> root;

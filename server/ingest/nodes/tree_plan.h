@@ -21,9 +21,9 @@ class TreePlan {
   /// @pre the node is not the root.
   uint32_t parent(uint32_t number) const noexcept { return entries_[number].parent; }
   bool isLeaf(uint32_t number) const noexcept { return entries_[number].first == number; }
-  /// Index of a leaf node in the given leaves.
+  /// Returns the index of a leaf in the leaves that the constructor got.
   uint32_t leaf(uint32_t number) const noexcept { return entries_[number].leaf; }
-  /// Numbers of the children, in octant order.
+  /// Returns the numbers of a node's children, in octant order.
   std::vector<uint32_t> children(uint32_t number) const;
 
  private:

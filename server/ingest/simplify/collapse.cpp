@@ -54,7 +54,7 @@ class Collapser {
   void run(std::span<const size_t> targets, const SnapshotSink& sink);
 
  private:
-  /// A queued edge. Since then, the edge's ends may have merged into other positions.
+  /// A queued edge. While the edge waits, its ends may merge into other positions.
   struct Record {
     uint32_t u, v;
     uint32_t evaluated_at;  ///< value of clock_ when the edge was evaluated

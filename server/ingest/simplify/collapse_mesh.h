@@ -102,7 +102,8 @@ struct CollapseMesh {
   }
 
   /// Moves `keep` to `point` and merges `gone` into it; triangles with both ends are removed.
-  /// @param gone_share  position of the point between keep (0) and gone (1), and weight of gone's attributes
+  /// @param gone_share  position of `point` between `keep` (0) and `gone` (1); also the weight of gone's
+  /// attributes
   void merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double gone_share);
   /// Returns the pairs of wedges that the last merge() joined.
   std::span<const WedgeTable::Pair> joined() const noexcept { return pairs_; }

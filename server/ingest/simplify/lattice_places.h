@@ -14,7 +14,7 @@ namespace lode::ingest {
 /// every added point, and returns true for about 1 in 30 other points, too.
 class TakenPlaces {
  public:
-  /// @param positions  initial number of points; as many again can be added without more errors
+  /// @param positions  initial number of points; the error rate holds for up to about twice as many points
   explicit TakenPlaces(size_t positions) {
     size_t bits = 1u << 12;
     while (bits < 32 * positions) bits *= 2;
