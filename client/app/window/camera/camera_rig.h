@@ -18,9 +18,9 @@ namespace lode::app {
 /// keeps the view.
 class CameraRig {
  public:
-  /// @param model    model or scene to look at. Its box may grow, so it is read again whenever a camera
-  /// starts.
-  ///                 It must outlive this object.
+  /// @param model    model or scene to look at; must outlive this object. The rig reads its box again
+  /// whenever
+  ///                 a camera starts, because the box may grow.
   /// @param framing  framing with the up axis, which overrides the up axes of the path's cameras.
   /// @param path     path whose first key is the initial view, with its roll until the camera moves; nothing:
   ///                 the initial view frames the model.

@@ -15,8 +15,7 @@ constexpr int kCameraKindCount = 3;
 /// A view direction, stored as yaw and pitch about an axis. The axis stays upright in the picture.
 class Heading {
  public:
-  /// @param axis  up axis, not 0. If the view looks along the axis, the view's up gives the direction of yaw
-  /// 0.
+  /// @param axis  up axis, not 0. If the view looks along the axis, yaw 0 is the direction of the view's up.
   Heading(const core::View& view, glm::dvec3 axis) noexcept;
 
   /// Turns left and up, in radians. Clamps the pitch so that the direction stays just off the axis.

@@ -4,14 +4,16 @@
 
 namespace lode::app {
 
-/// Remembers by an empty file whether this user has seen the help. If the folder is not writable, the help is
-/// shown again.
+/// Remembers whether this user has seen the help, by means of an empty file. If the folder is not writable,
+/// the help appears again at the next start.
 class FirstStart {
  public:
-  /// @param folder  created by helpWasSeen().
+  /// @param folder  folder of the empty file. helpWasSeen() creates it.
   explicit FirstStart(std::filesystem::path folder);
 
+  /// Returns true if the user has not seen the help.
   bool isHelpDue() const;
+  /// Notes that the user has seen the help.
   void helpWasSeen() const;
 
  private:

@@ -8,7 +8,7 @@ namespace {
 
 constexpr size_t kMostMissing = 3;
 
-/// Joins the first `most` lines and says how many follow. @param lines  at least one.
+/// Joins the first `most` lines and adds the number of the others. @param lines  at least one line.
 std::string firstOf(std::span<const std::string> lines, size_t most) {
   std::string text = lines.front();
   for (const std::string& line : lines.first(std::min(most, lines.size())).subspan(1)) text += "\n" + line;
@@ -21,7 +21,7 @@ struct StageNumber {
   int number;
 };
 
-/// Build stages in order: docs/json.md, `--json-progress`.
+/// Build stages in order, see `--json-progress` in docs/json.md.
 constexpr std::array kStages{StageNumber{"scan", 1},        StageNumber{"textures", 1},
                              StageNumber{"dereference", 2}, StageNumber{"sort", 3},
                              StageNumber{"partition", 4},   StageNumber{"border", 4},

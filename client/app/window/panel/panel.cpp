@@ -34,7 +34,7 @@ float textPx(const std::string& text, float width_px) {
   return ImGui::CalcTextSize(text.c_str(), nullptr, false, width_px).y;
 }
 
-/// True if the text fits on a bar of this width; else it is drawn above the bar.
+/// Returns true if the text fits on a bar of this width. A longer text is drawn above the bar.
 bool isOnBar(const std::string& text, float width_px) {
   return ImGui::CalcTextSize(text.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x <= width_px;
 }
@@ -85,7 +85,8 @@ void drawFigures(std::span<const Figure> figures, const std::vector<bool>& shown
   ImGui::EndTable();
 }
 
-/// Describes the sharpness of the picture or the progress of refinement; empty if the notice does.
+/// Describes the sharpness of the picture or the progress of refinement. Returns an empty text if the notice
+/// already describes the state.
 std::string sharpnessOf(const PanelContent& content) {
   if (!content.lost.empty()) return std::string(content.lost);
   if (content.converged) return convergedText(content.error_px, content.threshold_px);
@@ -205,7 +206,8 @@ struct Word {
   ImVec4 colour;
 };
 
-/// Returns the texts that are never dropped; missing models and warnings only while the panel is visible.
+/// Returns the texts that the panel never drops. Missing models, warnings and the explanation are among them
+/// only while the panel is visible.
 std::vector<Word> wordsOf(const PanelContent& content) {
   const Notice& notice = content.notice;
   const ImVec4& colour = notice.kind == Notice::Kind::kFailure   ? kBad
@@ -237,7 +239,7 @@ constexpr const char* kKeys = "F1: help";
 
 }  // namespace
 
-/// Draws the parts that fit into the window first, then the others, which scrolling reaches.
+/// Draws first the parts that fit into the window, then the others, to which the user can scroll.
 void Panel::drawOpen(const PanelContent& content) const {
   const float outside_px = 2 * (kPanelMarginPx + ImGui::GetStyle().WindowPadding.y);
   float room_px = ImGui::GetIO().DisplaySize.y - outside_px - wordsPx(content);
@@ -258,7 +260,7 @@ void Panel::drawOpen(const PanelContent& content) const {
             std::span(content.legend).subspan(is_legend_whole ? legend.size() : legend.size() - 1));
 }
 
-/// @param shown  which parts to draw, in order.
+/// Draws some parts of the panel. @param shown  for each part in order: true to draw the part.
 void Panel::drawParts(const PanelContent& content, std::span<const Figure> figures,
                       const std::vector<bool>& shown, std::span<const render::LegendEntry> legend) const {
   const auto rest = shown.begin() + static_cast<std::ptrdiff_t>(figures.size());
@@ -300,7 +302,7 @@ void Panel::draw(const PanelContent& content) {
   ImGui_ImplOpenGL3_NewFrame();
   layOut(content);
   ImGui::EndFrame();
-  layOut(content);  // again, now that ImGui knows all sizes
+  layOut(content);  // lay out again, because ImGui knows all sizes now
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }

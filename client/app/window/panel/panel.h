@@ -19,8 +19,8 @@ struct GLFWwindow;
 
 namespace lode::app {
 
-/// The panel over the picture. Create it after the window and its callbacks, destroy it before the window,
-/// use it on the window's thread.
+/// The panel over the picture. Create the panel after the window and the window's callbacks, and destroy it
+/// before the window. Use it only on the window's thread.
 class Panel {
  public:
   explicit Panel(GLFWwindow* window);
@@ -28,16 +28,17 @@ class Panel {
   Panel(const Panel&) = delete;
   Panel& operator=(const Panel&) = delete;
 
-  /// Loads the font for the next draw() if the scale changed or the content has new characters; that is slow.
-  /// @param scale  text scale: 1 for a standard display.
+  /// Loads the font for the next draw() if the scale has changed or the content contains new characters.
+  /// Loading is slow. @param scale  scale of the text, 1 on a standard display.
   void prepare(double scale, const PanelContent& content);
   /// Draws into the window's framebuffer.
   void draw(const PanelContent& content);
-  /// The area of the last draw() that captures the mouse.
+  /// Returns the area that captures the mouse as of the last draw().
   const std::optional<Covered>& covered() const noexcept { return covered_; }
-  /// Returns the scrollable panel window at a pixel of the picture as of the last draw(); null: none.
+  /// Returns the scrollable panel window at a pixel of the picture as of the last draw(); null if no such
+  /// window is there.
   PanelScroll* scrolledAt(const glm::dvec2& place_px);
-  /// Returns the settings that the user changed since the last call.
+  /// Returns the settings if the user has changed them since the last call.
   std::optional<Settings> takeSettings() { return std::exchange(changed_, std::nullopt); }
 
  private:
@@ -47,7 +48,7 @@ class Panel {
                  std::span<const render::LegendEntry> legend) const;
 
   static constexpr size_t kFramesShown = 120;
-  std::array<float, kFramesShown> frames_ms_{};  ///< ring buffer
+  std::array<float, kFramesShown> frames_ms_{};  ///< ring buffer of the last frame times
   size_t next_frame_ = 0;
   float scale_ = 0;
   PanelCharacters characters_;

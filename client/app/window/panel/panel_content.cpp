@@ -6,7 +6,7 @@
 namespace lode::app {
 namespace {
 
-constexpr double kAlmost = 0.99;  ///< shown until converged, even if the error meets the threshold already
+constexpr double kAlmost = 0.99;  ///< largest progress before the picture has converged
 
 OnGpu onGpu(const ViewedScene& scene) {
   if (scene.overBudget()) return OnGpu::kFull;

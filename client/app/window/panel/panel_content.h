@@ -14,36 +14,37 @@
 
 namespace lode::app {
 
-/// Progress of refinement from the initial error to the threshold on a logarithmic scale: each halving of the
-/// error counts the same. Pure.
+/// Progress of refinement from the initial error to the threshold. The scale is logarithmic: each halving of
+/// the error adds the same progress. Pure.
 class RefiningProgress {
  public:
-  /// @param error_px, threshold_px  error and threshold of the cut shown, > 0.
-  /// @param converged  no more detail will load for this view.
+  /// Updates the progress.
+  /// @param error_px, threshold_px  error and threshold of the drawn cut, > 0.
+  /// @param converged  true if no more detail will load for this view.
   /// @return 0 to 1; 1 only if converged.
   double update(float error_px, float threshold_px, bool converged) noexcept;
 
  private:
-  float start_px_ = 0;  ///< largest error since it last converged
+  float start_px_ = 0;  ///< largest error since the picture last converged
 };
 
 /// Everything that the panel shows.
 struct PanelContent {
   std::string title;     ///< name of the model or the target
   bool is_open = false;  ///< whether the model is open
-  std::string waiting;   ///< step of opening in progress; empty once the model is open
+  std::string waiting;   ///< current step of opening; empty once the model is open
   double waited_s = 0;
-  double waiting_part = -1;           ///< share of that step done, 0 to 1; negative: unknown
-  uint64_t triangles = 0, nodes = 0;  ///< drawn
+  double waiting_part = -1;           ///< finished share of the step of opening, 0 to 1; negative: unknown
+  uint64_t triangles = 0, nodes = 0;  ///< numbers of drawn triangles and nodes
   uint64_t model_triangles = 0;
   uint64_t received_bytes = 0;
   double link_bytes_per_s = 0, round_trip_ms = 0;  ///< 0: not measured yet
   core::RequestCounts requests;                    ///< open requests
   uint64_t resident_bytes = 0, resident_budget_bytes = 0, gpu_bytes = 0, gpu_budget_bytes = 0;
   bool textured = false;
-  uint64_t tiles = 0, tiles_left_out = 0;  ///< texture tiles on the GPU; tiles for which memory is short
+  uint64_t tiles = 0, tiles_left_out = 0;  ///< texture tiles on the GPU; tiles without room in memory
   float threshold_px = 1, error_px = 0;
-  double target_ms = 0;  ///< frame time for which the threshold was coarsened; 0: it was not
+  double target_ms = 0;  ///< target frame time if the threshold is coarsened for it, else 0
   double aimed_ms = 0;   ///< target frame time while the camera moves; 0: none
   double scale = 1;      ///< resolution scale per side; thresholds are in scaled pixels
   bool converged = false;
@@ -55,16 +56,16 @@ struct PanelContent {
   std::string_view lost;            ///< see lostSightText()
   double frame_ms = 0, upload_ms = 0;
   CameraKind camera = CameraKind::kOrbit;
-  std::vector<std::string> pick;            ///< lines about the point last clicked
+  std::vector<std::string> pick;            ///< lines about the last clicked point
   PickMarks marks;                          ///< marks of the last two picks in the picture
   std::string_view show;                    ///< name of the colour mode
-  std::vector<render::LegendEntry> legend;  ///< meaning of its colours
+  std::vector<render::LegendEntry> legend;  ///< meaning of the colours in this mode
   std::string_view explanation;             ///< see render::explanationOf()
   std::string warning;                      ///< see warningOf()
   std::string missing;                      ///< see missingText()
   Notice notice;                            ///< state of the stream
   bool recording = false;                   ///< whether the camera path is recorded
-  std::string message;                      ///< temporary, such as the name of a screenshot
+  std::string message;                      ///< temporary message, for example the name of a screenshot
   Settings settings;
   bool visible = true, help = false, shows_settings = false;
 
@@ -80,7 +81,8 @@ struct ViewState {
 /// Fills in the figures and the state of a scene's stream and GPU use.
 void describe(const ViewedScene& scene, const ViewState& state, PanelContent& content);
 
-/// True if the panel must be redrawn. Ignores frame times and, once converged, network figures.
+/// Returns true if the panel must be drawn again. Ignores frame times and, once the picture has converged,
+/// network figures.
 bool differ(PanelContent now, const PanelContent& drawn);
 
 }  // namespace lode::app

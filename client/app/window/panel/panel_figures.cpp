@@ -62,7 +62,8 @@ std::string tilesOf(const PanelContent& content) {
   return content.tiles_left_out == 0 ? tiles : tiles + ", no memory for " + countOf(content.tiles_left_out);
 }
 
-/// The frame-rate control treats its target as a minimum and does not always reach it.
+/// Describes the threshold and the frame rate for which it is coarsened. The frame-rate control treats this
+/// rate as a minimum and does not always reach it.
 std::string thresholdOf(const PanelContent& content) {
   std::string text = formatted("%.2f px", content.threshold_px);
   if (content.target_ms <= 0) return text;

@@ -11,8 +11,8 @@ namespace lode::app {
 struct Figure {
   const char* name = "";
   std::string value;
-  double part = -1;  ///< length of its bar, 0 to 1; negative: no bar
-  int rank = 0;      ///< rows with higher ranks are dropped first if the window is too low
+  double part = -1;  ///< length of the row's bar, 0 to 1; negative: no bar
+  int rank = 0;  ///< order of dropping: if the window is too low, rows with higher ranks are dropped first
 
   bool operator==(const Figure&) const = default;
 };

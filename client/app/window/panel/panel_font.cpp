@@ -14,7 +14,7 @@ namespace lode::app {
 namespace {
 
 constexpr char32_t kLastOfLatin = 0x17f;
-constexpr size_t kMostOthers = 4096;  ///< keeps the atlas small
+constexpr size_t kMostOthers = 4096;  ///< largest number of other characters, so that the atlas stays small
 
 /// Returns the number of continuation bytes after a first byte. Source: RFC 3629, 3.
 int following(unsigned char first) {
@@ -24,8 +24,8 @@ int following(unsigned char first) {
 }
 
 constexpr const char* kFontFile = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // fonts-dejavu-core
-/// Packages in Debian: fonts-noto-cjk, fonts-droid-fallback, fonts-wqy-microhei, fonts-wqy-zenhei,
-/// fonts-ipafont-gothic.
+/// East Asian fonts. Their packages in Debian are fonts-noto-cjk, fonts-droid-fallback, fonts-wqy-microhei,
+/// fonts-wqy-zenhei and fonts-ipafont-gothic.
 constexpr std::array<const char*, 5> kOtherFonts{"/usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc",
                                                  "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf",
                                                  "/usr/share/fonts/truetype/wqy/wqy-microhei.ttc",

@@ -7,14 +7,15 @@
 
 namespace lode::app {
 
-/// Collects the characters that the font atlas needs: Latin and all others that occurred in texts. An atlas
-/// of all characters of a font would have tens of thousands. Pure.
+/// Collects the characters that the font atlas needs: Latin, and all other characters that occurred in texts.
+/// An atlas with all characters of a font would have tens of thousands of entries. Pure.
 class PanelCharacters {
  public:
-  /// Adds the characters of a text. @param text  UTF-8; invalid bytes are skipped. @return whether any is
-  /// new.
+  /// Adds the characters of a text. @param text  UTF-8; invalid bytes are skipped.
+  /// @return true if at least one character is new.
   bool add(std::string_view text);
-  /// Returns character ranges up to `most` for Dear ImGui: pairs of first and last character, then a zero.
+  /// Returns character ranges for Dear ImGui, up to the character `most`: pairs of first and last character,
+  /// then a zero.
   template <typename Letter>
   std::vector<Letter> ranges(char32_t most) const {
     std::vector<Letter> ranges{0x20, 0x17f};
@@ -31,9 +32,9 @@ class PanelCharacters {
 /// Font size of the panel at scale 1.
 constexpr float kTextPx = 15;
 
-/// Sets Dear ImGui's font and spacing for a scale: DejaVu Sans if installed, else ImGui's own font, plus the
-/// first installed of some East Asian fonts for missing characters. Call it between frames, after the OpenGL
-/// backend is initialized.
+/// Sets the font and spacing of Dear ImGui for a scale. Uses DejaVu Sans if it is installed, else ImGui's own
+/// font. Takes missing characters from the first installed font of a list of East Asian fonts. Call it
+/// between frames, after the OpenGL backend is initialized.
 void setPanelFont(float scale, const PanelCharacters& characters);
 
 }  // namespace lode::app

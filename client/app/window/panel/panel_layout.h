@@ -10,25 +10,26 @@
 
 namespace lode::app {
 
-/// Returns the panel's maximal width in a window: the model must stay visible beside it. Pure.
-/// @param em_px  font size.
+/// Returns the maximal width of the panel in a window, so that the model stays visible beside the panel.
+/// Pure.
+/// @param em_px  size of the font.
 float panelWidthPx(float window_px, float em_px);
 
-/// Returns the share of a window's width, from the left, that the panel covers and beside which a model is
-/// framed; 0 if too little is left beside the panel. Pure.
+/// Returns the share of a window's width that the panel covers at the left; models are framed in the rest.
+/// Returns 0 if the rest is too narrow for a model. Pure.
 double coveredShare(glm::vec2 window_px, float em_px);
 
-/// A part that the panel may drop if the window is too low.
+/// A part that the panel drops if the window is too low.
 struct PanelPart {
   int rank = 0;  ///< parts with higher ranks are dropped first
   float height_px = 0;
 };
 
-/// Returns which parts fit: by rank, up to the first that does not. Pure.
+/// Returns true for each part that fits into the room. Adds parts by rank until one does not fit. Pure.
 std::vector<bool> partsThatFit(std::span<const PanelPart> parts, float room_px);
 
-/// Shortens a legend to half of the room, but at least three rows; the last row counts the entries dropped.
-/// Pure.
+/// Shortens a legend to half of the room, but not below three rows. The last row states the number of dropped
+/// entries. Pure.
 std::vector<render::LegendEntry> legendThatFits(std::span<const render::LegendEntry> legend, float row_px,
                                                 float room_px);
 

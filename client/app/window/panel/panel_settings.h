@@ -17,7 +17,8 @@ struct Covered {
   }
 };
 
-/// Draws the settings at the top right. @param settings  updated by user input. @return the area covered.
+/// Draws the settings at the top right of the window.
+/// @param settings  settings to show; user input changes them. @return the area that the settings cover.
 Covered drawSettings(float margin_px, Settings& settings);
 
 }  // namespace lode::app
