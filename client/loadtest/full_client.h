@@ -17,7 +17,7 @@
 
 namespace lode::app {
 
-/// Simulates a viewer without drawing: it follows a camera path, refines, decodes and reconnects. Its camera
+/// Simulates a viewer without drawing: follows a camera path, refines, decodes and reconnects. The camera
 /// never waits for data.
 class FullClient final : public LoadClient {
  public:

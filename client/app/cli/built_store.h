@@ -27,7 +27,7 @@ struct BuiltStore {
 /// Returns the store of a PLY file. Builds the store into the user's cache unless the cache contains a store
 /// of the same file, the same images and the same version of the builder. Waits while another program builds
 /// the store. Prints warnings of the build on stderr. After a build, removes the least recently used stores
-/// until the cache keeps its limit.
+/// until the cache is within its limit.
 /// @param announce   true: prints progress on stderr if stderr is a terminal.
 /// @param stop       a request aborts the wait or the build, which then throws an Error.
 /// @param watch      if set, receives the progress, which is then not printed.

@@ -16,9 +16,9 @@ struct ChildSetup {
   bool heeds_keys = true;  ///< the child receives a terminal's Ctrl-C and Ctrl-Z
 };
 
-/// A child process. The destructor ends the process, first with SIGTERM. The kernel sends
-/// SIGTERM to it when the thread that started it ends. Its stdout is read line by line; its stderr is kept or
-/// passed on. Move only.
+/// A child process. The destructor ends the process, first with SIGTERM. When the thread that started the
+/// process ends, the kernel sends SIGTERM to the process. The parent reads the process's stdout line by line,
+/// and keeps its stderr or passes it on. Move only.
 class ChildProcess {
  public:
   enum class Messages {

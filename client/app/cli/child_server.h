@@ -35,7 +35,7 @@ class ChildServer {
 /// A target that a client can connect to.
 struct ResolvedTarget {
   stream::ServedModel served;
-  stream::StreamOptions options;           ///< with the token of the child server if there is a child
+  stream::StreamOptions options;           ///< options with the child server's token, if any
   std::unique_ptr<ChildServer> child;      ///< server of a local file; must outlive the connection
   std::filesystem::path file;              ///< local file as the user named it; empty for a model on a server
   FileLock in_use;                         ///< keeps other programs from removing the store

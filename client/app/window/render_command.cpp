@@ -103,7 +103,7 @@ struct Shown {
   };
   size_t pictures = 0;
   float max_error_px = 0;
-  std::vector<render::LegendEntry> legend;  ///< of the last picture
+  std::vector<render::LegendEntry> legend;  ///< legend of the last picture
   std::optional<Unconverged> first_unconverged;
   stream::StreamStatus last;
 };

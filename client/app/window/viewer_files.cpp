@@ -18,8 +18,8 @@ void Viewer::record(const Input& input) {
     recorder_.start();
 }
 
-/// Ends the recording and writes its file. Reports a failure as a note in the panel while the window is open,
-/// as an exception while it closes, because nobody would read a note then.
+/// Ends the recording and writes its file. Reports a failure as a note in the panel while the window is open;
+/// while the window closes, throws the error, because nobody would read a note.
 void Viewer::saveRecording() {
   try {
     if (const std::optional<std::string> file = recorder_.save())

@@ -18,9 +18,8 @@ namespace lode::app {
 /// keeps the view.
 class CameraRig {
  public:
-  /// @param model    model or scene to look at; must outlive this object. The rig reads its box again
-  /// whenever
-  ///                 a camera starts, because the box may grow.
+  /// @param model    model or scene to look at; must outlive this object. The box of the model may grow: the
+  ///                 rig reads it again whenever a camera starts.
   /// @param framing  framing with the up axis, which overrides the up axes of the path's cameras.
   /// @param path     path whose first key is the initial view, with its roll until the camera moves; nothing:
   ///                 the initial view frames the model.

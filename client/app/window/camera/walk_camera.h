@@ -21,8 +21,8 @@ using GroundBelow = std::function<std::optional<Ground>(const glm::dvec3& point_
 
 /// A camera that walks: keys move it over the ground at a constant eye height, the mouse turns it, and the
 /// wheel changes its speed. The camera has no gravity: it follows the ground smoothly, also over edges, and
-/// keeps its height if no ground is below. It descends only as far as the uncertainty of the ground allows.
-/// So finer data never appears above the eye, and the camera does not fall through parts that still load.
+/// keeps its height if no ground is below. It descends only as far as the uncertainty of the ground allows,
+/// to keep the eye above finer data and to avoid falling through parts that still load.
 /// Positions are in the model frame, like those of View. Pure: no clock, no input device.
 class WalkCamera {
  public:

@@ -52,17 +52,17 @@ struct PanelContent {
   bool exhausted = false;           ///< offline: the cache has no more detail of this view
   bool incomplete = false;          ///< parts of this view failed to load
   bool waiting_for_server = false;  ///< the connection is lost
-  double progress = 0;              ///< see RefiningProgress
-  std::string_view lost;            ///< see lostSightText()
+  double progress = 0;              ///< progress of refinement, see RefiningProgress
+  std::string_view lost;            ///< text of lostSightText() if the model is out of sight
   double frame_ms = 0, upload_ms = 0;
   CameraKind camera = CameraKind::kOrbit;
   std::vector<std::string> pick;            ///< lines about the last clicked point
   PickMarks marks;                          ///< marks of the last two picks in the picture
   std::string_view show;                    ///< name of the colour mode
   std::vector<render::LegendEntry> legend;  ///< meaning of the colours in this mode
-  std::string_view explanation;             ///< see render::explanationOf()
-  std::string warning;                      ///< see warningOf()
-  std::string missing;                      ///< see missingText()
+  std::string_view explanation;             ///< explanation of the colour mode, see render::explanationOf()
+  std::string warning;                      ///< warnings of the builds, see warningOf()
+  std::string missing;                      ///< missing models of the scene, see missingText()
   Notice notice;                            ///< state of the stream
   bool recording = false;                   ///< whether the camera path is recorded
   std::string message;                      ///< temporary message, for example the name of a screenshot

@@ -23,7 +23,7 @@ class RenderedScene {
  public:
   struct Picture {
     bool is_drawn = false;        ///< false if an instance without a converged cut prevented the picture
-    bool has_converged = false;   ///< see hasConverged()
+    bool has_converged = false;   ///< true if all instances have converged, see hasConverged()
     stream::StreamStatus status;  ///< status for the first instance that did not converge, else for the last
     float max_error_px = 0;       ///< largest error of all instances
     std::vector<render::LegendEntry> legend;

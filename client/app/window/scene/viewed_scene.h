@@ -101,7 +101,8 @@ class ViewedScene {
   };
   GpuUse gpuUse() const;
 
-  /// Returns the nearest surface point drawn at a pixel. @param pixel_px  from the picture's top left corner.
+  /// Returns the nearest surface point drawn at a pixel.
+  /// @param pixel_px  position in the picture, from the top left corner.
   std::optional<PickedPoint> under(const core::View& view, const glm::dvec2& pixel_px);
   /// Returns the nearest drawn surface straight below a point. @param up  unit length.
   std::optional<Ground> groundBelow(const core::View& view, const glm::dvec3& point_model,
