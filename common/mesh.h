@@ -12,7 +12,7 @@ namespace lode {
 /// Attributes of a model's vertices, as bits. All nodes of a model have the same attributes.
 struct AttributeSet {
   static constexpr uint8_t kNormal = 1, kColour = 2, kAlpha = 4, kTexture = 8, kMaterial = 16, kAll = 31;
-  /// The normals were computed at the build; the input file has none.
+  /// Bit that tells that the build computed the normals, because the input file has none.
   static constexpr uint8_t kComputedNormal = 32;
   uint8_t bits = 0;
 

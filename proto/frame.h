@@ -43,7 +43,7 @@ bool isFrameType(uint8_t type) noexcept;
 constexpr uint8_t kFlagOptional = 1;  ///< a receiver that does not know the frame's type skips the frame
 
 /// Header of every frame, 12 bytes, little-endian: body length u32, type u8, flags u8, reserved u16 (zero),
-/// call id u32. An answer repeats the call id of the frame that it answers.
+/// call id u32. An answer has the same call id as the answered frame.
 struct FrameHeader {
   uint32_t body_bytes = 0;
   uint8_t type = 0;

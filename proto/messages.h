@@ -10,9 +10,10 @@
 #include "proto/frame.h"
 #include "proto/limits.h"
 
-/// The messages as plain structs. Their bodies on the wire are the FlatBuffers tables of lodestream.fbs;
-/// docs/protocol.md says what each message means. A new message needs a line in LODE_MESSAGES (frame.h), a
-/// table in lodestream.fbs, a struct here and a write() and a read() in messages.cpp.
+/// The messages as plain structs. On the wire, bodies of messages are the FlatBuffers tables of
+/// lodestream.fbs. docs/protocol.md describes the meaning of each message. A new message needs a line in
+/// LODE_MESSAGES (frame.h), a table in lodestream.fbs, a struct here and a write() and a read() in
+/// messages.cpp.
 namespace lode::proto {
 
 using Bytes = std::vector<std::byte>;
@@ -47,7 +48,8 @@ struct Open {
   bool operator==(const Open&) const = default;
 };
 
-/// The blobs of the root's page and of the root's coarsest LOD follow without a request, as request 0.
+/// Answers Open. The blobs of the root's page and of the root's coarsest LOD follow without a request, with
+/// request number 0.
 struct Opened {
   uint32_t handle = 0;
   ModelSummary summary;
@@ -66,7 +68,8 @@ struct RequestChange {
   bool operator==(const RequestChange&) const = default;
 };
 
-/// Each added request ends exactly once: with the last chunk of its blob, Cancelled, or Error.
+/// Adds, changes or cancels requests. Each added request ends exactly once: with the last chunk of its blob,
+/// with Cancelled, or with Error.
 struct Requests {
   uint32_t handle = 0;
   std::vector<RequestChange> changes;
@@ -100,7 +103,7 @@ enum class WireError : uint8_t {
 
 struct ErrorMessage {
   WireError code = WireError::kInternal;
-  uint32_t request = 0;  ///< request that the error ends; 0: the error answers the call id's frame
+  uint32_t request = 0;  ///< request that the error ends; 0 if the error answers a frame
   bool closes = false;   ///< the server closes the connection after this error
   std::string message;
   bool operator==(const ErrorMessage&) const = default;
@@ -137,7 +140,7 @@ struct Closed {
   bool operator==(const Closed&) const = default;
 };
 
-/// The frame type of a message: kFrameTypeOf<Hello> is FrameType::kHello.
+/// Frame type of a message. For example, kFrameTypeOf<Hello> is FrameType::kHello.
 template <typename Message>
 constexpr FrameType kFrameTypeOf = FrameType::kBlob;
 #define LODE_MESSAGE(number, name, type) \
@@ -148,7 +151,7 @@ LODE_MESSAGES(LODE_MESSAGE)
 
 /// Encodes any message of LODE_MESSAGES as a whole frame, header included. Texts for people (reasons, errors,
 /// names of programs) are cut to the limit and made printable. Thread safe.
-/// @throws Error kProtocol or kLimit if a model's name, a token or a list breaks a rule or a limit.
+/// @throws Error kProtocol or kLimit if a model's name, a token or a list is invalid or exceeds a limit.
 template <typename Message>
 Bytes encode(const Message& message, uint32_t call);
 

@@ -34,8 +34,8 @@ struct ShownThresholds {
 /// Ratio of the thresholds shown to the finest threshold requested, >= 1.
 struct Coarsening {
   double drawn = 1, complete = 1;  ///< ratios of the means of ShownThresholds
-  double pixel_share = 0;          ///< share of the frame's work that grows with pixels, not triangles
-  double scale = 1;                ///< resolution scale per side
+  double pixel_share = 0;          ///< share of the frame's work that depends on pixels instead of triangles
+  double scale = 1;                ///< factor on the resolution of each side
 };
 
 /// Returns the coarsening of a frame, or nothing if the frame shows no part and so says nothing about work.

@@ -40,7 +40,7 @@ class Renderer {
   void show(const std::shared_ptr<const core::Cut>& cut);
   /// Sets the newest cuts of a model with several instances.
   void show(std::shared_ptr<const core::ViewCuts> view_cuts);
-  /// Uploads what the newest cuts need, meshes first, within the budget. @return the rest of the budget.
+  /// Uploads meshes, then textures, of the newest cuts within the budget. @return the rest of the budget.
   UploadBudget uploadInRenderThread(const UploadBudget& budget);
   /// Returns true if the newest cuts are drawn with all of their textures.
   bool upToDate() const noexcept { return meshes_.upToDate() && textures_.upToDate(); }
@@ -48,7 +48,7 @@ class Renderer {
   /// Changes the memory budgets. The staging buffers keep their size.
   void setMemory(const ResidencyOptions& options);
 
-  /// The meshes on the GPU, which determine the cut drawn.
+  /// Returns the meshes on the GPU, which determine the drawn cut.
   MeshResidency& meshes() noexcept { return meshes_; }
   const MeshResidency& meshes() const noexcept { return meshes_; }
   const TextureResidency& textures() const noexcept { return textures_; }
@@ -97,9 +97,11 @@ class Renderer {
     CrossFade fade;
     uint64_t shown_serial = 0;      ///< serial of the cut in the last picture; 0: not drawn then
     std::vector<SeenCluster> seen;  ///< clusters in the view; unused with culling on the GPU
-    std::vector<bool> is_drawn;   ///< by index in seen; a mesh that fades in and out at once has two entries
-    std::vector<SeenPart> parts;  ///< parts in the view, for culling on the GPU
-    uint32_t number = 0;          ///< index that GpuCulling::add() returned
+    /// Whether drawInstance() drew each cluster of `seen`. A mesh that fades in and out at once is there
+    /// twice.
+    std::vector<bool> is_drawn;
+    std::vector<SeenPart> parts;          ///< parts in the view, for culling on the GPU
+    uint32_t number = 0;                  ///< index that GpuCulling::add() returned
     std::optional<core::View> last_view;  ///< view of the last picture, for culling on the GPU
     std::vector<DrawItem> in_picture;     ///< parts of the cut, without parts that fade out
     std::vector<DrawState> states;        ///< states of parts of the cut, then of parts that fade out

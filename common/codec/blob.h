@@ -18,7 +18,7 @@ struct Digest {
 Digest digestOf(std::span<const std::byte> blob);
 std::string toHex(const Digest& digest);  ///< 32 lower-case digits
 
-/// Identifies a blob for requests and checks: its number in the store, its size and its digest.
+/// Reference to a blob, for requests and checks: the blob's number in the store, size and digest.
 struct BlobRef {
   uint32_t number = 0;  ///< 0: no blob (an LOD without triangles)
   uint32_t bytes = 0;
@@ -28,7 +28,7 @@ struct BlobRef {
   explicit operator bool() const noexcept { return number != 0; }
 };
 
-/// Returns the 64-bit xxh3 checksum. It detects damage; it never identifies a blob.
+/// Returns the 64-bit xxh3 checksum, which detects damage. Use a Digest to identify a blob.
 uint64_t checksum(std::span<const std::byte> bytes) noexcept;
 
 }  // namespace lode

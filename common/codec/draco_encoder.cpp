@@ -29,7 +29,8 @@ using namespace draco_stream;
 // for seconds.
 constexpr int kSpeed = 4;
 // Speed setting for meshes with positions alone. Draco then visits the vertex with the most known neighbours
-// next, which saves up to 15 % of the bytes if triangles are regular. With other attributes Draco does not.
+// next, which saves up to 15 % of the bytes if triangles are regular. Draco does not do so for meshes with
+// other attributes.
 constexpr int kSpeedOfPositionsAlone = 0;
 // Largest number of triangles per vertex. To find an edge's other triangle, Draco searches all triangles
 // around one end of the edge, which takes long around a vertex with very many triangles.

@@ -32,9 +32,10 @@ constexpr uint32_t kMaxTextureSetBytes = 32u << 20;  ///< size of an encoded set
 constexpr uint32_t kEmptyTextureSetBytes = 25;       ///< size of an encoded set without textures
 constexpr int32_t kMaxUvExponent = 40;               ///< largest absolute value of uv_scale_exponent
 
-/// One image as a chain of levels. Level l has max(1, ceil(size / 2^l)) texels each way; the coarsest level
-/// is the first that fits one tile. A tile holds up to kTileInnerPx texels of its level each way, fewer at
-/// the right and bottom edges, and kTileGutterPx texels around these. The level repeats beyond its edges.
+/// One image as a chain of levels. Level l has max(1, ceil(size / 2^l)) texels each way. The coarsest
+/// level is the first level that fits into one tile. A tile holds up to kTileInnerPx texels of its level each
+/// way, fewer at the right and bottom edges, and kTileGutterPx texels around these. The level repeats beyond
+/// its edges.
 struct Texture {
   std::string name;            ///< name in the input; printable UTF-8
   uint32_t width = 0;          ///< texels of level 0 per row; 0 if the image was missing

@@ -35,7 +35,7 @@ bool isInPicture(const SeenPart& part, const core::ViewFrustum& frustum, double 
 size_t addSeenClusters(const SeenPart& part, const core::ViewFrustum& frustum, double lattice_step,
                        std::vector<SeenCluster>& seen);
 
-/// A command of glMultiDrawElementsIndirect.
+/// A draw command in the layout of glMultiDrawElementsIndirect().
 struct DrawCommand {
   uint32_t count, instance_count, first_index;
   int32_t base_vertex;

@@ -31,7 +31,7 @@ class GpuCulling {
     uint32_t instance = 0;
     bool fades = false;
     uint32_t page = 0;
-    uint32_t first_command = 0, most_commands = 0;  ///< relative to firstCommandOfPass()
+    uint32_t first_command = 0, most_commands = 0;  ///< range of commands from firstCommandOfPass() on
     uint32_t count = 0;                             ///< index in counts(), relative to firstCountOfPass()
   };
 
@@ -76,7 +76,7 @@ class GpuCulling {
     const GpuPages* pages = nullptr;
     uint32_t instance = 0;
   };
-  /// Camera of an instance, laid out for the shader.
+  /// Camera of an instance in the layout of the shader.
   struct Camera {
     glm::ivec4 eye_high;          ///< high part of SplitEye; w: 1 if the depths can hide clusters
     glm::vec4 eye_low;            ///< low part of SplitEye
@@ -85,13 +85,13 @@ class GpuCulling {
   struct CameraPair {
     Camera now, before;
   };
-  /// Up to kChunkClusters clusters of a part, laid out for the shader.
+  /// Up to kChunkClusters clusters of a part, in the layout of the shader.
   struct Chunk {
     uint32_t first_box_word, clusters, first_index, index_count;
     int32_t base_vertex;
     uint32_t state, instance;
   };
-  /// Chunks drawn by one Draw, laid out for the shader.
+  /// Chunks that one Draw draws, in the layout of the shader.
   struct List {
     uint32_t first_chunk, chunks, first_command;
   };
@@ -120,7 +120,7 @@ class GpuCulling {
   uint32_t picture_ = 0;
   GlBuffer cameras_buffer_, chunks_buffer_, lists_buffer_, found_, commands_, counts_, triangles_;
   const uint32_t* mapped_triangles_ = nullptr;        ///< kPicturesKept counters in mapped memory
-  std::array<GLsync, kPicturesKept> count_fences_{};  ///< signalled when the counters are complete
+  std::array<GLsync, kPicturesKept> count_fences_{};  ///< signal that a counter is complete
   uint64_t triangles_lately_ = 0;
 };
 

@@ -66,7 +66,7 @@ std::vector<CrossFade::Part> CrossFade::partsOf(const ShownCover& cover, double 
 CrossFade::Change CrossFade::take(const ShownCover& cover, double now_s) {
   Change change;
   change.before = std::exchange(live_, partsOf(cover, now_s));
-  std::unordered_map<uint64_t, uint32_t> gone;  // by node
+  std::unordered_map<uint64_t, uint32_t> gone;  // node -> index in change.before
   for (uint32_t i = 0; i < change.before.size(); ++i) gone.emplace(change.before[i].item.node.value, i);
   std::vector<uint32_t> leaving, arriving;
   for (uint32_t i = 0; i < live_.size(); ++i) {
@@ -121,8 +121,7 @@ void CrossFade::change(const ShownCover& cover, const core::ViewFrustum& frustum
 bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const core::ViewFrustum& frustum,
                         double lattice_step) const {
   if (is_forgotten_ || region.leaving.empty() || region.arriving.empty()) return false;
-  if (change.cut_before->build != cut_->build)
-    return false;  // the distance between surfaces of two builds is unknown
+  if (change.cut_before->build != cut_->build) return false;  // their surfaces may be far apart
   const auto fits = [&](const DrawItem& item) {
     const double distance_model = frustum.distanceTo(core::toModelBox(item.box, lattice_step));
     return frustum.errorPx(item.error_model, distance_model) <= kLargestFadedStepPx;

@@ -24,7 +24,7 @@ class MeshPrograms {
     kTextured = 2,  ///< feature: samples textures
     kCutOut = 4,    ///< feature: discards transparent pixels, for targets without multisampling
     kViews = 8,     ///< feature: draws colour modes other than kSurface
-    kWire = 16,     ///< feature: draws triangle edges, which needs a geometry shader
+    kWire = 16,     ///< feature: draws triangle edges by a geometry shader
   };
 
   /// Links the programs for kSurface. @throws Error kInternal if the driver rejects a shader.
@@ -38,7 +38,7 @@ class MeshPrograms {
   std::array<GlProgram, 32> programs_;
 };
 
-/// Per-draw state, laid out for the shaders.
+/// State of one draw call in the layout of the shaders.
 struct DrawState {
   uint32_t flags;
   glm::u8vec4 tint;

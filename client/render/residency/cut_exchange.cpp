@@ -174,7 +174,7 @@ std::vector<Fallback> fallbacksOf(const Cut& from, const Cut& to) {
 /// Assigns the fallbacks that a cut's left-out nodes need to the cut. The cut's parts and left_out must be in
 /// depth-first order.
 void assign(std::vector<Fallback> fallbacks, Cut& cut) {
-  std::unordered_map<uint64_t, std::vector<LeftOut>> left_out_below;  // by fallback node
+  std::unordered_map<uint64_t, std::vector<LeftOut>> left_out_below;  // fallback node -> left-out nodes below
   for (const Fallback& fallback : fallbacks)
     left_out_below.emplace(fallback.part.node.value, std::vector<LeftOut>());
   for (const LeftOut& left_out : std::exchange(cut.left_out, {})) {

@@ -20,7 +20,7 @@ struct InstancePart {
 /// Parts of the newer cuts whose meshes must be resident before any of them is drawn.
 struct ExchangeStep {
   std::vector<InstancePart> parts;
-  uint32_t instance = 0;          ///< instance of the region
+  uint32_t instance = 0;          ///< instance whose region switches
   std::optional<NodeKey> region;  ///< region to switch then; none for the first step (fallbacks or all)
 };
 
@@ -44,7 +44,7 @@ class CutExchange {
 
  private:
   struct Mixture {
-    size_t steps = 0;  ///< steps of the instance done so far
+    size_t steps = 0;  ///< number of the instance's steps done so far
     std::shared_ptr<const core::Cut> cut;
   };
 

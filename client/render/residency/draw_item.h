@@ -23,7 +23,7 @@ struct ShownInstance {
 /// Clusters of kClusterTriangles triangles of a mesh.
 struct MeshClusters {
   std::vector<LatticeBox> boxes;  ///< boxes of the clusters; the mesh's box if the mesh has no cluster boxes
-  /// Whether other geometry hid a cluster in the last frame, by instance and cluster.
+  /// Flags by instance and cluster: true if other geometry hid the cluster in the last frame.
   std::vector<std::vector<bool>> hidden;
 };
 

@@ -23,7 +23,7 @@ struct ResidencyOptions {
   uint64_t spare_bytes = uint64_t{128} << 20;           ///< limit of GPU memory for meshes kept but not drawn
   uint32_t page_bytes = 32u << 20;                      ///< default size of a GPU buffer
   uint32_t staging_bytes = 4u << 20;                    ///< limit of mesh uploads per frame
-  uint32_t texture_staging_bytes = 4u << 20;            ///< likewise for tiles, >= kLeastTextureStagingBytes
+  uint32_t texture_staging_bytes = 4u << 20;  ///< limit of tile uploads, >= kLeastTextureStagingBytes
 };
 
 /// Limits the uploads of one frame.
@@ -35,7 +35,7 @@ struct UploadBudget {
 
 /// Keeps meshes of a model on the GPU and decides which meshes each instance draws. A region of a newer cut
 /// is drawn when all of its meshes are resident; until then the region's old parts are drawn, so that slow
-/// uploads leave no holes, wherever the camera goes. A cut of another build replaces the drawn cut as a
+/// uploads leave no holes, even if the camera moves. A cut of another build replaces the drawn cut as a
 /// whole. Meshes are identified by their shared_ptr and not kept alive. Use it on the thread of its context.
 class MeshResidency {
  public:
