@@ -52,7 +52,7 @@ constexpr uint64_t clusterCount(uint64_t triangles) noexcept {
 struct Mesh {
   AttributeSet attributes;
   std::vector<PositionCode> positions;
-  std::vector<VertexAttributes> vertex_attributes;  ///< one per vertex; empty if `attributes` is empty
+  std::vector<VertexAttributes> vertex_attributes;  ///< attributes per vertex; empty if `attributes` is empty
   std::vector<glm::u32vec3> triangles;              ///< indices of vertices, counter-clockwise
   /// Bounding box of each cluster, a run of kClusterTriangles triangles. Empty unless the triangles are
   /// sorted into clusters.

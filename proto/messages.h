@@ -44,7 +44,7 @@ struct Models {
 
 struct Open {
   std::string model;
-  Digest known_build_id;  ///< build in the client's cache; zeros if none
+  Digest known_build_id;  ///< build in the client's cache; zeros if the cache has no build
   bool operator==(const Open&) const = default;
 };
 

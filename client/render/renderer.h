@@ -95,7 +95,7 @@ class Renderer {
   /// State of one instance.
   struct DrawnInstance {
     CrossFade fade;
-    uint64_t shown_serial = 0;      ///< serial of the cut in the last picture; 0: not drawn then
+    uint64_t shown_serial = 0;      ///< serial of the cut in the last picture; 0 if it was not drawn
     std::vector<SeenCluster> seen;  ///< clusters in the view; unused with culling on the GPU
     /// Whether drawInstance() drew each cluster of `seen`. A mesh that fades in and out at once is there
     /// twice.
@@ -132,7 +132,7 @@ class Renderer {
   GlVertexArray empty_array_;
   GlBuffer commands_buffer_;
   DrawList whole_, fading_;
-  InstanceDrawer instance_drawer_;  ///< used by draw()
+  InstanceDrawer instance_drawer_;  ///< drawer that draw() uses
 };
 
 }  // namespace lode::render

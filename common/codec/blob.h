@@ -16,11 +16,11 @@ struct Digest {
 };
 
 Digest digestOf(std::span<const std::byte> blob);
-std::string toHex(const Digest& digest);  ///< 32 lower-case digits
+std::string toHex(const Digest& digest);  ///< returns 32 lower-case digits
 
 /// Reference to a blob, for requests and checks: the blob's number in the store, size and digest.
 struct BlobRef {
-  uint32_t number = 0;  ///< 0: no blob (an LOD without triangles)
+  uint32_t number = 0;  ///< number in the store; 0 for no blob (an LOD without triangles)
   uint32_t bytes = 0;
   Digest digest;
 

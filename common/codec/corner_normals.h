@@ -39,7 +39,7 @@ class CornerNormals {
   static OfCorner cornerOf(const Mesh& mesh, glm::u32vec3 triangle, int corner);
 
   std::vector<OfPosition> positions_;  ///< hash table with open addressing
-  std::vector<OfCorner> corners_;      ///< sorted, unique
+  std::vector<OfCorner> corners_;      ///< sorted corners without duplicates
 };
 
 }  // namespace lode

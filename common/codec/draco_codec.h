@@ -12,13 +12,13 @@ namespace lode {
 /// Properties of a payload as its hierarchy page announces them. The decoder checks them before it allocates.
 struct PayloadExpectation {
   uint32_t triangles = 0;
-  uint32_t vertices = 0;    ///< upper bound of decoded vertices: the encoder's count
+  uint32_t vertices = 0;    ///< largest number of decoded vertices, which the encoder counted
   AttributeSet attributes;  ///< attributes of the model
   LatticeBox box;           ///< box of the node, which must contain all positions
 };
 
 struct EncodedPayload {
-  std::vector<std::byte> bytes;  ///< empty for a mesh without triangles
+  std::vector<std::byte> bytes;  ///< the payload; empty for a mesh without triangles
   uint32_t vertices = 0;         ///< number of vertices after decoding
 };
 

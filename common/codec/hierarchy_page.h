@@ -31,7 +31,7 @@ struct Node {
   NodeKey key;
   LatticeBox box;          ///< tight box of all LODs and the children's boxes; empty without triangles
   uint8_t child_mask = 0;  ///< bit o is set if child(o) exists; a leaf has no bit set
-  std::vector<Lod> lods;   ///< at least one; errors never decrease from finer to coarser
+  std::vector<Lod> lods;   ///< at least one LOD, finest first; errors never decrease
   /// Number of far LODs, which are the last of `lods`. Far LODs are coarser than sourceLod() and serve nodes
   /// outside the view. Only errors of far LODs may exceed the parent's. The root and leaves have no far LODs.
   uint32_t far_lods = 0;

@@ -40,7 +40,7 @@ struct Texture {
   std::string name;            ///< name in the input; printable UTF-8
   uint32_t width = 0;          ///< texels of level 0 per row; 0 if the image was missing
   uint32_t height = 0;         ///< rows of level 0; 0 if the image was missing
-  std::vector<BlobRef> tiles;  ///< coarsest level first; within a level row by row from the top
+  std::vector<BlobRef> tiles;  ///< tiles of the coarsest level first; within a level row by row from the top
 
   bool operator==(const Texture&) const = default;
 };

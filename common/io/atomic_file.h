@@ -35,7 +35,7 @@ class AtomicFile {
   void flush();
   std::filesystem::path path_;       ///< path as the caller passed it
   std::filesystem::path target_;     ///< file to replace; empty for a pipe or device
-  std::filesystem::path temporary_;  ///< empty for a pipe or device, and after commit()
+  std::filesystem::path temporary_;  ///< temporary file; empty for a pipe or device, and after commit()
   Unfinished unfinished_;
   int file_ = -1;
   uint64_t size_ = 0;

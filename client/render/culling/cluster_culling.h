@@ -12,7 +12,7 @@ namespace lode::render {
 /// A part that may be visible.
 struct SeenPart {
   const DrawItem* item = nullptr;
-  uint32_t state = 0;  ///< index of the caller's per-draw state
+  uint32_t state = 0;  ///< index of the part's draw state, which the caller keeps
   bool fades = false;
 };
 

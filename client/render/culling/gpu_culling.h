@@ -31,7 +31,7 @@ class GpuCulling {
     uint32_t instance = 0;
     bool fades = false;
     uint32_t page = 0;
-    uint32_t first_command = 0, most_commands = 0;  ///< range of commands from firstCommandOfPass() on
+    uint32_t first_command = 0, most_commands = 0;  ///< range, relative to firstCommandOfPass()
     uint32_t count = 0;                             ///< index in counts(), relative to firstCountOfPass()
   };
 
@@ -80,7 +80,7 @@ class GpuCulling {
   struct Camera {
     glm::ivec4 eye_high;          ///< high part of SplitEye; w: 1 if the depths can hide clusters
     glm::vec4 eye_low;            ///< low part of SplitEye
-    glm::vec4 right, up, behind;  ///< view axes; w: scale x, scale y, near in lattice steps
+    glm::vec4 right, up, behind;  ///< view axes; their w: scale x, scale y, near in lattice steps
   };
   struct CameraPair {
     Camera now, before;

@@ -9,7 +9,7 @@ namespace lode::render {
 /// Directions of light in the view frame. The sun is above the viewer's left shoulder and turns with the
 /// camera, so that no visible side of a model is dark. Sky and ground follow the model's up axis.
 struct Light {
-  glm::vec3 to_sun{0, 0, 1};  ///< direction of unit length, as is up
+  glm::vec3 to_sun{0, 0, 1};  ///< unit vector
   glm::vec3 up{0, 1, 0};
 };
 

@@ -13,7 +13,7 @@ namespace lode::render {
 
 /// Identifies an instance of a model among the instances of a picture.
 struct ShownInstance {
-  uint32_t number = 0;          ///< seeds the node colours, which differ between instances
+  uint32_t number = 0;          ///< seed of the node colours, which differ between instances
   std::string_view model = {};  ///< name of the model for legends; empty if there is only one model
   uint32_t nth = 0;             ///< number among the model's instances, from 1; 0 for the only instance
 
@@ -33,7 +33,7 @@ struct DrawItem {
   uint32_t base_vertex = 0, first_index = 0, index_count = 0;
   uint32_t first_box_word = 0;  ///< offset of the mesh's cluster boxes in 32-bit words of the page
   LatticeBox box;
-  std::shared_ptr<MeshClusters> clusters;  ///< null if the part has no triangles
+  std::shared_ptr<MeshClusters> clusters;  ///< clusters of the mesh; null if the part has no triangles
   AttributeSet attributes;
   NodeKey node;
   uint32_t lod = 0;

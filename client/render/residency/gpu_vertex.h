@@ -23,7 +23,7 @@ static_assert(sizeof(GpuVertex) == core::kDrawnVertexBytes);
 /// A vertex in GPU memory, with texture coordinates.
 struct GpuTexturedVertex {
   GpuVertex vertex;
-  glm::u16vec2 texture;  ///< quantized coordinates
+  glm::u16vec2 texture;  ///< quantized texture coordinates
   uint16_t material;
   uint16_t unused;
 };

@@ -30,7 +30,7 @@ struct ResidencyOptions {
 struct UploadBudget {
   uint32_t bytes = 4u << 20;
   double ms = 2.0;
-  bool wait = false;  ///< ignore the limits and block until everything is resident, for off-screen pictures
+  bool wait = false;  ///< whether to ignore the limits and block until everything is resident
 };
 
 /// Keeps meshes of a model on the GPU and decides which meshes each instance draws. A region of a newer cut
@@ -132,7 +132,7 @@ class MeshResidency {
   Entries entries_;
   std::shared_ptr<const core::ViewCuts> newest_, target_, before_, rejected_;
   std::shared_ptr<const core::ViewCuts>
-      complete_;  ///< cuts drawn by all instances; null while cuts are mixed
+      complete_;  ///< cuts that all instances draw; null while cuts are mixed
   std::vector<DrawnInstance> instances_;
   std::optional<CutExchange> exchange_;      ///< plan of the switch to target_
   size_t steps_done_ = 0, steps_drawn_ = 0;  ///< numbers of resident and of drawn steps of exchange_
