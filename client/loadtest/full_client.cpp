@@ -189,7 +189,7 @@ void FullClient::decode(const core::DecodeJob& job) {
   engine_.finishDecode(std::move(result));
 }
 
-/// Adds the time since the last call to the time with a picture and, if the error is large, to far_off_s.
+/// Adds the time since the last call to looked_s and, if the picture's error is too large, also to far_off_s.
 void FullClient::note(core::TimePoint now) {
   if (now <= noted_until_) return;
   const double seconds = std::chrono::duration<double>(now - std::exchange(noted_until_, now)).count();

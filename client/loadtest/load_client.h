@@ -33,7 +33,7 @@ struct LoadPlan {
   stream::StreamOptions options;
   net::Route route;    ///< route to the model's server
   RequestTrace trace;  ///< trace that trace clients replay
-  /// Returns the path of a full client by its seed.
+  /// Function that returns the camera path of a full client. The path depends on the client's seed.
   std::function<core::CameraPath(const ModelSummary&, uint64_t seed)> path_of;
   glm::uvec2 size_px{1280, 720};
   float pixels = 1;
@@ -67,7 +67,7 @@ class LoadClient {
 
   /// Returns the time of the next step(); kNever after the client has ended.
   virtual core::TimePoint due() const noexcept = 0;
-  /// Connects or reconnects, sends due requests, keeps the connection alive.
+  /// Connects or reconnects, sends the due requests, and keeps the connection alive.
   virtual void step(core::TimePoint now) = 0;
   /// Ends the client. Counts each open request with its latency so far.
   virtual void finish(core::TimePoint now) = 0;

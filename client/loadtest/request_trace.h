@@ -26,7 +26,7 @@ struct TracedRequest {
   std::optional<core::DecodeJob> decode;  ///< job that decodes the blob, without the bytes; none for pages
 };
 
-/// The requests of a camera path in order of time: recorded once, replayed by any number of clients.
+/// The requests of a camera path in order of time. A trace is recorded once; any number of clients replay it.
 struct RequestTrace {
   Digest build_id;  ///< build of the model; blob numbers differ between builds
   double duration_s = 0;
@@ -34,7 +34,7 @@ struct RequestTrace {
   std::string gap;  ///< reason why the server did not deliver a part; empty if the trace is complete
 };
 
-/// Returns the camera path of a client for a model.
+/// Function that returns the camera path of a client for a model.
 using PathOf = std::function<core::CameraPath(const ModelSummary&)>;
 
 /// Checks that a trace was recorded from this build of the model.
@@ -64,7 +64,7 @@ std::string toJson(const RequestTrace& trace);
 /// @throws Error kInput or kLimit; the message names the request and the remedy.
 RequestTrace parseRequestTrace(std::string_view json, std::string_view source);
 
-/// Writes the file and commits it. @throws Error kIo.
+/// Writes a trace into a file and commits the file. @throws Error kIo.
 void writeRequestTrace(AtomicFile file, const RequestTrace& trace);
 RequestTrace readRequestTrace(const std::filesystem::path& file);
 

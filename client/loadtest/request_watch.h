@@ -40,7 +40,7 @@ class RequestClock {
     core::TimePoint sent;
   };
 
-  /// Requests by blob number.
+  /// Requests, with their blob numbers as keys.
   using Requests = std::map<uint32_t, Request>;
 
   /// Notes the requests in complete frames.

@@ -34,7 +34,7 @@ class TraceClient final : public LoadClient {
   struct Pending {
     core::Request request;
     core::TimePoint intended;
-    size_t traced = 0;  ///< index in the trace
+    size_t traced = 0;  ///< index of the request in the trace
   };
 
   using Transport = std::unique_ptr<net::TcpTransport>;

@@ -31,7 +31,7 @@ struct BuiltStore {
 /// @param announce   true: prints progress on stderr if stderr is a terminal.
 /// @param stop       a request aborts the wait or the build, which then throws an Error.
 /// @param watch      if set, receives the progress, which is then not printed.
-/// @param max_bytes  limit for all stores in the cache; by default storeCacheBytes().
+/// @param max_bytes  limit for all stores in the cache together; nothing: storeCacheBytes().
 /// @throws Error.
 BuiltStore builtStore(const std::filesystem::path& ply, bool announce, const std::stop_token& stop,
                       const BuildWatch& watch, std::optional<uint64_t> max_bytes = {});

@@ -16,7 +16,7 @@ namespace lode::app {
 
 /// Textures of an exported mesh.
 struct CutImages {
-  ImageFiles files;                   ///< image files; a texture without a file has no image
+  ImageFiles files;                   ///< image file of each texture; a texture without a file has no image
   std::vector<std::string> left_out;  ///< names of used textures without a resident tile
 };
 
@@ -28,8 +28,9 @@ CutImages writeCutImages(const core::Cut& cut, const Mesh& mesh, const std::file
 /// triangles keep the order of the parts. @throws Error as MeshJoiner::add().
 Mesh weldCut(const core::Cut& cut, AttributeSet attributes);
 
-/// The image of a texture, composed of its resident tiles. Its size is that of the finest level with a
-/// resident tile; a missing tile is filled with magnified texels of the finest coarser level that has one.
+/// The image of a texture, composed of the texture's resident tiles. The image has the size of the finest
+/// level with a resident tile. In place of a missing tile, it shows magnified texels of the next coarser
+/// level whose tile is resident.
 class ResidentImage {
  public:
   /// @param tiles  tiles of this texture and of others. The tiles and the texture must outlive this object.
@@ -41,7 +42,7 @@ class ResidentImage {
   glm::uvec2 size() const { return levelSize(texture_, finest_); }
   /// Returns true if a texel is not opaque.
   bool hasAlpha() const;
-  /// Fills a row as wide as the image. @param y  counted from the top.
+  /// Fills a row as wide as the image. @param y  number of the row, counted from the top.
   void fill(uint32_t y, std::span<glm::u8vec4> row) const;
 
  private:

@@ -37,7 +37,7 @@ class OpenedTarget {
   using Clock = std::chrono::steady_clock;
 
   /// Reads the camera path, resolves the target and waits until its model is open.
-  /// @param announce  see resolveTarget(). @throws Error.
+  /// @param announce  true: prints the progress of a build, see resolveTarget(). @throws Error.
   OpenedTarget(const CommonOptions& options, const stream::StreamOptions& stream_options, bool announce);
 
   stream::Streamer& streamer() noexcept { return streamer_; }

@@ -36,7 +36,7 @@ struct SceneInstance {
 
 /// A horizontal ground plane.
 struct SceneGround {
-  double height = 0;  ///< height of the plane along Scene::up
+  double height = 0;  ///< coordinate of the plane along Scene::up
   glm::u8vec3 colour_srgb{96, 100, 88};
 };
 

@@ -42,7 +42,7 @@ class FrameRateControl {
 
   /// Changes the frame rate to keep. @param fps  > 0.
   void setRate(double fps) noexcept;
-  /// Limits the coarsening. @param coarsening  >= 1; more than 8 counts as 8.
+  /// Limits the coarsening. @param coarsening  limit, >= 1; more than 8 counts as 8.
   void limitTo(double coarsening) noexcept;
   /// Advances time. @param moved  true if the camera moved.
   void step(double seconds, bool moved) noexcept;
@@ -53,9 +53,9 @@ class FrameRateControl {
 
   /// Returns true if the camera has not moved for a while.
   bool isResting() const noexcept;
-  /// Factor on the user's threshold for the next frame; 1 while the camera rests.
+  /// Returns the factor on the user's threshold for the next frame; 1 while the camera rests.
   double coarsening() const noexcept;
-  /// Factor on the picture's sides for the next frame, 0.5 to 1; 1 while the camera rests.
+  /// Returns the factor on the picture's sides for the next frame, 0.5 to 1; 1 while the camera rests.
   double scale() const noexcept;
   /// Returns true if drawing should wait, because the camera has begun to move and a cut that is much coarser
   /// than the drawn one will arrive soon.

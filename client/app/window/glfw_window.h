@@ -23,7 +23,7 @@ class GlfwWindow {
   GlfwWindow& operator=(const GlfwWindow&) = delete;
 
   GLFWwindow* handle() const noexcept { return window_; }
-  /// Size of the picture; 0 while the window is minimized.
+  // The next two functions return the size of the picture; 0 while the window is minimized.
   uint32_t widthPx() const noexcept;
   uint32_t heightPx() const noexcept;
   double contentScale() const noexcept;  ///< ratio of this display's pixel density to normal density

@@ -33,7 +33,7 @@ struct Input {
   bool screenshot = false, copy = false, record = false, quit = false;
   bool quit_where_idle = false;  ///< Q was pressed: quits if no model is shown; otherwise the key flies down
 
-  bool over_panel = false;  ///< the mouse was used on the panel, which covers the picture
+  bool over_panel = false;  ///< the user used the mouse on the panel, which covers the picture
   bool damaged = false;     ///< the system lost the window's picture, which must be drawn again
 
   bool any() const noexcept {

@@ -9,7 +9,7 @@ namespace lode::render {
 
 /// Division of a program's memory budget: one half for the client core, one half for the copies on the GPU.
 struct MemoryShares {
-  uint64_t stream_bytes = 0;  ///< EngineOptions::memory_budget_bytes
+  uint64_t stream_bytes = 0;  ///< budget of the client core, see EngineOptions::memory_budget_bytes
   /// RefineOptions::drawn_budget_bytes: bytes of meshes of any size that fit on the GPU.
   uint64_t drawn_bytes = 0;
   /// Budgets of the GPU's half. With memory budgets below 32 MB, the upload buffers exceed this half.

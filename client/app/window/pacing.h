@@ -10,7 +10,7 @@ namespace lode::app {
 
 /// Limits of the window's threshold. Neither keys nor the frame-rate control exceed them.
 constexpr float kLeastThresholdPx = 0.1f, kLargestThresholdPx = 64;
-constexpr float kThresholdStep = 1.189207115f;  ///< 2^1/4
+constexpr float kThresholdStep = 1.189207115f;  ///< factor of one step, 2^1/4
 
 /// Chooses the threshold and resolution of the next picture: the user's threshold while the camera rests, and
 /// a coarser threshold that keeps the frame rate while the camera moves. Pure: no clock, no GL.

@@ -11,9 +11,9 @@ namespace lode::app {
 /// Settings that the user changes in the window's panel.
 struct Settings {
   bool unlit = false;            ///< show colours without light
-  bool darkens_hollows = true;   ///< ambient occlusion
+  bool darkens_hollows = true;   ///< draw ambient occlusion
   bool fades = true;             ///< cross-fade LODs
-  float exposure = 1;            ///< kLeastExposure to kLargestExposure
+  float exposure = 1;            ///< factor on the light, kLeastExposure to kLargestExposure
   bool fixes_threshold = false;  ///< keep the threshold even if frames are slow
   float threshold_px = 1;        ///< threshold at rest, kLeastThresholdPx to kLargestThresholdPx
   float fps = 60;                ///< frame rate to keep while the camera moves, kLeastFps to kLargestFps

@@ -12,7 +12,7 @@ constexpr float kLargestToldErrorPx = 64;
 /// State of a picture that is being refined.
 struct Refining {
   float error_px = 0, threshold_px = 1;
-  uint64_t tiles_to_come = 0;  ///< texture tiles still missing
+  uint64_t tiles_to_come = 0;  ///< number of texture tiles that are still missing
   uint64_t received_bytes = 0;
 };
 

@@ -32,7 +32,7 @@ class CameraRig {
   void standAt(const glm::dvec3& point_model);
   /// Returns the camera in true coordinates, at t = 0.
   core::CameraKey camera() const;
-  /// Moves to a camera. @param camera  in true coordinates.
+  /// Moves to a camera. @param camera  camera in true coordinates.
   void lookFrom(const core::CameraKey& camera, double fov_y_deg);
   /// Sets the point about which the orbit turns. The view stays the same.
   void turnAbout(const glm::dvec3& point_model) noexcept { orbit_.turnAbout(point_model); }

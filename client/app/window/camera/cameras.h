@@ -21,7 +21,7 @@ class Heading {
   /// Turns left and up, in radians. Clamps the pitch so that the direction stays just off the axis.
   void turn(double left_rad, double up_rad) noexcept;
   glm::dvec3 forward() const noexcept;  ///< view direction; unit length, like the next three vectors
-  glm::dvec3 level() const noexcept;    ///< forward() without pitch
+  glm::dvec3 level() const noexcept;    ///< view direction without pitch
   glm::dvec3 right() const noexcept;
   glm::dvec3 up() const noexcept;
   glm::dvec3 axis() const noexcept { return axis_; }

@@ -14,7 +14,7 @@ namespace lode::app {
 /// Ground below a point according to the loaded data.
 struct Ground {
   double depth_model = 0;        ///< distance from the point straight down to the ground
-  double uncertainty_model = 0;  ///< finer data may move it up or down by this much
+  double uncertainty_model = 0;  ///< distance by which finer data may move the ground up or down
 };
 /// Function that returns the ground below a point, or nothing.
 using GroundBelow = std::function<std::optional<Ground>(const glm::dvec3& point_model)>;
@@ -53,7 +53,7 @@ class WalkCamera {
 
 /// Finds the ground straight below a point in a cut. Uses the cut's parts, and the fallbacks of missing
 /// parts.
-/// @param view  the camera's view, for its field of view. @param up  unit length.
+/// @param view  view of the camera, whose field of view is used. @param up  up direction, unit length.
 std::optional<Ground> groundBelow(const core::CutProbe& probe, const core::View& view,
                                   const glm::dvec3& point_model, const glm::dvec3& up);
 

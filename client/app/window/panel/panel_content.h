@@ -31,14 +31,14 @@ class RefiningProgress {
 /// Everything that the panel shows.
 struct PanelContent {
   std::string title;     ///< name of the model or the target
-  bool is_open = false;  ///< whether the model is open
+  bool is_open = false;  ///< true if the model is open
   std::string waiting;   ///< current step of opening; empty once the model is open
   double waited_s = 0;
   double waiting_part = -1;           ///< finished share of the step of opening, 0 to 1; negative: unknown
   uint64_t triangles = 0, nodes = 0;  ///< numbers of drawn triangles and nodes
   uint64_t model_triangles = 0;
   uint64_t received_bytes = 0;
-  double link_bytes_per_s = 0, round_trip_ms = 0;  ///< 0: not measured yet
+  double link_bytes_per_s = 0, round_trip_ms = 0;  ///< speed and round trip of the link; 0: not measured yet
   core::RequestCounts requests;                    ///< open requests
   uint64_t resident_bytes = 0, resident_budget_bytes = 0, gpu_bytes = 0, gpu_budget_bytes = 0;
   bool textured = false;
@@ -64,7 +64,7 @@ struct PanelContent {
   std::string warning;                      ///< warnings of the builds, see warningOf()
   std::string missing;                      ///< missing models of the scene, see missingText()
   Notice notice;                            ///< state of the stream
-  bool recording = false;                   ///< whether the camera path is recorded
+  bool recording = false;                   ///< true while the camera path is recorded
   std::string message;                      ///< temporary message, for example the name of a screenshot
   Settings settings;
   bool visible = true, help = false, shows_settings = false;

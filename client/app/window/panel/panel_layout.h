@@ -21,7 +21,7 @@ double coveredShare(glm::vec2 window_px, float em_px);
 
 /// A part that the panel drops if the window is too low.
 struct PanelPart {
-  int rank = 0;  ///< parts with higher ranks are dropped first
+  int rank = 0;  ///< order of dropping: parts with higher ranks are dropped first
   float height_px = 0;
 };
 

@@ -57,8 +57,8 @@ class ModelOpener {
   std::thread thread_;
 };
 
-/// Opens a target with a ModelOpener, and opens it again every few seconds while its server is unreachable.
-/// Not thread safe.
+/// Opens a target with a ModelOpener. While the target's server is unreachable, tries again every few
+/// seconds. Not thread safe.
 class RetryingOpener {
  public:
   /// @param target  text for parseTarget(). A refused text counts as a failed attempt.

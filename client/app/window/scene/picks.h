@@ -18,15 +18,15 @@ struct PickedPoint {
   NodeKey node;
   uint32_t lod = 0;
   float error_px = 0;
-  double step = 1;  ///< lattice step: the precision of the position
+  double step = 1;  ///< lattice step, which is the precision of the position
   std::optional<glm::u8vec3> colour;
   std::string model;  ///< name of the model; empty on the ground and in a scene of one model
 };
 
-/// Describes a hit. @param textured  see core::paintAt().
+/// Describes a hit. @param textured  cut that has the model's textures, see core::paintAt().
 PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core::Cut& textured);
 
-/// The last two points that the user clicked on, as text.
+/// The last two points on which the user clicked.
 class Picks {
  public:
   void add(PickedPoint point);

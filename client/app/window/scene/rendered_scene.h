@@ -30,7 +30,7 @@ class RenderedScene {
   };
 
   /// Builds the stores of PLY files, starts servers for local models, and waits until all models are open.
-  /// @param announce  see resolveTarget(). @throws Error.
+  /// @param announce  true: prints the progress of builds, see resolveTarget(). @throws Error.
   RenderedScene(const CommonOptions& options, bool announce);
   ~RenderedScene();
 
