@@ -53,7 +53,7 @@ std::string describe(const ingest::BuildReport& report, const std::filesystem::p
          "; " + numbers + describeBytes(report.peak_rss_bytes) + "\n";
 }
 
-/// @throws Error kUsage if the build would overwrite one of its input files.
+/// Checks the output path. @throws Error kUsage if the build would overwrite one of its input files.
 void checkOutput(const ingest::BuildOptions& options) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(options.output, ignored)) return;
@@ -114,7 +114,7 @@ void addResultOption(CLI::App& command, const ingest::ResultOption<Value>& optio
 void runBuild(const BuildArguments& arguments) {
   const ingest::BuildOptions& options = arguments.options;
   checkOutput(options);
-  std::signal(SIGPIPE, SIG_IGN);  // a build of hours survives the reader of its progress
+  std::signal(SIGPIPE, SIG_IGN);  // a long build continues if the reader of its progress ends
   const ingest::BuildReport report = buildUnlessInterrupted(arguments);
   for (const std::string& warning : report.warnings)
     std::fprintf(stderr, "lodestreamd: warning: %s\n", warning.c_str());

@@ -30,7 +30,8 @@ const char* encodingName(ingest::PlyEncoding encoding) {
 
 Json pointAsJson(glm::dvec3 v) { return {v.x, v.y, v.z}; }
 
-/// Formats the shortest digits that round-trip, as a float if the value is one.
+/// Formats a value with the fewest digits from which the same value can be parsed. The value is formatted as
+/// a float if it is equal to a float.
 std::string describe(double value) {
   const auto as_float = static_cast<float>(value);
   std::array<char, 32> text{};
@@ -113,7 +114,7 @@ class Sheet {
   std::string text_;
 };
 
-/// Returns the number of rows that were read, with the declared number if the file ends before.
+/// Returns the number of rows that were read, and also the declared number if the file ends before.
 std::string rowsInWords(const ingest::DoctorReport& report, uint64_t read, const char* element) {
   const ingest::PlyElement* declared = report.header ? report.header->find(element) : nullptr;
   const bool is_part = !report.is_readable && declared != nullptr && read < declared->count;

@@ -18,7 +18,8 @@ struct ExportArguments {
   bool json = false;
 };
 
-/// Replaces CLI11's NonNegativeNumber, whose message prints all digits of the largest double.
+/// Checks that a number is not negative. CLI11's NonNegativeNumber would print all digits of the largest
+/// double in its message.
 std::string atLeastZero(const std::string& text) {
   double value = 0;
   return CLI::detail::lexical_cast(text, value) && value >= 0 ? ""

@@ -22,7 +22,7 @@ Interruption::Interruption(const char* message) : message_(message) {
   for (size_t i = 0; i < kSignals.size(); ++i) {
     sigaction(kSignals[i], &action, &before_[i]);
     if (before_[i].sa_handler == SIG_IGN)
-      sigaction(kSignals[i], &before_[i], nullptr);  // keep it ignored, as under nohup
+      sigaction(kSignals[i], &before_[i], nullptr);  // keep the signal ignored, as under nohup
   }
 }
 

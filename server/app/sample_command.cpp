@@ -28,7 +28,7 @@ struct SampleArguments {
 
 constexpr size_t kInstances = 120;
 constexpr size_t kColumns = 12;
-constexpr double kSpacing = 2.6;  // in model units; models are about two wide
+constexpr double kSpacing = 2.6;  // distance of models in model units; models are about two units wide
 
 struct SampleModel {
   const char* name;
@@ -90,7 +90,7 @@ uint64_t fillFolder(const std::filesystem::path& folder, uint64_t triangles, uin
 }
 
 /// Writes three models and a scene.json with kInstances instances of them into a new folder.
-/// @param triangles  maximum for each model. @return triangles of the three models together.
+/// @param triangles  maximum per model. @return total number of triangles of the three models.
 /// @throws Error as ingest::writeSample() does; kIo if the folder exists or cannot be created.
 uint64_t writeSampleScene(const std::filesystem::path& folder, uint64_t triangles, uint64_t seed) {
   Unfinished unfinished = makeFolder(folder);

@@ -25,12 +25,12 @@
 namespace lode::app {
 namespace {
 
-constexpr std::chrono::seconds kReloadPatience(2);  ///< wait of a stopped server for its reload
+constexpr std::chrono::seconds kReloadPatience(2);  ///< time that a stopped server waits for its reload
 
 volatile std::sig_atomic_t asked_to_reload = 0;
 
-/// Records SIGHUP until Signals handles it: the server then reloads files that it may have read before the
-/// signal.
+/// Records SIGHUP until a Signals object exists. That object then reloads the files, because the server can
+/// have read them before the signal.
 void noteReloads() {
   std::signal(SIGHUP, [](int) { asked_to_reload = 1; });
 }
@@ -39,7 +39,7 @@ void noteReloads() {
 class Signals {
  public:
   explicit Signals(serve::Server& server) : server_(server), signals_(context_, SIGTERM, SIGINT, SIGHUP) {
-    // Never destroyed, so that a signal during exit does not kill the process.
+    // This set is never destroyed, so that a signal during exit does not kill the process.
     [[maybe_unused]] static const auto* const kept =
         new asio::signal_set(*new asio::io_context, SIGTERM, SIGINT, SIGHUP);
     if (asked_to_reload != 0) askToReload();
@@ -53,7 +53,7 @@ class Signals {
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
 
-  /// Waits for the current reload. @return false if it takes longer than `patience`.
+  /// Waits for the current reload. @return false if the reload takes longer than `patience`.
   bool reloadsEndWithin(std::chrono::seconds patience) {
     std::unique_lock lock(mutex_);
     return reload_ended_.wait_for(lock, patience, [this] { return reloads_open_ == 0; });
@@ -74,7 +74,7 @@ class Signals {
     });
   }
 
-  /// Starts a reload unless one is queued that has not begun.
+  /// Starts a reload, unless another reload is queued and has not begun.
   void askToReload() {
     const std::lock_guard lock(mutex_);
     if (std::exchange(reload_queued_, true)) return;
@@ -99,18 +99,18 @@ class Signals {
   serve::Server& server_;
   asio::io_context context_{1};
   asio::signal_set signals_;
-  asio::thread_pool reloads_{1};  ///< its own thread: the server can stop while a disk hangs
+  asio::thread_pool reloads_{1};  ///< separate thread, so that the server can stop while a disk hangs
   std::atomic<bool> stopping_{false};
-  std::mutex mutex_;  ///< guards the next three
+  std::mutex mutex_;  ///< guards the next three members
   std::condition_variable reload_ended_;
-  bool reload_queued_ = false;  ///< and not begun
+  bool reload_queued_ = false;  ///< whether a reload is queued and has not begun
   int reloads_open_ = 0;
   std::jthread thread_;
 };
 
 void runServe(serve::ServeOptions options) {
   options.listening_socket = socketOfService();
-  std::signal(SIGPIPE, SIG_IGN);  // survive the reader of stdout
+  std::signal(SIGPIPE, SIG_IGN);  // continue if the reader of stdout ends
   noteReloads();
   serve::Server server(std::move(options));
   Signals signals(server);
@@ -119,7 +119,8 @@ void runServe(serve::ServeOptions options) {
   printJson({{"listen", server.address()}, {"metrics", metrics}, {"models", server.models()}});
   notifyService("READY=1");
   server.run();
-  if (!signals.reloadsEndWithin(kReloadPatience)) std::_Exit(0);  // a hanging disk would block the exit
+  if (!signals.reloadsEndWithin(kReloadPatience))
+    std::_Exit(0);  // a reload that waits for a disk would block the exit
 }
 
 constexpr double kLeastSeconds = 0.001;  // least deadline; 0 would end every connection at once

@@ -10,8 +10,9 @@
 namespace lode::ingest {
 namespace {
 
-/// Surface of a cube as a grid of n x n squares per side with shared vertices: 6 n^2 + 2 vertices and 6 n^2
-/// squares, numbered by formula. Vertices are numbered by layers of z: the bottom, rings, the top.
+/// Surface of a cube as a grid of n x n squares per side with shared vertices. The grid has 6 n^2 + 2
+/// vertices and 6 n^2 squares, whose numbers follow from formulas. Vertices are numbered by layers of z: the
+/// bottom, rings, the top.
 class CubeGrid {
  public:
   explicit CubeGrid(uint64_t n) : n_(n) {}
@@ -19,7 +20,7 @@ class CubeGrid {
   uint64_t vertices() const noexcept { return 6 * n_ * n_ + 2; }
   uint64_t squares() const noexcept { return 6 * n_ * n_; }
 
-  /// Grid coordinates of a vertex, 0..n.
+  /// Returns the grid coordinates of a vertex, 0..n.
   std::array<uint32_t, 3> vertex(uint64_t number) const noexcept {
     const uint64_t layer = (n_ + 1) * (n_ + 1);
     const uint64_t rings = 4 * n_ * (n_ - 1);
@@ -33,7 +34,7 @@ class CubeGrid {
             static_cast<uint32_t>(top ? n_ : 0)};
   }
 
-  /// Vertices of a square, counter-clockwise seen from outside.
+  /// Returns the vertices of a square, counter-clockwise seen from outside.
   std::array<uint32_t, 4> square(uint64_t number) const noexcept {
     const uint64_t face = n_ * n_;
     if (number < face) {
@@ -90,7 +91,7 @@ class Asteroid final : public SampleModel {
         n_(n),
         grid_(n),
         relief_(seed, 2.5 * std::numbers::pi / 2 / static_cast<double>(n)) {
-    // Equal angles instead of equal steps: areas of squares differ by a factor of 1.4 instead of 5.
+    // Use equal angles instead of equal steps: areas of squares then differ by a factor of 1.4 instead of 5.
     for (uint64_t i = 0; i <= n; ++i) {
       const double along = static_cast<double>(i) / static_cast<double>(n) - 0.5;
       coordinates_.push_back(std::tan(along * std::numbers::pi / 2));
@@ -136,7 +137,7 @@ class Asteroid final : public SampleModel {
     return vertex;
   }
 
-  /// Dust in hollows, rock on heights, speckled by the fine octaves.
+  /// Returns the colour of dust in hollows or of rock on heights, speckled by the fine octaves.
   static glm::u8vec3 colour(const ReliefPoint& relief) {
     const double rock = std::clamp(0.5 + 2.5 * relief.height, 0.0, 1.0);
     const double light = 1 + 0.6 * relief.fine_height;

@@ -31,10 +31,10 @@ class CellOrder {
     return kindAlong(0, cell.x) + 3 * kindAlong(1, cell.y) + 9 * kindAlong(2, cell.z);
   }
 
-  /// Total over all cells of a count given for each kind of cell.
+  /// Returns the total over all cells of a count that depends on the kind of cell.
   uint64_t sum(const CellCounts& counts) const { return before({0, 0, cells_.z}, counts); }
 
-  /// Total over the cells before `cell`.
+  /// Returns the total over the cells before `cell`.
   uint64_t before(const glm::u64vec3& cell, const CellCounts& counts) const {
     uint64_t sum = 0;
     for (int z = 0; z < 3; ++z) {
@@ -52,7 +52,7 @@ class CellOrder {
  private:
   int kindAlong(int axis, uint64_t at) const { return at == 0 ? 0 : at + 1 < cells_[axis] ? 1 : 2; }
 
-  /// Number of cells of a kind along an axis before index `at`.
+  /// Returns the number of cells of a kind along an axis before index `at`.
   uint64_t countBefore(int axis, uint64_t at, int kind) const {
     if (kind == 0) return at > 0 ? 1 : 0;
     if (kind == 1) return std::clamp<uint64_t>(at, 1, cells_[axis] - 1) - 1;
@@ -121,7 +121,7 @@ class Gyroid final : public SampleModel {
   }
 
  private:
-  /// Displaces a vertex along its normal, scales and bends it.
+  /// Displaces a vertex along its normal, then scales and bends its position.
   SampleVertex finished(const glm::dvec3& cell, const GyroidCell::Vertex& vertex) const {
     const glm::dvec3 periods = cell + glm::dvec3(vertex.position);
     const glm::dvec3 smooth_normal(vertex.normal);
@@ -140,8 +140,8 @@ class Gyroid final : public SampleModel {
     return result;
   }
 
-  /// Shears space along each axis by a function of the other two, which is injective: the surface does not
-  /// meet itself. Transforms the normal by the inverse transpose.
+  /// Shears space along each axis by a function of the other two coordinates. Shears are injective, so that
+  /// the surface does not intersect itself. Transforms the normal by the inverse transpose.
   void bend(glm::dvec3& at, glm::dvec3& normal) const {
     for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 where = kBendFrequency * at;
@@ -154,7 +154,7 @@ class Gyroid final : public SampleModel {
     }
   }
 
-  /// Pale stone, darker in hollows and pores, with rusty stains.
+  /// Returns the colour of pale stone, darker in hollows and pores, with rusty stains.
   glm::u8vec3 colour(const glm::dvec3& at, const ReliefPoint& relief, double wall) const {
     const double stain = static_cast<double>(noise<false>(2.3 * at + bend_[0], 11).value);
     const double pale = std::clamp(0.55 + 1.6 * relief.height + 0.25 * relief.fine_height, 0.0, 1.0);

@@ -8,10 +8,12 @@
 namespace lode::ingest {
 namespace {
 
-constexpr double kLevel = -0.2;      // of the gyroid function; slightly less than half is solid
+constexpr double kLevel =
+    -0.2;  // level of the gyroid function at the surface; slightly less than half is solid
 constexpr double kSteepness = 1.25;  // approximate slope of the function at the surface, per radian
 constexpr double kWall = 0.5;        // distance of the block's walls from the grid's border, in steps
-constexpr double kPhase = std::numbers::pi / 4;  // places the walls so that they cut off no separate pieces
+constexpr double kPhase =
+    std::numbers::pi / 4;  // phase of the walls, at which they cut off no separate pieces
 
 /// Six tetrahedra around the diagonal of a cube, as corner numbers, positively oriented.
 constexpr std::array<std::array<int, 4>, 6> kTetrahedra{
@@ -19,7 +21,7 @@ constexpr std::array<std::array<int, 4>, 6> kTetrahedra{
 
 glm::ivec3 bits(int number) { return {number & 1, number >> 1 & 1, number >> 2}; }
 
-/// Minimum of two depths with gradients, smoothed where the depths differ by less than `radius`.
+/// Returns the minimum of two depths with gradients, smoothed if the depths differ by less than `radius`.
 glm::dvec4 smoothMin(const glm::dvec4& a, const glm::dvec4& b, double radius) {
   const double gap = radius - std::abs(a.x - b.x);
   const glm::dvec4& smaller = a.x < b.x ? a : b;
@@ -36,7 +38,7 @@ constexpr double kRelaxation = 0.6;
 /// Vertices of all 27 cells, in cell order.
 struct Block {
   std::array<size_t, GyroidGrid::kCells> first{};
-  std::vector<glm::dvec3> positions;                 ///< in steps from the block's corner
+  std::vector<glm::dvec3> positions;                 ///< positions in steps from the block's corner
   std::vector<std::pair<uint32_t, uint32_t>> edges;  ///< mesh edges, in both directions
 };
 
@@ -44,7 +46,7 @@ int neighbourOf(int cell, uint8_t neighbour) {
   return cell + (neighbour & 1) + 3 * (neighbour >> 1 & 1) + 9 * (neighbour >> 2);
 }
 
-/// Numbers a cell's vertices and interpolates each along its edge.
+/// Numbers a cell's vertices and interpolates each vertex along its grid edge.
 void addVertices(const GyroidGrid& grid, int cell, GyroidCell& to, Block& block) {
   block.first[cell] = block.positions.size();
   to.number_of_edge.resize(grid.edgesOfCell());
@@ -103,7 +105,7 @@ GyroidGrid::GyroidGrid(int steps) : m_(steps) {
 
 glm::dvec4 GyroidGrid::depth(const glm::dvec3& at) const {
   const double radians = 2 * std::numbers::pi / m_;
-  // Reduce first, so that points whole periods apart give the same bits.
+  // Reduce the point to one period first, so that points whole periods apart result in the same bits.
   const glm::dvec3 phase =
       radians * (at - static_cast<double>(m_) * glm::floor(at / static_cast<double>(m_)));
   const glm::dvec3 s = glm::sin(phase + kPhase), c = glm::cos(phase + kPhase);

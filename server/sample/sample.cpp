@@ -107,7 +107,7 @@ Bytes faceRows(const SampleModel& model, uint64_t block) {
   return bytes;
 }
 
-/// Computes blocks on several threads and writes them in order. Holds at most `threads` blocks in memory.
+/// Computes blocks on several threads and writes them in order. At most `threads` blocks are in memory.
 void writeBlocks(AtomicFile& file, uint64_t blocks, unsigned threads,
                  const std::function<Bytes(uint64_t)>& compute) {
   std::deque<std::future<Bytes>> under_way;

@@ -11,8 +11,8 @@
 namespace lode::ingest {
 namespace {
 
-/// A number with its derivatives by the two parameters of a surface: gives exact tangents of a surface that
-/// is written as plain arithmetic. Source: forward-mode automatic differentiation.
+/// A number with its derivatives by the two parameters of a surface. Plain arithmetic with such numbers
+/// results in exact tangents. Source: forward-mode automatic differentiation.
 struct Dual {
   double value = 0;
   glm::dvec2 slope{0};
@@ -32,7 +32,7 @@ Dual apply(const Dual& at, double value, double derivative) { return {value, der
 
 Dual abs(const Dual& a) { return a.value < 0 ? Dual(0) - a : a; }
 
-/// Rises smoothly from 0 at `from` to 1 at `to`; constant outside.
+/// Returns a value that rises smoothly from 0 at `from` to 1 at `to` and is constant outside.
 Dual smoothStep(double from, double to, const Dual& a) {
   const double t = (a.value - from) / (to - from);
   if (t <= 0) return 0;
@@ -40,7 +40,7 @@ Dual smoothStep(double from, double to, const Dual& a) {
   return apply(a, t * t * (3 - 2 * t), 6 * t * (1 - t) / (to - from));
 }
 
-/// Maximum of two numbers, smoothed where they differ by less than `radius`.
+/// Returns the maximum of two numbers, smoothed if they differ by less than `radius`.
 Dual smoothMax(const Dual& a, const Dual& b, double radius) {
   const double gap = radius - std::abs(a.value - b.value);
   const Dual& larger = a.value > b.value ? a : b;
@@ -56,7 +56,7 @@ constexpr size_t kMaxOctaves = 24;
 
 using DualPoint = std::array<Dual, 3>;
 
-/// Noise at points that depend on the surface's parameters.
+/// Computes noise at points that depend on the surface's parameters.
 class Field {
  public:
   template <class Random>
@@ -79,7 +79,7 @@ class Field {
   uint32_t seed_ = 0;
 };
 
-/// Shape of the land: maps a point of the square -1..1 to a point in space.
+/// Shape of the land, which maps a point of the square -1..1 to a point in space.
 class Land {
  public:
   /// @param finest  shortest wavelength; octaves near it fade in.
@@ -109,11 +109,11 @@ class Land {
  private:
   struct Octave {
     Field field;
-    double share;  ///< below 1 while the octave fades in
+    double share;  ///< weight of the octave, below 1 while the octave fades in
   };
 
-  /// Sharp crests and round valleys, rougher at height. Source: Musgrave's ridged multifractal, in Ebert et
-  /// al., Texturing and Modeling, 2003.
+  /// Computes sharp crests and round valleys, which are rougher at height. Source: Musgrave's ridged
+  /// multifractal, in Ebert et al., Texturing and Modeling, 2003.
   Dual ridges(const Dual& u, const Dual& v) const {
     Dual sum = 0, weight = 1;
     double amplitude = 1;
@@ -127,7 +127,7 @@ class Land {
     return sum;
   }
 
-  /// Level treads and steep risers.
+  /// Cuts a height into level treads and steep risers.
   static Dual terraced(const Dual& height) {
     const Dual steps = Dual(1 / kTerrace) * height;
     const double floor = std::floor(steps.value);
@@ -136,8 +136,8 @@ class Land {
     return Dual(kTerrace) * (Dual(floor) + Dual(0.85) * riser + Dual(0.15) * within);
   }
 
-  /// Shears space along x by (y, z) and along y by (x, z): hard strata overhang soft ones. Shears are
-  /// injective, so the surface does not meet itself.
+  /// Shears space along x by (y, z) and along y by (x, z), so that hard strata overhang soft ones. Shears are
+  /// injective, so that the surface does not intersect itself.
   DualPoint overhanging(DualPoint p) const {
     const Dual firm = smoothStep(kLakeLevel, kLakeLevel + 0.06, p[2]);
     p[0] = p[0] + Dual(0.03) * firm * strata_x_.at(Dual(2) * p[1], Dual(17) * p[2]);
@@ -201,7 +201,7 @@ class Terrain final : public SampleModel {
     return vertex;
   }
 
-  /// Water, sand, grass, rock in bands where it is steep, snow where it is high and flat.
+  /// Returns the colour of water, sand, grass, banded rock on steep land, or snow on high flat land.
   glm::u8vec3 paint(const glm::dvec3& at, double flatness) const {
     const double shade = shade_.at(at.x, at.y).value;
     const double speckle = speckle_.at(at.x, at.y, at.z).value;

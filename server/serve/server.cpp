@@ -24,12 +24,12 @@ namespace lode::serve {
 namespace {
 
 constexpr size_t kReaderThreads = 4;        ///< threads that wait for the disk
-constexpr uint64_t kOtherDescriptors = 64;  ///< descriptors beside those of connections, stores and refusals
+constexpr uint64_t kOtherDescriptors = 64;  ///< descriptors for other than connections, stores and refusals
 constexpr auto kMaintainMemoryEvery = std::chrono::milliseconds(100);
-constexpr uint64_t kTrimBytes = 4u << 20;  ///< freed bytes that are worth a malloc_trim()
+constexpr uint64_t kTrimBytes = 4u << 20;  ///< least number of freed bytes for a call of malloc_trim()
 
-/// Removes the folders of all configured paths from a message. Readers of the log may not know the machine's
-/// folders.
+/// Removes the folders of all configured paths from a message, because readers of the log must not see the
+/// machine's folders.
 std::string withoutFolders(std::string message, const ServeOptions& options) {
   std::vector<std::filesystem::path> named = options.stores;
   named.insert(named.end(), {options.token_file, options.tls_certificate, options.tls_key});
@@ -92,8 +92,8 @@ struct Server::State {
   ServeOptions options;
   const uint64_t open_files = raiseOpenFileLimit();  ///< raised before stores are opened
   Log log;
-  std::mutex reload_mutex;     ///< held for a whole reload, which may wait for a disk
-  std::mutex published_mutex;  ///< guards published and workers; held briefly
+  std::mutex reload_mutex;     ///< locked during a whole reload, which can wait for a disk
+  std::mutex published_mutex;  ///< guards published and workers; locked only briefly
   Published published;         ///< written by the constructor and reload() only
   MemoryBudget budget;
   ByteRate rate;
@@ -101,7 +101,7 @@ struct Server::State {
   Metrics metrics;
   std::atomic<bool> stopping{false};
   std::atomic<size_t> models{0};
-  std::atomic<uint64_t> certificate_expires_s{0};  ///< Unix time; 0 without TLS
+  std::atomic<uint64_t> certificate_expires_s{0};  ///< Unix time of the expiry; 0 without TLS
   std::string address;
   uint16_t port = 0;
   asio::io_context context{1};  ///< accepts connections and serves the health port, on run()'s thread
@@ -147,7 +147,7 @@ std::shared_ptr<asio::ssl::context> Server::State::openCertificate() const {
   return options.tls_certificate.empty() ? nullptr : openTls(options.tls_certificate, options.tls_key);
 }
 
-/// Returns --max-connections, or fewer if the limit of open files is too low.
+/// Returns --max-connections, or a lower limit if the limit of open files is too low.
 uint32_t Server::State::possibleConnections() {
   const uint64_t others = kOtherDescriptors + Refusals::kMost + 2 * published.served.catalog->models().size();
   const uint64_t room = open_files > 2 * others ? open_files - others : open_files / 2;
@@ -238,15 +238,15 @@ void Server::State::run() {
       maintainMemory();
       context.run();
       break;
-    } catch (const std::exception& error) {  // mostly out of memory; continue accepting
+    } catch (const std::exception& error) {  // usually out of memory; accept further connections
       log.write(LogKind::kSystem, reasonOf(error));
     }
   halt();
   for (auto& worker : workers) worker->join();
 }
 
-/// Refills the reserve, and returns freed memory to the system once the use of the budget has halved: malloc
-/// keeps nearly all memory that a flood of requests or answers took.
+/// Refills the reserve. Returns freed memory to the system after the use of the budget has halved, because
+/// malloc keeps nearly all memory that a flood of requests or answers needed.
 void Server::State::maintainMemory() {
   if (reserve.refill() > 0)
     log.write(LogKind::kSystem, "the system has no memory left; the server used its reserve");
@@ -292,7 +292,7 @@ void Server::State::reload() {
   log.write(LogKind::kServer, complete ? "reloaded" : "reloaded partly", {{"models", uint64_t{models}}});
 }
 
-/// Updates the gauges for a served set and logs likely mistakes in it: unknown models, expired tokens, an
+/// Updates the gauges for a served set. Logs likely mistakes in the set: unknown models, expired tokens, an
 /// expired certificate.
 void Server::State::inspect(const Published& now_served) {
   const auto& [served, tls] = now_served;
@@ -331,7 +331,7 @@ void Server::State::halt() {
 
 void Server::State::stopNow() {
   if (stopping.exchange(true)) {
-    drain_timer.cancel();  // its handler runs as if the time were over
+    drain_timer.cancel();  // the timer's handler runs as if the time were over
     return;
   }
   log.write(LogKind::kServer, "stopping");

@@ -58,7 +58,7 @@ void Worker::start(Clock::duration sweep_every) {
     while (true) try {
         context_.run();
         return;
-      } catch (const std::exception& error) {  // mostly out of memory; the other connections go on
+      } catch (const std::exception& error) {  // usually out of memory; the other connections continue
         host_.log->write(LogKind::kSystem, reasonOf(error));
       }
   });
@@ -125,7 +125,8 @@ void Worker::sweepNow(Clock::time_point now) {
   if (budget_.pressed()) closeLargest();
 }
 
-/// Closes the largest connections, but none below the server's average; some thread always has one above it.
+/// Closes the largest connections of this thread that are above the server's average. At least one thread
+/// always has such a connection.
 void Worker::closeLargest() {
   const uint64_t mean = budget_.mean();
   std::vector<Connection*> largest;

@@ -19,10 +19,10 @@
 namespace lode::ingest {
 namespace {
 
-// Change it whenever the format of any entry changes.
+// Magic bytes with the version of the format. Change the version whenever the format of any entry changes.
 constexpr std::array<char, 8> kMagic{'L', 'O', 'D', 'E', 'J', 'N', '0', '6'};
 
-/// Precedes the bytes of an entry. The checksum covers the other fields and the bytes.
+/// Header before the bytes of an entry. The checksum covers the other fields and the bytes.
 struct EntryHeader {
   uint64_t checksum = 0;
   uint64_t number = 0;  ///< sequence number, from 0

@@ -11,7 +11,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kPieceRecords = 1 << 18;  ///< sorted or written per progress report
+constexpr size_t kPieceRecords = 1 << 18;  ///< records sorted or written per progress report
 
 }  // namespace
 
@@ -57,7 +57,7 @@ bool RecordSorter::later(uint32_t a, uint32_t b) const noexcept {
   return std::pair(runs_[a]->key, a) > std::pair(runs_[b]->key, b);
 }
 
-/// Sorts parts in parallel; the part with the lowest keys reports progress.
+/// Sorts parts in parallel. The thread of the part with the lowest keys reports progress.
 void RecordSorter::sortOn(unsigned threads, size_t begin, size_t end, const Progress& progress,
                           uint64_t total) {
   if (threads < 2 || end - begin <= 2 * kPieceRecords) return sortPieces(begin, end, progress, total);

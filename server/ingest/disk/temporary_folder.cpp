@@ -30,7 +30,7 @@ void makeOwnFolder(const std::filesystem::path& path, const FolderUse& use) {
   if (errno != EEXIST) fail(path.parent_path(), use);
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) {
-    if (errno == ENOENT) return makeOwnFolder(path, use);  // another build ended and removed it
+    if (errno == ENOENT) return makeOwnFolder(path, use);  // another build ended and removed the folder
     fail(path.parent_path(), use);
   }
   if (!S_ISDIR(status.st_mode) || status.st_uid != ::geteuid() ||

@@ -57,7 +57,7 @@ void BorderTable::join(std::span<const NodeKey> leaves, const CreaseAngle& creas
       vertex.position = position;
       vertex.lca_depth = static_cast<uint8_t>(ancestor.depth());
       if (ancestor == kRootKey) countBelowRoot(leaves, sharing);
-      uint32_t fans = 0;  // fans of the leaf so far
+      uint32_t fans = 0;  // number of the leaf's fans so far
       for (size_t i = 0; i < sharing.size(); ++i) {
         if (i > 0 && sharing[i].leaf != sharing[i - 1].leaf) fans = 0;
         if (sharing[i].fan != fans) continue;  // a repeated entry of the same fan

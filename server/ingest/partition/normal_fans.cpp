@@ -12,8 +12,9 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kRounding = 1e-4f;  ///< of cosines: passing the quick test implies that every pair passes
-/// Limit per position of a leaf. With more, the creases are noise: the position gets one fan.
+constexpr float kRounding = 1e-4f;  ///< margin of cosines, so that all pairs pass if the quick test passes
+/// Limit of fans per position of a leaf. A position with more fans gets a single fan, because its creases are
+/// noise.
 constexpr size_t kMostFans = 32;
 
 glm::vec3 directionOf(glm::i64vec3 cross) noexcept {
@@ -49,7 +50,7 @@ class CornersAt {
 /// An edge at a position with one of its faces.
 struct Side {
   uint32_t other;  ///< position at the edge's far end
-  uint32_t index;  ///< of the face among the corners at the position
+  uint32_t index;  ///< index of the face among the corners at the position
   auto operator<=>(const Side&) const = default;
 };
 
@@ -204,7 +205,7 @@ std::vector<uint16_t> joinFans(std::span<const ListedFan> listed, const CreaseAn
   Groups groups(listed.size());
   std::vector<End> ends;
   std::vector<glm::i64vec3> sums;
-  uint32_t first = 0;  // first entry of the leaf; its fans follow in order, then additional entries
+  uint32_t first = 0;  // first entry of the leaf; the leaf's fans follow in order, then additional entries
   for (uint32_t i = 0; i < listed.size(); ++i) {
     const ListedFan& fan = listed[i];
     if (fan.leaf != listed[first].leaf) first = i;

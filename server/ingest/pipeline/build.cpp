@@ -16,7 +16,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Resolves links, so that temporary files lie beside the real output.
+/// Resolves links, so that temporary files are next to the real output.
 std::filesystem::path outputOf(const BuildOptions& options) {
   OutputTarget target = findOutput(options.output);
   if (target.is_stream)
@@ -40,7 +40,7 @@ BuildOptions withDefaults(BuildOptions options) {
   return options;
 }
 
-/// Runs the stages in order. Each stage takes the stages whose results it needs.
+/// Runs the stages in order. The constructor of a stage receives the stages whose results it needs.
 void runStages(BuildSession& session) {
   ScanStage scan(session);
   TextureStage textures(session, scan);
@@ -53,7 +53,7 @@ void runStages(BuildSession& session) {
   session.noteTextureFiles(scan.textureFiles());
 }
 
-/// Tells how to resume after a failure; empty if the build would only fail again.
+/// Returns a hint how to resume after a failure, or an empty text if the build would only fail again.
 std::string_view resumeHint(const Error& error, const BuildSession& session) noexcept {
   if (error.code() == ErrorCode::kIo) return "run the same command again to continue";
   return session.lacksMemory() ? "run the same command with more --memory to continue" : "";

@@ -21,7 +21,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kEndBytes = 256 << 10;  ///< hashed at the head and at the tail
+constexpr uint64_t kEndBytes = 256 << 10;  ///< bytes hashed at the head and at the tail
 constexpr uint64_t kSamples = 64, kSampleBytes = 4096;
 
 void append(int file, uint64_t offset, uint64_t bytes, std::vector<std::byte>& to) {
@@ -38,8 +38,8 @@ uint64_t hashContent(int file, uint64_t bytes) {
   return checksum(taken);
 }
 
-/// Fingerprints the images that a model names. Returns none if the header cannot be read or names too many
-/// images: the scan stage reports that.
+/// Computes fingerprints of the images that a model names. Returns nothing if the header cannot be read or
+/// names too many images; the scan stage reports such errors.
 std::vector<BuildIdentity::Texture> texturesOf(const std::filesystem::path& ply) {
   std::vector<BuildIdentity::Texture> textures;
   try {
@@ -88,7 +88,8 @@ std::string asGiven(const std::string& name, float value) {
   return name + text;
 }
 
-/// Returns the first option of `then` that differs in `now`, as on a command line; empty if none does.
+/// Returns the first option of `then` that differs in `now`, as on a command line. Returns an empty text if
+/// all options are equal.
 std::string changedOption(const ResultOptions& then, const ResultOptions& now) {
   std::string changed;
   forEachResultOption([&](const auto& option) {
@@ -150,7 +151,7 @@ BuildIdentity BuildIdentity::load(RecordReader& record) {
   return identity;
 }
 
-/// Requires equal inputs, hence equal names.
+/// Compares the fingerprints of textures. The inputs must be equal, so that the names are equal too.
 std::string BuildIdentity::textureDifference(const BuildIdentity& now) const {
   for (size_t i = 0; i < std::min(textures.size(), now.textures.size()); ++i) {
     const FileFingerprint &then = textures[i].image, &today = now.textures[i].image;

@@ -45,7 +45,7 @@ BuildSession::BuildSession(const BuildOptions& options, const BuildProgress& pro
   folder_.keep(false);
 }
 
-/// Opens the existing journal if this build can resume from it; removes the earlier build otherwise.
+/// Opens the existing journal if this build can resume from it. Otherwise removes the earlier build.
 void BuildSession::resume() {
   try {
     journal_.emplace(Journal::open(
@@ -115,7 +115,7 @@ void BuildSession::run(Stage& stage) {
   done_.push_back(&stage);
 }
 
-/// @return false if the stage must run.
+/// Loads the result of a finished stage. @return false if the stage must run.
 bool BuildSession::loadRecorded(Stage& stage) {
   const bool is_used_up = recorded_.isPast(stage.traits().used_up_by);
   const auto recorded = recorded_.stages.find(stage.traits().entry);

@@ -21,8 +21,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Finds the images that an input names. An image too large for the memory is an error: a store without it
-/// would depend on --memory. @throws Error kLimit.
+/// Finds the images that an input names. Fails if an image is too large for the memory, because a store
+/// without this image would depend on --memory. @throws Error kLimit.
 std::vector<TextureImage> findImages(BuildSession& session, std::span<const std::string> names) {
   const BuildOptions& options = session.options();
   std::vector<TextureImage> images = surveyTextures(options.input, names, session.plan().image_bytes);
@@ -43,7 +43,8 @@ class SortLog {
 
   void beginBatch(const DereferencePoint& batch) { batch_ = batch; }
   void afterTriangle() {
-    // With ample memory the first run is written late: force one, so that a kill loses little work.
+    // With much memory, the first run would be written late. Write a run now, so that a kill loses little
+    // work.
     if (sorter_.size() % kTrianglesPerClockCheck == 0 &&
         CheckpointClock::Clock::now() - last_run_ > CheckpointClock::kLatest)
       sorter_.spill();
@@ -72,7 +73,8 @@ class SortLog {
 
 constexpr double kRounding = 1.0001;  ///< keeps an error an upper bound when it is stored as float
 
-/// Upper bound on the triangles that the root's children pass to it; grows with their locked vertices.
+/// Returns an upper bound on the number of triangles that the root's children pass to the root. The bound
+/// grows with the number of locked vertices.
 uint64_t mostTrianglesOfRoot(const Partition& partition, uint32_t triangles_per_node) {
   std::array<bool, 8> has_leaves{};
   for (const NodeKey leaf : partition.leaves) has_leaves[leaf.ancestorAt(1).octant()] = true;

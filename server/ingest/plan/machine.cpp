@@ -16,7 +16,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Memory budget per heap: with a heap for each of eight threads a small build takes half as much again.
+/// Memory budget per heap of the allocator. With eight threads and a heap per thread, a small build would use
+/// half as much memory again.
 constexpr uint64_t kMemoryForEachHeap = 64 << 20;
 constexpr uint64_t kMostHeaps = 256;
 

@@ -8,23 +8,25 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kProgramBytes = 24 << 20;  ///< code and file buffers
+constexpr uint64_t kProgramBytes = 24 << 20;  ///< memory of code and file buffers
 constexpr uint64_t kMarginBytes = 24 << 20;   ///< memory that the allocator keeps from earlier stages
-/// Per triangle of a node capacity: finished nodes whose parents are not built yet; usually half of it.
+/// Memory of finished nodes whose parents are not built yet, per triangle of the node capacity. Builds
+/// usually need half as much.
 constexpr uint64_t kFrontierBytes = 5 << 10;
-constexpr uint64_t kWorkerBytes = 2816;  ///< per triangle of the node that a thread simplifies
-/// Per triangle of a large node, whose LODs are kept on disk; with attributes in the quadrics or without.
+constexpr uint64_t kWorkerBytes = 2816;  ///< memory per triangle of the node that a thread simplifies
+/// Memory per triangle of a large node, whose LODs are kept on disk, without and with attributes in the
+/// quadrics.
 constexpr uint64_t kLargeNodeBytes = 300, kLargeNodeBytesWithAttributes = 360;
-/// Per triangle of a model too small to give every thread a node, or to have all levels of a tree.
+/// Memory per triangle of a model that has fewer nodes than threads, and of a tree without all its levels.
 constexpr uint64_t kSmallModelBytes = 704, kGrowingFrontierBytes = 64;
-constexpr uint64_t kEncoderBytes = 20 << 20;  ///< a thread's tile, its encoder, and encoded tiles
+constexpr uint64_t kEncoderBytes = 20 << 20;  ///< memory of a thread's tile, encoder and encoded tiles
 constexpr uint64_t kBesideImage = kProgramBytes + kEncoderBytes;
-constexpr uint64_t kSortOrderBytes = 16;    ///< per record of a sort
-constexpr uint64_t kBatchVertexBytes = 20;  ///< per vertex of a dereference batch: position and attributes
+constexpr uint64_t kSortOrderBytes = 16;    ///< memory per record of a sort
+constexpr uint64_t kBatchVertexBytes = 20;  ///< memory of a batch per vertex: position and attributes
 /// Typical values for forecasts: memory of the program, and share of the planned memory that nodes use.
 constexpr uint64_t kUsualProgramBytes = 14 << 20;
 constexpr double kUsualShare = 0.75, kUsualShareWithoutAttributes = 0.5;
-constexpr double kGrowth = 1.25;  ///< capacity of a growing buffer over its size
+constexpr double kGrowth = 1.25;  ///< ratio of a growing buffer's capacity to its size
 
 }  // namespace
 

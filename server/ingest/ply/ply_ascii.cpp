@@ -13,8 +13,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Limit on the length of a number. (A double with all digits may need 1079 characters; no program writes
-/// that.)
+/// Limit on the length of a number. (A double with all digits can need 1079 characters, but no program writes
+/// so many.)
 constexpr size_t kMaxTokenBytes = 512;
 
 constexpr const char* kOneRowPerLine = ", with one row per line";
@@ -58,7 +58,7 @@ Parsed parseInteger(std::string_view token, double& value) {
   return fits ? Parsed::kOk : Parsed::kOutOfRange;
 }
 
-/// Parses a value of a type; rounds floats once, directly to the type.
+/// Parses a value of a type. Rounds floats once, directly to the type.
 Parsed parseValue(PlyType type, std::string_view token, double& value) {
   if (token.starts_with('+')) token.remove_prefix(1);
   return withPlyType(type, [&]<class T>(std::type_identity<T>) {
@@ -126,7 +126,7 @@ class AsciiBody final : public PlyBody {
   }
 
   uint64_t leastRowBytes(const PlyElement& element) const noexcept override {
-    return 2 * element.properties.size();  // a digit and a separator each
+    return 2 * element.properties.size();  // at least a digit and a separator per property
   }
 
  private:
@@ -144,7 +144,7 @@ class AsciiBody final : public PlyBody {
     }
   }
 
-  /// Returns the next word of the line, valid until the next call; empty at the line's end.
+  /// Returns the next word of the line, valid until the next call. Returns an empty word at the line's end.
   std::string_view nextToken() {
     if (!skipBlanks()) return {};
     if (input_.available() <= kMaxTokenBytes) {

@@ -55,7 +55,8 @@ void PlyVertexBatch::flush() {
   if (used_ == 0) return;
   if (has_normals_) countNormals();
   const uint64_t first = counts_.vertices;
-  const size_t count = std::exchange(used_, 0);  // reset first: if the sink throws, they are counted once
+  const size_t count =
+      std::exchange(used_, 0);  // reset before the sink can throw, so that vertices count once
   counts_.vertices += count;
   if (sink_) sink_(first, std::span<const PlyVertex>(rows_).first(count));
 }
@@ -115,7 +116,7 @@ FaceVerdict PlyFaceBatch::add(std::span<const int64_t> corners, std::span<const 
 
 uint16_t PlyFaceBatch::takeMaterial(int64_t texnumber) {
   constexpr int64_t kNone = -1;
-  const auto number = static_cast<uint64_t>(texnumber);  // a negative one becomes larger than any
+  const auto number = static_cast<uint64_t>(texnumber);  // a negative number becomes larger than all others
   counts_.unknown_textures += textures_ > 0 && texnumber != kNone && number >= textures_;
   return number < kNoMaterial ? static_cast<uint16_t>(number) : kNoMaterial;
 }

@@ -59,7 +59,7 @@ class HeaderLines {
  public:
   explicit HeaderLines(std::string_view text) : text_(text) {}
 
-  uint64_t number() const noexcept { return number_; }  ///< of the last returned line, from 1
+  uint64_t number() const noexcept { return number_; }  ///< number of the last line, from 1
   size_t position() const noexcept { return position_; }
 
   std::optional<std::string_view> next() {

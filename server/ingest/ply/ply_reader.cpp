@@ -15,7 +15,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Returns a message if the file is too short for the header's counts; empty if it is not.
+/// Returns a message if the file is too short for the header's counts, else an empty text.
 std::string sizeProblem(const PlyHeader& header, const PlyBody& body, const PlyInput& input) {
   uint64_t left = input.remaining() + 1;  // an ascii file may end without a line end
   for (const PlyElement& element : header.elements) {

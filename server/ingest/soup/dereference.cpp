@@ -12,13 +12,13 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kVerticesAPiece = 16 * FaceBatch::kSweepVertices;
-constexpr uint64_t kShareOfFaces = 2, kShareOfHelpers = 4;  ///< divisors of the memory
-constexpr uint64_t kCursorBytes = 1 << 20;                  ///< read buffer of a thread
+constexpr uint64_t kShareOfFaces = 2, kShareOfHelpers = 4;  ///< shares of the memory, as divisors
+constexpr uint64_t kCursorBytes = 1 << 20;                  ///< size of a thread's read buffer
 
 /// Vertices of a batch of faces, by rank.
 struct BatchVertices {
   std::vector<PositionCode> positions;
-  std::vector<VertexAttributes> attributes;  ///< empty if the input's vertices have none
+  std::vector<VertexAttributes> attributes;  ///< empty if the input's vertices have no attributes
 };
 
 /// Snaps the vertices of a batch. @return largest distance that a vertex moves, in steps.
@@ -58,7 +58,7 @@ uint64_t mostTriangles(const PackedInput::FaceBlock& block) {
   return block.corners.size() - 2 * block.faceCount();
 }
 
-/// Returns the number of threads, beside the caller's, whose blocks fit in the memory.
+/// Returns the number of threads, in addition to the caller's, whose blocks fit in the memory.
 unsigned helpersFor(const FaceBatch& faces, unsigned threads, uint64_t memory_bytes) {
   uint64_t triangles = 0;
   for (const PackedInput::FaceBlock& block : faces.blocks())
@@ -68,7 +68,7 @@ unsigned helpersFor(const FaceBatch& faces, unsigned threads, uint64_t memory_by
   return static_cast<unsigned>(std::min<uint64_t>(threads - 1, memory_bytes / kShareOfHelpers / each));
 }
 
-/// Makes the triangles of one block. Not thread safe.
+/// Creates the triangles of one block. Not thread safe.
 class BlockDereference {
  public:
   BlockDereference(const PackedInput& input, const FaceBatch& faces, const BatchVertices& vertices,
@@ -109,7 +109,7 @@ class BlockDereference {
     for (const glm::u32vec3& t : cut_) add(face, face.first + t);
   }
 
-  /// Caches the normal, since a polygon needs it at every corner.
+  /// Caches the normal of the face, because a polygon needs the normal at every corner.
   uint16_t normalOf(const Face& face) {
     if (normal_of_face_) return *normal_of_face_;
     const glm::dvec3 from = positionOf(face.first);
@@ -155,7 +155,7 @@ class BlockDereference {
   BlockSoup soup_;
   std::vector<glm::dvec3> outline_;
   std::vector<glm::u32vec3> cut_;
-  std::optional<uint16_t> normal_of_face_;  ///< of the face being added
+  std::optional<uint16_t> normal_of_face_;  ///< normal of the face being added, if computed
 };
 
 }  // namespace

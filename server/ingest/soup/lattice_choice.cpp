@@ -17,8 +17,8 @@ namespace {
 
 constexpr uint64_t kSampledFaces = 1 << 17;
 constexpr double kStepsInShortEdge = 32;
-/// Minimum over the longest side. Snapping moves a corner by at most half a cell diagonal, 0.87 steps: less
-/// than a pixel if the side fills 3840 pixels.
+/// Least number of steps along the box's longest side. Snapping moves a corner by at most half a cell
+/// diagonal, which is 0.87 steps. This is less than a pixel if the side is 3840 pixels long on a screen.
 constexpr double kLeastStepsInBox = 4096;
 constexpr double kMostStepsInBox = (1 << kLatticeBits) - 2;
 constexpr uint64_t kFacesForEachLost = 1'000'000;
@@ -43,7 +43,7 @@ UsedAndSampled sampleFaces(const PackedInput& input) {
   return result;
 }
 
-/// Largest isLatticeStep() that is at most `value`.
+/// Returns the largest isLatticeStep() that is at most `value`.
 double stepAtMost(double value) {
   int exponent = 0;
   const double eighths = std::floor(8 * std::frexp(value, &exponent));
@@ -51,8 +51,9 @@ double stepAtMost(double value) {
 }
 double powerOfTwoAtLeast(double value) { return std::exp2(std::ceil(std::log2(value))); }
 
-/// A power of two. Multiples of other steps have more bits; the factor of four times epsilon leaves room for
-/// them, including the origin, which is the box's corner rounded down.
+/// Returns the finest possible step, which is a power of two. Multiples of other steps have more bits. The
+/// factor of four times epsilon leaves room for these bits, also in the origin, which is the box's corner
+/// rounded down.
 double finestStep(glm::dvec3 box_min, glm::dvec3 box_max) {
   const glm::dvec3 size = box_max - box_min;
   const glm::dvec3 farthest = glm::max(glm::abs(box_min), glm::abs(box_max));
@@ -115,7 +116,7 @@ Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& posi
   std::vector<double> edges = edgesOf(faces, position_of);
   const double coarsest = chooseStep(edges, box_min, box_max), finest = finestStep(box_min, box_max);
   releaseStorage(edges);
-  std::vector<SampledFace> at_risk;  // only these can be lost on a finer lattice
+  std::vector<SampledFace> at_risk;  // only these faces can be lost on a finer lattice
   const auto reaches = [&](const SampledFace& face) {
     for (size_t c = 0; c < 4; ++c) {
       if (face[c] == face[(c + 1) % 4]) continue;

@@ -37,7 +37,7 @@ void checkVertices(const PlyHeader& header, const std::string& name) {
                                      " vertices, more than 4294967295; split the model");
 }
 
-/// @param attributes  to take from the file.
+/// @param attributes  attributes to use from the file.
 ScannedModel pack(PlyReader& reader, AttributeSet attributes, const TemporaryFolder& folder,
                   const BuildProgress& progress) {
   ScannedModel model{

@@ -8,15 +8,15 @@
 namespace lode::ingest {
 namespace {
 
-/// Twice the signed area.
+/// Returns twice the signed area of a triangle.
 double cross(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// Tolerance in accepting ears, rising. Simple polygons need at most kFlat.
+/// Rising tolerances for the acceptance of ears. Simple polygons need at most kFlat.
 enum Tolerance { kStrict, kTouching, kFlat, kConvex, kAny };
 
-/// Points in square cells, about one per cell.
+/// A grid of square cells that contain about one point each.
 class PointGrid {
  public:
   PointGrid() = default;
@@ -38,8 +38,8 @@ class PointGrid {
     for (const uint32_t i : numbers) numbers_[next[cellOf(points[i])]++] = i;
   }
 
-  /// Returns whether the test holds for any point in the cells that a triangle's box touches. Subtracts its
-  /// steps from the budget.
+  /// Returns whether the test is true for any point in the cells that a triangle's box touches. Subtracts the
+  /// number of tests from the budget.
   template <class Test>
   bool any(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, int64_t& budget, const Test& test) const {
     if (cells_ == 0) return false;
@@ -69,12 +69,13 @@ class PointGrid {
 
   glm::dvec2 low_{0};
   double scale_ = 0;
-  uint32_t cells_ = 0;  ///< per side
+  uint32_t cells_ = 0;  ///< number of cells per side
   std::vector<uint32_t> starts_;
   std::vector<uint32_t> numbers_;
 };
 
-/// A polygon projected to the coordinate plane where it is largest, counter-clockwise, scaled to about 1.
+/// A polygon projected to the coordinate plane in which its area is largest, counter-clockwise and scaled to
+/// about 1.
 class Outline {
  public:
   explicit Outline(std::span<const glm::dvec3> corners) : size_(static_cast<uint32_t>(corners.size())) {
@@ -84,8 +85,9 @@ class Outline {
       const glm::dvec3 relative = corner - corners[0];
       extent = std::max({extent, std::fabs(relative.x), std::fabs(relative.y), std::fabs(relative.z)});
     }
-    if (!(extent > 0) || !std::isfinite(extent)) return;  // all points at 0: any ear will do
-    glm::dvec3 normal(0);                                 // Newell's method
+    if (!(extent > 0) || !std::isfinite(extent))
+      return;              // all points stay at 0, so that every corner is an ear
+    glm::dvec3 normal(0);  // Newell's method
     glm::dvec3 last = (corners.back() - corners[0]) / extent;
     for (const glm::dvec3& corner : corners) {
       const glm::dvec3 here = (corner - corners[0]) / extent;
@@ -125,7 +127,7 @@ class Outline {
       --left;
       if (tolerance != kStrict) candidates_.clear();
       tolerance = kStrict;
-      candidates_.push_back(before);  // no other corner becomes an ear by this
+      candidates_.push_back(before);  // only the two neighbours can become ears
       candidates_.push_back(after);
     }
     const uint32_t last =
@@ -149,7 +151,7 @@ class Outline {
     queueAll();
   }
 
-  /// Queues every second corner first, since consecutive ears would form fans.
+  /// Queues every second corner first, because consecutive ears would form fans.
   void queueAll() {
     for (const uint32_t first : {0u, 1u}) {
       for (uint32_t i = first; i < size_; i += 2) {
@@ -180,7 +182,8 @@ class Outline {
     return tolerance == kStrict ? least >= 0 : least > 0;
   }
 
-  /// Limit of tests of a corner against an ear. A polygon that exceeds it is not simple: then any ear is cut.
+  /// Limit of tests of a corner against an ear. A polygon that exceeds the limit is not simple, and any
+  /// corner is then cut off as an ear.
   static constexpr int64_t kLeastBudget = 100'000;
   static constexpr int64_t kBudgetPerCorner = 1024;
 
@@ -190,11 +193,11 @@ class Outline {
   std::vector<uint32_t> after_;
   std::vector<bool> removed_;
   std::deque<uint32_t> candidates_;
-  PointGrid reflex_;  ///< only corners that are reflex initially can lie in an ear
+  PointGrid reflex_;  ///< corners that are reflex at first; no other corner can lie in an ear
   int64_t budget_ = 0;
 };
 
-/// Cuts along a diagonal that lies inside; along the shorter one if both do.
+/// Cuts a quad along a diagonal inside the quad. Chooses the shorter diagonal if both are inside.
 void cutQuad(std::span<const glm::dvec3> corners, std::vector<glm::u32vec3>& triangles) {
   // Area vector of the quad; a triangle is inside if its area vector has the same direction.
   const glm::dvec3 normal = glm::cross(corners[2] - corners[0], corners[3] - corners[1]);

@@ -16,17 +16,17 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kTexelBytes = sizeof(glm::u8vec4);
-/// Per texel, beside the image: the next level, or a decoder's rows.
+/// Memory per texel in addition to the image, for the next level or for a decoder's rows.
 constexpr uint64_t kUsualTexelBytes = 2;
-/// Additional per texel: coefficients of a JPEG in several scans, in blocks.
+/// Additional memory per texel for a JPEG with several scans, whose decoder stores coefficients in blocks.
 constexpr uint64_t kCoefficientBytes = 6, kJpegBlockPx = 32;
-/// Tables to decode lossless WebP or its alpha: enough for files of the reference encoder; a crafted file may
-/// need more.
+/// Memory of the tables to decode lossless WebP or lossless alpha. This suffices for files of the reference
+/// encoder; a crafted file can need more.
 constexpr uint64_t kWebpTableBytes = 1u << 20;
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::kInput, what); }
 
-/// @param decoder_bytes  per texel, for the decoder.
+/// @param decoder_bytes  memory per texel for the decoder.
 ImageHeader headerOf(uint64_t width, uint64_t height, uint64_t decoder_bytes) {
   if (width == 0 || height == 0) refuse("has no pixels");
   if (std::max(width, height) > kMaxTextureEdgePx)
@@ -49,7 +49,7 @@ void decodePng(std::span<const std::byte> file, Image& image) {
   png.version = PNG_IMAGE_VERSION;
   if (png_image_begin_read_from_memory(&png, file.data(), file.size()) != 0) {
     png.format = PNG_FORMAT_RGBA;
-    png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // treat 16 bits without a gamma as sRGB, like other programs
+    png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // 16 bits without a gamma are sRGB, as in other programs
     if (png_image_finish_read(&png, nullptr, image.texels.data(), 0, nullptr) != 0) return;
   }
   refuse(std::string("is a damaged PNG: ") + png.message);

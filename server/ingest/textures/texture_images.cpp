@@ -29,7 +29,7 @@ std::string inPixels(const ImageHeader& header) {
   return std::to_string(header.width) + " x " + std::to_string(header.height) + " pixels";
 }
 
-/// Reads the header, or sets `problem`.
+/// Reads the header of an image, or sets `problem`.
 void examine(TextureImage& image, uint64_t memory_bytes) {
   try {
     const std::vector<std::byte> file = readImageFile(image.path, memory_bytes);
@@ -66,7 +66,8 @@ void checkTiles(const std::filesystem::path& ply, const std::vector<TextureImage
 
 constexpr const char* kOutside = "is outside the PLY file's folder; move it there and name it without a path";
 
-/// Folders that may contain images of a PLY: its own and, if it is a link, that of its target.
+/// Returns the folders that can contain images of a PLY file: the folder of the file and, if the file is a
+/// link, the folder of the link's target.
 std::vector<std::filesystem::path> foldersOf(const std::filesystem::path& ply) {
   std::vector<std::filesystem::path> folders;
   std::error_code failed;

@@ -15,9 +15,9 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kTilesAtOnce = 8;  ///< encoded per thread before they are written
+constexpr size_t kTilesAtOnce = 8;  ///< tiles that a thread encodes before they are written
 
-/// Makes a name valid for a texture set.
+/// Changes a name so that it is valid in a texture set.
 std::string presentable(std::string name) {
   name.resize(std::min<size_t>(name.size(), kMaxTextureNameBytes));
   if (isPrintableUtf8(name)) return name;
@@ -129,7 +129,7 @@ class Stager {
   std::vector<std::string>& warnings_;
   const size_t textures_;
   size_t done_textures_ = 0;
-  unsigned threads_ = 1;  ///< of the current texture, like the next two
+  unsigned threads_ = 1;  ///< threads for the current texture; the next two members belong to it too
   TileCodec codec_ = TileCodec::kJpeg;
   size_t staged_tiles_ = 0;
   uint64_t all_tiles_ = 0;

@@ -17,8 +17,9 @@ namespace {
 constexpr int kQuality = 90;
 constexpr size_t kDrawingColours = 256;
 
-/// Must create no object with a destructor, since libjpeg reports errors by longjmp.
-/// @param bytes  allocated with malloc.
+/// Encodes a tile as JPEG. Must not create an object with a destructor, because libjpeg reports errors by
+/// longjmp.
+/// @param bytes  receives memory allocated with malloc.
 bool compressJpeg(const Image& tile, unsigned char*& bytes, unsigned long& size) {
   jpeg_compress_struct info{};
   JpegErrors errors;
@@ -73,7 +74,7 @@ std::vector<std::byte> encodeWebp(const Image& tile, bool lossless) {
   if (WebPConfigPreset(&config, WEBP_PRESET_DEFAULT, kQuality) == 0 || WebPPictureInit(&picture) == 0)
     throw Error(ErrorCode::kInternal, "libwebp has another version than its headers");
   if (lossless) WebPConfigLosslessPreset(&config, 6);
-  config.exact = 1;  // keep colours of transparent texels, since filtering mixes them with neighbours
+  config.exact = 1;  // keep colours of transparent texels, because filters mix them with neighbours
   picture.use_argb = 1;
   picture.width = static_cast<int>(tile.size.x);
   picture.height = static_cast<int>(tile.size.y);

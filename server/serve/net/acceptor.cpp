@@ -19,10 +19,10 @@ namespace {
 
 using asio::ip::tcp;
 
-constexpr auto kAcceptPause = std::chrono::milliseconds(100);  ///< after a failed accept()
+constexpr auto kAcceptPause = std::chrono::milliseconds(100);  ///< pause after a failed accept()
 constexpr auto kSweepEvery = std::chrono::milliseconds(100);
 constexpr int kNotSentLowBytes =
-    16 << 10;  ///< TCP_NOTSENT_LOWAT: bytes queued in the kernel cannot be overtaken
+    16 << 10;  ///< TCP_NOTSENT_LOWAT; low, because urgent bytes cannot overtake bytes in the kernel
 
 void tune(tcp::socket& socket) {
   asio::error_code ignored;

@@ -16,7 +16,7 @@ namespace lode::serve {
 
 namespace {
 
-constexpr size_t kMaxKeptBodyBytes = 4u << 10;  ///< capacity kept for the next frame
+constexpr size_t kMaxKeptBodyBytes = 4u << 10;  ///< largest capacity kept for the next frame
 
 LogKind kindOfEnd(EndReason reason, bool unauthorized) {
   if (reason == EndReason::kTls || reason == EndReason::kProxyHeader) return LogKind::kProtocolMistake;
@@ -129,7 +129,7 @@ asio::awaitable<void> Connection::read() {
     }
   } catch (const Error& error) {
     const bool is_cut_off = error.code() == ErrorCode::kNetwork;
-    broken = is_cut_off && !session_.closing();  // a refused client may cut the connection
+    broken = is_cut_off && !session_.closing();  // a refused client is allowed to cut the connection
     if (broken) end(EndReason::kBroken);
     if (!is_cut_off)
       session_.refuse(
@@ -153,7 +153,8 @@ asio::awaitable<void> Connection::read() {
   wakeWriter();
 }
 
-/// Reads the balancer's header and does the TLS handshake. @return false if the client closed first.
+/// Reads the balancer's header and does the TLS handshake. @return false if the client closed the connection
+/// before.
 asio::awaitable<bool> Connection::greet() {
   if (limits_.proxy_protocol) {
     std::optional<ProxyHeader> header;
@@ -189,7 +190,7 @@ void Connection::turnAway(RefusalReason refused, EndReason ended, const std::str
   why_ = why;
 }
 
-/// Frees the memory of a large frame except kMaxKeptBodyBytes and returns it to the budget.
+/// Frees the memory of a large frame except kMaxKeptBodyBytes, and returns the freed memory to the budget.
 void Connection::releaseStorageOf(proto::Frame& frame) {
   if (frame.body.capacity() <= kMaxKeptBodyBytes) return;
   memory_.give(frame.body.capacity() - kMaxKeptBodyBytes);

@@ -18,15 +18,17 @@ namespace lode::serve {
 namespace {
 
 constexpr size_t kChunkFrameHeadBytes = proto::kFrameHeaderBytes + proto::kBlobChunkHeaderBytes;
-constexpr size_t kMaxFreeBuffers = 64;         ///< of a thread; further buffers are freed
-constexpr size_t kMaxColdReads = 8;            ///< of a connection at a time
+constexpr size_t kMaxFreeBuffers = 64;  ///< limit of unused buffers per thread; further buffers are freed
+constexpr size_t kMaxColdReads = 8;     ///< limit per connection at a time
 constexpr size_t kSlowWriteBytes = 16u << 10;  ///< size of a write on a slow link
-/// Writes are this small until the client is known to read: they fit into its first TCP window, so that a
-/// client that never reads holds no buffer here. It is known to read after kReadersBytes.
+/// Size of the first writes. They fit into the client's first TCP window, so that a client that never reads
+/// occupies no buffer here. After kReadersBytes the client is known to read, and writes become larger.
 constexpr size_t kFirstWriteBytes = 48u << 10, kReadersBytes = 256u << 10;
-constexpr int kLittleUnsentBytes = 8 << 10;  ///< unsent bytes in the kernel at which the link counts as fast
+constexpr int kLittleUnsentBytes =
+    8 << 10;  ///< most unsent bytes in the kernel at which a link counts as fast
 constexpr auto kLinger = std::chrono::seconds(2);
-constexpr auto kLingerForMemory = std::chrono::milliseconds(100);  ///< other connections wait for the memory
+constexpr auto kLingerForMemory =
+    std::chrono::milliseconds(100);  ///< short, because other connections wait for memory
 
 void append(ChunkBuffer& buffer, const Chunk& chunk) {
   const auto head =
@@ -75,7 +77,7 @@ asio::awaitable<void> Connection::write() {
 
 asio::awaitable<void> Connection::writeFrames() {
   while (!gone_) {
-    if (slow_) {  // wait until the kernel takes more, so that later urgent requests can go first
+    if (slow_) {  // wait until the kernel accepts more, so that later urgent requests can go first
       writing_since_ = Clock::now();
       session_.onBackpressure(*writing_since_);
       asio::error_code error;
@@ -117,7 +119,7 @@ bool Connection::linkIsSlow() {
          unsent > kLittleUnsentBytes;
 }
 
-/// Returns true if the rates allow sending blobs now; otherwise takes a turn and the writer waits for it.
+/// Returns true if the rates allow sending blobs now. Otherwise reserves a time for which the writer waits.
 bool Connection::isItsTurn() {
   if (!rate_.limited() && !host_.rate->limited()) return true;
   const auto now = Clock::now();
@@ -164,7 +166,7 @@ ReadResult Connection::readChunk(const Chunk& chunk, std::span<std::byte> into) 
   const std::shared_ptr<ColdRead> read = std::move(*cold);
   cold_.erase(cold);
   reading_.give(read->bytes.size());
-  // If the window or the write is smaller than before, use the beginning; the rest is read again.
+  // If the window or the write is smaller than at the read, use the beginning. The rest is read again.
   if (read->result == ReadResult::kDone) {
     const size_t there = std::min(read->bytes.size(), into.size());
     std::memcpy(into.data(), read->bytes.data(), there);

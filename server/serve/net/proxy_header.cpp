@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::string_view kTextStart = "PROXY ";
 constexpr std::string_view kBinaryStart("\r\n\r\n\0\r\nQUIT\n", 12);
-constexpr size_t kMaxTextBytes = 107;  ///< version 1, with its line end
+constexpr size_t kMaxTextBytes = 107;  ///< limit of a version 1 header, with its line end
 constexpr size_t kBinaryHeadBytes = 16;
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -56,7 +56,7 @@ void checkPort(std::string_view text) {
   if (error != std::errc() || end != text.data() + text.size()) refuse("a port is malformed");
 }
 
-/// @param line  without its line end.
+/// @param line  header without the line end.
 std::optional<asio::ip::address> parseTextLine(std::string_view line) {
   line.remove_prefix(kTextStart.size());
   const std::string_view family = nextWord(line);
@@ -81,7 +81,7 @@ std::optional<ProxyHeader> parseText(std::string_view text) {
   return ProxyHeader{end + 2, parseTextLine(text.substr(0, end))};
 }
 
-/// Returns the client's address of a version 2 header; other families than TCP have none.
+/// Returns the client's address in a version 2 header, or nothing if the family is not TCP.
 std::optional<asio::ip::address> binaryClient(uint8_t family, std::string_view addresses) {
   constexpr uint8_t kTcp4 = 0x11, kTcp6 = 0x21;
   const auto read = [&]<typename Bytes>(Bytes bytes, size_t both_and_ports) {
@@ -144,7 +144,7 @@ asio::awaitable<std::optional<ProxyHeader>> readProxyHeader(tcp::socket& socket)
     }
     const size_t take = parsed ? parsed->bytes - taken : seen;
     socket.receive(asio::buffer(header.data() + taken, take), 0,
-                   error);  // cannot block: these bytes were peeked
+                   error);  // cannot block, because these bytes were peeked
     if (error) throw broken("the connection broke in the balancer's header: " + error.message());
     if (parsed) co_return parsed;
   }

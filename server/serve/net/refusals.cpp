@@ -17,7 +17,7 @@ using asio::ip::tcp;
 bool drop(tcp::socket& socket) {
   std::array<std::byte, 4096> room;
   asio::error_code error;
-  for (int i = 0; i < 16; ++i) {  // bounded: a flood must not keep it busy
+  for (int i = 0; i < 16; ++i) {  // a limit, so that a flood cannot keep the thread busy
     socket.read_some(asio::buffer(room), error);
     if (error) break;
   }
@@ -28,11 +28,11 @@ void say(tcp::socket& socket, std::span<const std::byte> last_word) {
   asio::error_code ignored;
   socket.non_blocking(true, ignored);
   socket.write_some(asio::buffer(last_word.data(), last_word.size()),
-                    ignored);  // fits into the send buffer of a new socket
+                    ignored);  // the frame fits into the send buffer of a new socket
   socket.shutdown(tcp::socket::shutdown_send, ignored);
 }
 
-/// Runs until the client or sweep() closes the stream.
+/// Sends the frame after the TLS handshake. Runs until the client or sweep() closes the stream.
 asio::awaitable<void> tell(std::shared_ptr<proto::ByteStream> stream, proto::Bytes last_word) {
   try {
     const bool is_there = co_await stream->acceptHandshake();

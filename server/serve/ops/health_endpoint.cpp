@@ -38,8 +38,8 @@ std::string_view reasonOf(int status) {
 
 using asio::ip::tcp;
 
-constexpr size_t kMaxClients = 16;                       ///< at a time; one more closes the oldest
-constexpr auto kAnswerWithin = std::chrono::seconds(5);  ///< from accept to the last byte sent
+constexpr size_t kMaxClients = 16;  ///< limit of clients at a time; a further one closes the oldest
+constexpr auto kAnswerWithin = std::chrono::seconds(5);  ///< time from accept() to the last byte sent
 constexpr auto kPauseAfterRefusal = std::chrono::milliseconds(100);
 constexpr const char* kMetricsType = "text/plain; version=0.0.4; charset=utf-8";
 constexpr const char* kPlain = "text/plain; charset=utf-8";

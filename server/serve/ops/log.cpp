@@ -28,7 +28,7 @@ namespace lode::serve {
 
 namespace {
 
-constexpr size_t kMaxShownBytes = 1024;  ///< of the message and of each field
+constexpr size_t kMaxShownBytes = 1024;  ///< limit of bytes shown of the message and of each field
 
 std::string toIso(std::chrono::system_clock::time_point time) {
   const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count();
@@ -41,7 +41,7 @@ std::string toIso(std::chrono::system_clock::time_point time) {
   return text.data();
 }
 
-/// Text from clients must neither move a terminal's cursor nor forge a second line.
+/// Replaces unprintable bytes, so that text from clients cannot move a terminal's cursor or forge a line.
 std::string printable(std::string_view text) {
   std::string shown(text.substr(0, kMaxShownBytes));
   if (isPrintableUtf8(shown)) return shown;
@@ -113,7 +113,7 @@ class DescriptorSink : public spdlog::sinks::base_sink<spdlog::details::null_mut
   uint64_t unreported_ = 0;
 };
 
-/// Makes write() return EPIPE after the reader has gone; SIGPIPE would end the process.
+/// Blocks SIGPIPE, which would end the process. After the reader has gone, write() then returns EPIPE.
 void blockSigpipe() {
   sigset_t pipe;
   sigemptyset(&pipe);

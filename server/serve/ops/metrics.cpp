@@ -39,7 +39,7 @@ uint64_t sum(Threads threads, const auto& counter) {
   return total;
 }
 
-/// Makes a family with one counter for each of `count` values of a label.
+/// Creates a family with a counter for each value of a label; the label has `count` values.
 MetricFamily labelledCounters(const char* name, const char* help, const char* label, size_t count,
                               Threads threads, const auto& name_of, const auto& counter) {
   MetricFamily family{name, help, MetricType::Counter, {}};

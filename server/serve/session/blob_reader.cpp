@@ -20,11 +20,11 @@ namespace lode::serve {
 
 namespace {
 
-/// Blobs in the page cache up to this size are verified on the serving thread, which takes about 50 µs.
+/// Limit of the size of cached blobs that the serving thread verifies. To verify one takes about 50 µs.
 constexpr uint32_t kMaxCheckedHotBytes = 256u << 10;
 
-// A note on a blob holds its Trust (2 bits), the generation of the file that it applies to (14 bits) and the
-// second of its creation (16 bits). Notes of other generations are ignored.
+// A note on a blob contains the blob's Trust (2 bits), the generation of the file for which the note is valid
+// (14 bits) and the second of the note's creation (16 bits). Notes of other generations are ignored.
 constexpr uint32_t kGenerations = 1u << 14, kSeconds = 1u << 16;
 
 int64_t nowNs() noexcept {
@@ -42,7 +42,7 @@ struct stat statusOf(int descriptor) {
   return status;
 }
 
-/// File systems in memory reject RWF_NOWAIT and never wait.
+/// Returns the flags of preadv2. File systems in memory reject RWF_NOWAIT, but never wait.
 int flagsForHot(int descriptor) noexcept {
   struct statfs system {};
   const bool in_memory =
@@ -109,7 +109,7 @@ void BlobReader::checkFile() const noexcept {
     const std::lock_guard lock(file_mutex_);
     const FileState now(status);
     if (now == file_) return;
-    // Renaming or removing the file changes its ctime alone.
+    // If the file is renamed or removed, only its ctime changes.
     was_written = now.bytes != file_.bytes || now.modified_ns != file_.modified_ns;
     file_ = now;
     generation_.fetch_add(1, std::memory_order_release);
@@ -174,7 +174,7 @@ ReadResult BlobReader::readCold(const BlobRange& range, std::span<std::byte> int
   }
   const store::BlobEntry& entry = reader_.blob(range.blob);
   const uint32_t end = range.offset_bytes + range.bytes;
-  if (end < entry.bytes)  // prefetch the rest, which is read next
+  if (end < entry.bytes)  // prefetch the rest of the blob, which is read next
     posix_fadvise(reader_.fileDescriptor(), static_cast<off_t>(entry.offset + end), entry.bytes - end,
                   POSIX_FADV_WILLNEED);
   uint32_t done = 0;

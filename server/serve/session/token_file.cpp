@@ -22,7 +22,8 @@ namespace lode::serve {
 
 namespace {
 
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  ///< some editors write it first
+constexpr std::string_view kByteOrderMark =
+    "\xef\xbb\xbf";  ///< mark that some editors write at the start of a file
 
 [[noreturn]] void refuse(size_t line, const std::string& what) {
   throw Error(ErrorCode::kUsage, "line " + std::to_string(line) + " of the token file: " + what +
@@ -32,7 +33,7 @@ constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  ///< some editors w
 
 Digest hashOf(std::string_view token) { return digestOf(std::as_bytes(std::span(token))); }
 
-/// Returns nothing if the text is not a time like 2027-01-31T12:00:00Z.
+/// Parses a time like 2027-01-31T12:00:00Z. Returns nothing if the text has another form.
 std::optional<std::chrono::sys_seconds> parseTime(std::string_view text) {
   constexpr std::string_view kForm = "dddd-dd-ddTdd:dd:ddZ";
   if (text.size() != kForm.size()) return {};
@@ -50,8 +51,8 @@ std::optional<std::chrono::sys_seconds> parseTime(std::string_view text) {
   return sys_days(date) + hours(number(11, 2)) + minutes(number(14, 2)) + seconds(number(17, 2));
 }
 
-/// Returns the words of a line up to one that begins with #. Words in double quotes may hold spaces and
-/// escaped quotes.
+/// Returns the words of a line before a word that begins with #. Words in double quotes can contain spaces
+/// and escaped quotes.
 std::vector<std::string> wordsOf(const std::string& line, size_t number) {
   std::istringstream in(line);
   std::vector<std::string> words;
