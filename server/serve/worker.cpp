@@ -125,8 +125,8 @@ void Worker::sweepNow(Clock::time_point now) {
   if (budget_.pressed()) closeLargest();
 }
 
-/// Closes the largest connections of this thread that are above the server's average. At least one thread
-/// always has such a connection.
+/// Closes this thread's largest connections until the budget is relieved. Keeps all connections that use less
+/// memory than the server's average or less than half of kPoliteBytes.
 void Worker::closeLargest() {
   const uint64_t mean = budget_.mean();
   std::vector<Connection*> largest;

@@ -36,7 +36,7 @@ constexpr size_t kCheckedFrom = sizeof(EntryHeader::checksum);
               std::string("cannot ") + what + " " + path.string() + ": " + fileErrorInWords(errno));
 }
 
-/// @return false if the file is too short.
+/// Reads bytes at an offset. @return false if the file is too short.
 bool readWhole(int file, const std::filesystem::path& path, uint64_t offset, std::span<std::byte> bytes) {
   const std::optional<size_t> got = readAt(file, offset, bytes);
   if (!got) fail(path, "read");
@@ -95,7 +95,7 @@ void Journal::readHeader() {
   end_ = kMagic.size();
 }
 
-/// @return false if no intact entry follows.
+/// Reads the next entry and passes it to the sink. @return false if no intact entry follows.
 bool Journal::readEntry(uint64_t file_bytes, const Sink& sink) {
   EntryHeader header;
   if (file_bytes < end_ || file_bytes - end_ < sizeof(header)) return false;

@@ -20,7 +20,7 @@ struct Partition {
   static constexpr std::string_view kLeafFile = "leaves";
 
   AttributeSet attributes;      ///< attributes taken from the file
-  std::vector<NodeKey> leaves;  ///< in Morton order
+  std::vector<NodeKey> leaves;  ///< keys of the leaves, in Morton order
   std::vector<uint64_t> begin;  ///< offset of each leaf in `meshes`, then the end of the last leaf
   uint64_t triangles = 0;
   Spool meshes;  ///< meshes as putLeaf() writes them

@@ -4,11 +4,12 @@
 
 namespace lode::ingest {
 
-/// Builds a store from a PLY file. The store gets its name when it is complete. A journal records finished
-/// work (see BuildFolder), so that a killed build can be resumed; a build that fails otherwise leaves nothing
-/// behind unless `resume` is set. Only one process can build an output at a time.
-/// @throws Error kInput (also: input or options differ from those of the build to resume), kIo, kLimit,
-/// kFormat (the files of the build to resume are damaged).
+/// Builds a store from a PLY file. The store gets its final name when the store is complete. A journal
+/// records finished work (see BuildFolder), so that a killed build can be resumed. If a build fails for
+/// another reason, it removes all its files unless `resume` is set. Only one process can build an output at a
+/// time.
+/// @throws Error kInput (also if input or options differ from those of the build to resume), kIo, kLimit,
+/// kFormat (if files of the build to resume are damaged).
 BuildReport build(const BuildOptions& options, const BuildProgress& progress = {});
 
 }  // namespace lode::ingest

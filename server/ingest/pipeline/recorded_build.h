@@ -47,7 +47,7 @@ struct BuildFacts {
   }
 };
 
-/// Journal of an earlier build of the same output, which this build may resume.
+/// Journal of an earlier build of the same output, which this build can resume.
 struct RecordedBuild {
   std::optional<BuildIdentity> identity;
   std::map<BuildEntry, std::vector<std::byte>> stages;  ///< entries of finished stages

@@ -35,7 +35,7 @@ bool convertColumn(const char* from, size_t stride, std::span<PlyVertex> rows, S
   return finite;
 }
 
-/// @return false if some value needs a check by makeVertex().
+/// Converts one field of a batch of rows. @return false if some value needs a check by makeVertex().
 template <class T, bool kSwap>
 bool convertField(VertexField field, const char* from, size_t stride, std::span<PlyVertex> rows) {
   using enum VertexField;

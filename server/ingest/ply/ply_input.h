@@ -17,7 +17,7 @@ class PlyInput {
  public:
   static constexpr size_t kBufferBytes = 4u << 20;
 
-  /// @throws Error kIo: no such file, a directory, not a regular file.
+  /// Opens a file. @throws Error kIo if there is no such file or if the path is not a regular file.
   explicit PlyInput(const std::filesystem::path& path);
   ~PlyInput();
   PlyInput(PlyInput&&) = delete;

@@ -55,7 +55,7 @@ struct PlyPlan {
 
 /// Plans how to read the body. The plan contains pointers into the header.
 /// @param file  quoted name of the file, for messages.
-/// @throws Error kInput: no vertices, no faces, or a required property is missing.
+/// @throws Error kInput if the file has no vertices or no faces, or if a required property is missing.
 PlyPlan planBody(const PlyHeader& header, const std::string& file);
 
 /// Lists the properties that are not read, in header order, as "element 'property'". If no property of an

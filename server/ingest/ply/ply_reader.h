@@ -79,7 +79,8 @@ struct PlyReadOptions {
 /// vertices, then all faces, to the sinks in batches in file order, even if the faces are first in the file.
 class PlyReader {
  public:
-  /// @throws Error as readPlyHeader; kInput if there are no vertices or no faces.
+  /// Opens a file and reads its header. @throws Error as readPlyHeader() does; kInput also if the file has no
+  /// vertices or no faces.
   PlyReader(const std::filesystem::path& path, PlyReadOptions options);
 
   const PlyHeader& header() const noexcept { return header_; }
@@ -96,7 +97,7 @@ class PlyReader {
   using Progress = std::function<void(uint64_t done_bytes, uint64_t total_bytes)>;
 
   /// Reads the whole body. Every call starts at the beginning of the body.
-  /// @throws Error kIo, kInput (names the element and its byte offset or, in ascii, its line).
+  /// @throws Error kIo, kInput (the message names the element and the byte offset or, in ascii, the line).
   PlyCounts read(const VertexSink& vertices, const FaceSink& faces, const Progress& progress = {});
   /// Returns the counts of the last read(), even if that call failed.
   const PlyCounts& counts() const noexcept { return counts_; }

@@ -15,7 +15,7 @@ namespace lode::ingest {
 
 /// Chooses the step of a model's lattice: the largest isLatticeStep() that is at most 1/32 of the
 /// 5th-percentile edge and 1/4096 of the box's longest side, but coarse enough that the box fits in 21 bits
-/// and double holds the coordinates exactly. See docs/store-format.md.
+/// and that double represents the coordinates exactly. See docs/store-format.md.
 /// @param edges  lengths of sampled edges, in model units. The function ignores zeros and reorders the
 /// vector.
 double chooseStep(std::vector<double>& edges, glm::dvec3 box_min, glm::dvec3 box_max);

@@ -21,7 +21,7 @@ bool hasDoublePositions(const PlyHeader& header);
 AttributeSet takenAttributes(AttributeSet attributes, const PlyCounts& counts) noexcept;
 
 /// Reads and packs a PLY file. Reads the file twice if all its normals have length zero.
-/// @throws Error as PlyReader; kInput also if no face is usable.
+/// @throws Error as PlyReader does; kInput also if no face is usable.
 ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, const BuildProgress& progress,
                   std::vector<std::string>& warnings);
 

@@ -17,8 +17,8 @@ struct ImageHeader {
 };
 
 /// Reads the header of a JPEG, PNG or WebP file, recognized by its first bytes. Allocates no texels.
-/// @throws Error kInput: another format, a damaged header, or a size above the limit. The message begins with
-/// the problem, without the file's name. Thread safe.
+/// @throws Error kInput if the file has another format, its header is damaged, or the size is above the
+/// limit. The message begins with the problem, without the file's name. Thread safe.
 ImageHeader readImageHeader(std::span<const std::byte> file);
 
 /// Decodes an image file.

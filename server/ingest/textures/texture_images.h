@@ -28,12 +28,12 @@ TextureFile findTexture(const std::filesystem::path& ply, const std::string& nam
 
 /// An image that a model names, and its header.
 struct TextureImage {
-  std::string name;            ///< as written in the PLY file
+  std::string name;            ///< name as written in the PLY file
   std::filesystem::path path;  ///< path of the image; empty if no file was found
   std::string problem;         ///< reason why the image cannot be used, and remedy; else empty
   bool needs_memory = false;   ///< whether more memory would solve the problem
   uint64_t file_bytes = 0;
-  ImageHeader header;  ///< empty if there is a problem
+  ImageHeader header;  ///< header of the image; empty if the image has a problem
 
   /// Returns the memory to decode the image and compute its levels.
   uint64_t memoryBytes() const noexcept { return file_bytes + header.working_bytes; }

@@ -197,7 +197,7 @@ struct Log::State {
             "lodestreamd", std::make_shared<DescriptorSink>(options.descriptor, options.json, dropped), pool,
             spdlog::async_overflow_policy::overrun_oldest)) {
     logger->set_error_handler(
-        [](const std::string&) {});  // the default handler writes to stderr and may block
+        [](const std::string&) {});  // the default handler writes to stderr and can block
   }
   ~State() { pool.reset(); }  // joins the thread that uses the sink and the counter
   State(const State&) = delete;

@@ -65,7 +65,7 @@ class RequestQueue {
   }
 
  private:
-  std::unordered_map<uint32_t, OpenRequest> requests_;  ///< by request id
+  std::unordered_map<uint32_t, OpenRequest> requests_;  ///< open requests by id
   std::set<Rank> queue_;                                ///< requests that are not parked
 };
 

@@ -203,7 +203,7 @@ class Session {
   std::shared_ptr<const TokenFile> tokens_;  ///< owns grant_
   const TokenGrant* grant_ = nullptr;        ///< null: all models are allowed
   proto::Bytes control_;
-  std::map<uint32_t, OpenedModel> opened_;  ///< by handle
+  std::map<uint32_t, OpenedModel> opened_;  ///< open models by handle
   uint32_t last_handle_ = 0;
   std::deque<Unasked> unasked_;
   RequestQueue requests_;
