@@ -135,8 +135,8 @@ std::pair<glm::ivec3, glm::ivec3> GyroidGrid::ends(int cell, uint32_t edge) cons
   return {from, from + bits(direction)};
 }
 
-/// Returns the crossing on an edge between two corners. In these tetrahedra one of the corners is above or
-/// level with the other on every axis.
+/// Returns the crossing on an edge between two corners. In these tetrahedra, no coordinate of one corner is
+/// lower than that of the other corner.
 GyroidGrid::Crossing GyroidGrid::crossing(const glm::ivec3& cube, int from, int to) const {
   const glm::ivec3 base = cube + bits(from & to);
   Crossing result;

@@ -27,7 +27,7 @@ struct Dual {
   }
 };
 
-/// Applies a function, given its value and derivative at `at`.
+/// Applies a function to a number. The caller passes the function's value and derivative at `at`.
 Dual apply(const Dual& at, double value, double derivative) { return {value, derivative * at.slope}; }
 
 Dual abs(const Dual& a) { return a.value < 0 ? Dual(0) - a : a; }

@@ -27,7 +27,7 @@ class BuildFolder {
   /// Removes journal, store and temporary files of earlier builds. Temporary files are removed in
   /// `temporary_parent` and in this build's folder.
   void clear(const std::filesystem::path& temporary_parent);
-  /// Opens the folder of temporary files; creates it if it is missing.
+  /// Opens the folder of temporary files. Creates the folder if it is missing.
   TemporaryFolder openFiles();
   /// Removes all temporary files except those with the given names.
   void removeFilesBut(std::span<const std::string_view> names) const;

@@ -32,7 +32,7 @@ class Journal {
   Journal(Journal&& other) noexcept;
   Journal& operator=(Journal&&) = delete;
 
-  /// Appends an entry and syncs it to disk. @throws Error kIo, kLimit.
+  /// Appends an entry and syncs the file to disk. @throws Error kIo, kLimit.
   void append(uint32_t kind, std::span<const std::byte> bytes);
   uint64_t entries() const noexcept { return entries_; }
 

@@ -40,7 +40,7 @@ class RecordSorter {
   void spill(const Progress& progress = {});
   /// Syncs the runs to disk and records their ends.
   void save(RecordWriter& record);
-  /// Restores the runs that save() recorded. Call it before any push().
+  /// Restores the runs that save() recorded. Call restore() before the first push().
   /// @throws Error kIo, kFormat.
   void restore(RecordReader& record);
 

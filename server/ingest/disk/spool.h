@@ -21,7 +21,7 @@ struct TemporaryFile {
 /// disk.
 class Spool {
  public:
-  /// Creates an empty file; replaces an existing one.
+  /// Creates an empty file. Replaces an existing file.
   explicit Spool(TemporaryFile file);
   /// Opens a file of an earlier build and truncates it to `size`; new bytes follow after these. @throws Error
   /// kFormat if the file is shorter.
@@ -34,7 +34,7 @@ class Spool {
   template <typename T>
   requires std::is_trivially_copyable_v<T>
   void append(std::span<const T> items) { append(std::as_bytes(items)); }
-  /// Writes the buffer and frees it.
+  /// Writes the buffer to the file and frees the buffer.
   void flush();
   /// Syncs flushed bytes to disk. Thread safe.
   void sync() const;

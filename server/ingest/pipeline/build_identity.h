@@ -10,7 +10,7 @@
 
 namespace lode::ingest {
 
-/// Identifies a file and its content without reading all of it.
+/// Identifies a file by its path, size, time and samples of its content. The rest of the file is not read.
 struct FileFingerprint {
   std::string path;  ///< absolute path
   uint64_t bytes = 0;

@@ -38,10 +38,10 @@ class BuildSession {
   const BuildProgress& progress() const noexcept { return progress_; }
   const MemoryPlan& plan() const noexcept { return plan_; }
   const TemporaryFolder& files() const noexcept { return *files_; }
-  /// Path of the store until it is complete.
+  /// Returns the path of the store while the store is incomplete.
   std::filesystem::path store() const { return folder_.store(); }
   BuildFacts& facts() noexcept { return facts_; }
-  /// Recorded work of the build to resume. Stages move their part out of it.
+  /// Returns the recorded work of the build to resume. Each stage moves its part of the work out.
   RecordedBuild& recorded() noexcept { return recorded_; }
   /// Sets the report's summary. The last stage calls this when the store is complete.
   void setSummary(ModelSummary summary) { report_.summary = std::move(summary); }

@@ -14,9 +14,10 @@ namespace lode::ingest {
 void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spool* tiles,
                   store::Writer& writer);
 
-/// Removes far LODs, except the coarsest, whose error exceeds that of the parent's finest LOD: a view that
-/// accepts them shows the parent instead, unless a nearer sibling forces the split. Below a parent whose
-/// finest LOD is large, the limit is twice that error: views of a whole model have such siblings.
+/// Removes redundant far LODs of a node, but never the coarsest LOD. A far LOD is redundant if its error
+/// exceeds the error of the parent's finest LOD. A view that accepts such an error shows the parent instead,
+/// unless a nearer sibling of the node forces the split. If the parent's finest LOD is large, the limit is
+/// twice the parent's error, because views of a whole model have such siblings.
 void removeRedundantFarLods(FinishedNode& finished, const Node& parent);
 
 /// Writes the payloads and the hierarchy to a store: coarse nodes first, siblings together, and the coarse

@@ -56,7 +56,7 @@ struct RecordedBuild {
 
   /// Adds an entry. @throws Error kFormat, kLimit.
   void add(uint32_t kind, std::span<const std::byte> bytes);
-  /// Returns whether this stage or a later one is finished.
+  /// Returns whether the given stage or a later stage is finished.
   bool isPast(BuildEntry stage) const noexcept { return stages.lower_bound(stage) != stages.end(); }
 };
 

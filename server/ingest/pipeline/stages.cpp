@@ -71,7 +71,7 @@ class SortLog {
   CheckpointClock clock_{last_run_};
 };
 
-constexpr double kRounding = 1.0001;  ///< keeps an error an upper bound when it is stored as float
+constexpr double kRounding = 1.0001;  ///< factor by which a rounded error stays an upper bound
 
 /// Returns an upper bound on the number of triangles that the root's children pass to the root. The bound
 /// grows with the number of locked vertices.

@@ -29,8 +29,8 @@ constexpr std::string_view nameOf(Simplifier simplifier) noexcept {
 struct ResultOptions {
   uint32_t triangles_per_node = 16384;
   Simplifier simplifier = Simplifier::kCollapse;
-  /// Computed normals are smooth across an edge if its faces meet at a smaller angle. The default keeps
-  /// chamfers of 45 degrees sharp and bores of nine sides round.
+  /// Crease angle. Computed normals are smooth across an edge if the faces at the edge meet at a smaller
+  /// angle. With the default, chamfers of 45 degrees stay sharp and bores of nine sides look round.
   float crease_angle_deg = 44;
   /// If set, the build drops faces and vertices with bad indices or coordinates, sets bad attributes to zero,
   /// and counts both. If not set, the build fails.
@@ -71,8 +71,8 @@ struct BuildOptions : ResultOptions {
   std::filesystem::path temporary_folder;  ///< parent of the temporary files; empty: the output's folder
   uint64_t memory_bytes = 0;               ///< memory budget; 0: defaultMemoryBytes()
   unsigned threads = 0;                    ///< number of threads; 0: one per core
-  /// Continue a build of the same input, output and options that was killed or failed. If this build fails
-  /// for a reason outside its input, keep its finished work.
+  /// Whether to continue a killed or failed build of the same input, output and options. If this build fails
+  /// for a reason other than its input, the finished work is then kept.
   bool resume = false;
 };
 

@@ -58,7 +58,7 @@ Parsed parseInteger(std::string_view token, double& value) {
   return fits ? Parsed::kOk : Parsed::kOutOfRange;
 }
 
-/// Parses a value of a type. Rounds floats once, directly to the type.
+/// Parses a value of a type. Rounds a float only once, directly to the type.
 Parsed parseValue(PlyType type, std::string_view token, double& value) {
   if (token.starts_with('+')) token.remove_prefix(1);
   return withPlyType(type, [&]<class T>(std::type_identity<T>) {

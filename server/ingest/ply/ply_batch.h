@@ -71,7 +71,7 @@ class PlyFaceBatch {
 
   bool isVertex(int64_t index) const noexcept { return static_cast<uint64_t>(index) < vertex_count_; }
 
-  /// Adds a face, or counts it as dropped or skipped.
+  /// Adds a face, or counts the face as dropped or skipped.
   /// @param texture  texture coordinates: two numbers per corner, or empty.
   FaceVerdict add(std::span<const int64_t> corners, std::span<const float> texture, int64_t texnumber);
   void addTriangle(const std::array<int64_t, 3>& corners) { add(corners, {}, 0); }

@@ -48,7 +48,7 @@ struct PlyHeader {
 };
 
 /// Reads the header of a PLY file with CR, LF, CRLF or mixed line ends. A binary body begins right after the
-/// line end of `end_header`. If CR LF follows `end_header`, it is one line end. But if all earlier lines end
+/// line end of `end_header`. CR LF after `end_header` is one line end. But if all earlier lines end
 /// in CR without LF, the LF is the first byte of the body.
 /// @throws Error kIo (no file, a directory) or kInput (problem, line, and remedy).
 PlyHeader readPlyHeader(const std::filesystem::path& path);

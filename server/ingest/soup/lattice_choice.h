@@ -48,7 +48,7 @@ struct UsedVertices {
 };
 UsedVertices findUsedVertices(const PackedInput& input);
 
-/// A lattice, or the problem that prevents one, with its remedy.
+/// A lattice, or the problem that prevents a lattice, with the remedy.
 struct LatticeOrProblem {
   std::optional<Lattice> lattice;
   std::string_view problem;

@@ -129,7 +129,7 @@ class Stager {
   std::vector<std::string>& warnings_;
   const size_t textures_;
   size_t done_textures_ = 0;
-  unsigned threads_ = 1;  ///< threads for the current texture; the next two members belong to it too
+  unsigned threads_ = 1;  ///< threads for the current texture, to which the next two members also belong
   TileCodec codec_ = TileCodec::kJpeg;
   size_t staged_tiles_ = 0;
   uint64_t all_tiles_ = 0;

@@ -27,7 +27,7 @@ class Slot {
   /// Counts the connection under an address. @return false if the address already has the maximum of
   /// connections.
   bool countUnder(const asio::ip::address& address);
-  /// Adds the connection to the load of the thread that serves it.
+  /// Adds the connection to the load of the thread that serves the connection.
   void countIn(std::atomic<uint32_t>& load) noexcept;
 
  private:

@@ -7,7 +7,7 @@
 namespace lode::serve {
 
 /// Limits the bytes per second of one connection or of all connections. A sender calls take(), waits until
-/// the returned time, sends, and returns the bytes that it did not send by give(). The times of several
+/// the returned time, sends, and returns unsent bytes to the rate by give(). The times of several
 /// senders follow the order of their calls, which shares the rate fairly. Thread safe.
 class ByteRate {
  public:

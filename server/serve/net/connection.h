@@ -132,7 +132,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::optional<Clock::time_point> turn_;  ///< time at which the rates allow the next kSlowWriteBytes
   asio::steady_timer to_write_, to_read_;  ///< timers that are cancelled to wake a coroutine
   bool write_woken_ = false, read_woken_ = false;
-  bool gone_ = false;  ///< the client has closed the connection, or it broke
+  bool gone_ = false;  ///< whether the client has closed the connection or the connection broke
   bool slow_ = true;   ///< unsent bytes may wait in the kernel
   std::optional<Clock::time_point>
       linger_until_;  ///< set when all is sent: time until which the client should close
