@@ -27,7 +27,7 @@ void writeMesh(const std::filesystem::path& path, const Mesh& mesh, const Lattic
   const MeshFormat format = meshFormatOf(path);
   if (mesh.attributes.bits != 0 && mesh.vertex_attributes.size() != mesh.positions.size())
     throw Error(ErrorCode::kInternal,
-                "a mesh to write to " + path.string() + " lacks attributes of its vertices");
+                path.string() + ": the mesh declares attributes but has none for some vertices");
   switch (format) {
     case MeshFormat::kPly:
       return writePly(path, mesh, lattice, images.set);

@@ -18,8 +18,8 @@ class Trials {
   void passFrame() noexcept;
 
  private:
-  int rounds_ = 0;    ///< consecutive rounds that voted for the step
-  int patience_ = 1;  ///< rounds that the next step needs
+  int rounds_ = 0;    ///< consecutive votes for the step so far
+  int patience_ = 1;  ///< consecutive votes required before the next step is tried
   int frames_ = 0;    ///< frames that the step must still last to count as a success
 };
 

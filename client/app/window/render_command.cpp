@@ -188,7 +188,8 @@ void renderVideo(RenderOptions options) {
   const fs::path ffmpeg = findFfmpeg(search_path != nullptr ? search_path : "");
   options.folder = options.video + ".frames";
   if (fs::exists(options.folder))
-    throw Error(ErrorCode::kIo, options.folder + " is needed for the video's frames but exists: remove it");
+    throw Error(ErrorCode::kIo,
+                options.folder + " exists, but the video's frames need a new folder of this name: remove it");
   const FramesFolder frames(options.folder);
   render(options);
   makeVideo(ffmpeg, options.folder, options.fps, options.video);

@@ -10,7 +10,7 @@
 namespace lode::core {
 namespace {
 
-constexpr int kPlaceBits = 10;  ///< Morton code bits per axis, scaled to the longest side of the mesh
+constexpr int kPlaceBits = 10;  ///< bits per axis of a Morton code; the mesh's longest side spans all
 constexpr int kDigits = 3;  ///< number of radix sort digits of a Morton code; each digit has kPlaceBits bits
 
 /// Returns three times the centroid of a triangle.

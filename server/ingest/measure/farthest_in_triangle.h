@@ -243,8 +243,8 @@ class FarthestInTriangle {
     return 0;
   }
 
-  /// Returns the number of edges in a chain before the point's triangle, or before a triangle close to the
-  /// point; more than edge_count if the chain has no such triangle.
+  /// Walks along a chain of triangles until it reaches the point's triangle or one close to the point.
+  /// Returns the number of edges crossed; more than edge_count if the chain has no such triangle.
   size_t edgesBefore(const TriangleChain& chain, const MeasuredPoint& point, float limit_squared) const {
     for (size_t i = 0; i <= chain.edge_count; ++i)
       if (chain.triangles[i] == point.triangle) return i;

@@ -34,9 +34,9 @@ std::vector<Plane> planesOf(const NodeMesh& mesh) {
   return planes;
 }
 
-/// Estimates, usually from above, a triangle's largest distance from an LOD from the LOD's planes at the
-/// triangle's corners. At the point where a side crosses the ridge between two planes, the side's height is
-/// lower than the height of each end over the other end's plane.
+/// Estimates the largest distance between a triangle and an LOD. The estimate is usually too large. It uses
+/// only the LOD's planes at the triangle's corners: for each side, the height of one end over the plane at
+/// the other end.
 float triangleDistance(const std::array<MeasuredPoint, 3>& corners, std::span<const Plane> lod_planes) {
   float most = 0;
   for (size_t k = 0; k < 3; ++k) {

@@ -112,7 +112,7 @@ Clusterer::Clusterer(NodeMesh&& mesh, const CollapseOptions& options)
   addUpCells();
 }
 
-// A triangle collapses with the smallest cell that contains two of its corners.
+// A triangle disappears when the smallest cell that contains two of its corners is merged.
 void Clusterer::countDeaths() {
   for (size_t c = 0; c < mesh_.corner_position.size(); c += 4) {
     const uint32_t* const t = &mesh_.corner_position[c];

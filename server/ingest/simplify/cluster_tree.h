@@ -48,8 +48,8 @@ class ClusterTree {
   std::vector<uint64_t> codes_;    ///< Morton code of each position
 };
 
-/// Finds the wedges that merge when a cell merges: wedges that triangle edges inside the cell connect. The
-/// two sides of a seam stay separate.
+/// Finds the wedges that merge when a cell merges. Two wedges merge if a triangle edge inside the cell
+/// connects them, so the two sides of a seam stay separate.
 class ClusterWedges {
  public:
   struct Link {

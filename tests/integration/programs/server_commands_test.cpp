@@ -231,7 +231,7 @@ TEST_F(ServerCommands, exportAllThatThereIsForAnErrorOfNothing) {
   EXPECT_TRUE(cut["converged"]);
   EXPECT_GT(cut["max_error"], 0);
   const std::string text = run("export a.lode -o b.ply --error 0").out;
-  EXPECT_NE(text.find("that of the lattice: the store has nothing finer"), std::string::npos) << text;
+  EXPECT_NE(text.find("that of the lattice; the store has nothing finer"), std::string::npos) << text;
 }
 
 TEST_F(ServerCommands, exportTheOriginalTrianglesForAnErrorBelowTheLatticesAndFail) {

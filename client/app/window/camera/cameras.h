@@ -63,7 +63,7 @@ class OrbitCamera {
  private:
   Heading heading_;
   glm::dvec3 point_model_;
-  glm::dvec3 offset_model_;  ///< vector from the eye to the point: right, up, forward
+  glm::dvec3 offset_model_;  ///< vector from the eye to point_model_: right, up, forward
   double closest_model_;
   struct Flight {
     glm::dvec3 from_model, to_model;  ///< offset_model_ at the start and at the end

@@ -138,7 +138,7 @@ TEST_F(Against, findsOneErrorThatIsGivenTooSmallWhateverTheSeed) {
         is_done = true;
       },
       {});
-  for (uint64_t seed = 1; seed <= 3; ++seed) expectDifference("LOD 0: its stored error is as", seed);
+  for (uint64_t seed = 1; seed <= 3; ++seed) expectDifference("LOD 0: its stored error is ", seed);
 }
 
 TEST(AgainstBadInput, agreesWithABuildThatSkipsBadValuesOnWhatWasDropped) {
