@@ -29,7 +29,7 @@ namespace lode::proto {
   X(17, Closed, Closed)
 
 enum class FrameType : uint8_t {
-#define LODE_MESSAGE(number, name, type) k##name = number,
+#define LODE_MESSAGE(number, name, type) k##name = (number),
   LODE_MESSAGES(LODE_MESSAGE)
 #undef LODE_MESSAGE
       kBlob = 9,  ///< not a message; the body is a BlobChunkHeader and raw bytes
