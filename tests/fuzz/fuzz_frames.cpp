@@ -1,5 +1,6 @@
-// What a hostile server sends: any bytes, cut anywhere, into a client's session that requests what it was
-// told of. The first byte says how they are cut. Headers must come back the same from their own encoding.
+// Sends what a hostile server may send: any bytes, cut anywhere, into a client's session that requests what
+// it was told of. The first byte says how they are cut. Headers must come back the same from their own
+// encoding.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

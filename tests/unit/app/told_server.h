@@ -31,7 +31,7 @@ class ToldServer {
   void refuseOne() { refuses_ = true; }
   /// The next so many that come find nobody.
   void closeToTheNext(size_t count) { closed_to_ = count; }
-  /// What is requested on a connection, though it was held back.
+  /// Answers all requests of a connection that were held back.
   void grantAll(size_t connection) {
     for (const auto& [request, blob] : std::exchange(connections_[connection]->requests, {}))
       grant(*connections_[connection], request, blob);
