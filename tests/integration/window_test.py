@@ -209,7 +209,7 @@ class Shown(WindowTest):
                 self.window(target, "--screenshot", "a.png", is_open=False, stderr=subprocess.PIPE) as window:
             self.assertEqual(window.leave(), 1)
             with window.process.stderr as said:
-                self.assertIn(b"closed before the picture a.png was there", said.read())
+                self.assertIn(b"closed before the picture a.png was saved", said.read())
 
     def test_picture_is_as_large_as_the_window_and_survives_that_it_is_hidden(self):
         with self.window() as window:
