@@ -44,7 +44,7 @@ void Engine::handleAll(SessionRole role) {
   while (connection_.session(role)) {
     std::optional<SessionEvent> event = connection_.session(role)->nextEvent();
     if (!event) return;
-    // The active connection receives the same notices, so ignore the draining connection's.
+    // Ignore these notices on the draining connection, because the active connection receives them too.
     const bool is_heard = role == SessionRole::kActive || !(std::holds_alternative<ServerLeaving>(*event) ||
                                                             std::holds_alternative<ModelChanged>(*event));
     if (is_heard) std::visit([this](auto taken) { handle(std::move(taken)); }, std::move(*event));
@@ -89,7 +89,7 @@ void Engine::handle(BlobArrived event) {
 
 void Engine::deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
   prefetcher_.arrived(blob, use);
-  // Several LODs can share a payload, which is requested only once.
+  // Request a payload only once, even if several LODs share it.
   for (const Request& request : group_.requests())
     if (request.blob == blob && request.use != use) model_->take(request.blob, request.use, bytes);
   model_->take(blob, use, std::move(bytes));
@@ -196,7 +196,7 @@ void Engine::renewRequests() {
     return requests.size() < kMaxRequestsAtOnce;
   };
   if (const auto first = model_->firstRequest()) ask(*first);
-  // Visible blobs come first. While the picture is far too coarse, prefetch nothing.
+  // Prefetch nothing while the picture is far too coarse, because visible blobs come first.
   const bool is_far_off = isFarOff(cut().get(), group_.options().threshold_px);
   const std::span<const Request> ahead =
       is_far_off ? std::span<const Request>() : std::span(prefetcher_.requests());

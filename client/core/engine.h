@@ -40,8 +40,8 @@ struct EngineOptions {
   std::optional<ModelSummary> cached_model = std::nullopt;
   bool offline = false;   ///< the engine shows cached_model from the cache and never connects
   bool prefetch = false;  ///< the engine requests blobs ahead of a moving camera
-  /// False: all requests have the same class and priority, so that the server answers them in the order sent.
-  /// Benchmarks use this order as baseline.
+  /// If false, all requests have the same class and priority, so that the server answers them in the order
+  /// sent. Benchmarks use this order as baseline.
   bool best_first = true;
   /// Called when a connection breaks, before the session's open requests are dropped; may be empty.
   /// @param is_last  true if the engine does not reconnect and throws `why` next.
@@ -96,7 +96,7 @@ struct EngineCounts {
   uint64_t texture_blob_bytes = 0;  ///< size of the received texture set and tiles
   uint64_t texture_bytes = 0;       ///< memory of the decoded tiles
   uint64_t tiles = 0;               ///< number of resident tiles
-  uint64_t tiles_left_out = 0;      ///< number of tiles that the view needs and the texture budget excludes
+  uint64_t tiles_left_out = 0;      ///< number of needed tiles that do not fit the texture budget
   PrefetchCounts prefetch;
   WaitTimes waited;             ///< waiting time before convergence, by reason
   double link_bytes_per_s = 0;  ///< measured throughput of the link; 0: unknown
@@ -134,7 +134,7 @@ class Engine {
   /// Reason for the missing connection while the engine reconnects; empty otherwise.
   const std::string& trouble() const noexcept { return connection_.trouble(); }
 
-  /// Takes received bytes. @throws Error as Session does. Do not use the engine after an error; the last cut
+  /// Takes received bytes. @throws the errors of Session. Do not use the engine after an error; the last cut
   /// stays valid.
   void receive(std::span<const std::byte> bytes, TimePoint now, SessionRole role = SessionRole::kActive);
   void finishDecode(DecodeResult result);
@@ -146,8 +146,8 @@ class Engine {
   /// Replaces memory_budget_bytes and refine.drawn_budget_bytes of the options.
   void setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes);
 
-  /// Refines if anything has changed, renews the requests and keeps the connections alive. @throws Error as
-  /// disconnect() does.
+  /// Refines if anything has changed, renews the requests and keeps the connections alive. @throws an error
+  /// if reconnecting cannot help, as disconnect() does.
   void step(TimePoint now);
 
   proto::Bytes takeOutgoing(SessionRole role = SessionRole::kActive);

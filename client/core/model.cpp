@@ -15,7 +15,7 @@ uint64_t transitShare(uint64_t budget_bytes) {
   return std::min(budget_bytes / kTransitBudgetShare, kMaxTransitBytes);
 }
 
-/// Estimates the memory of a decode job: the size of the result, and the same amount for the decoder.
+/// Estimates the memory of a decode job. The decoder takes as much memory as the result.
 uint64_t decodingBytes(const DecodeJob& job) {
   if (job.use.kind == BlobKind::kTile) return uint64_t{8} * job.image_size.x * job.image_size.y;
   return 2 * meshBytes(job.expected.vertices, job.expected.triangles, job.expected.attributes);

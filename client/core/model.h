@@ -24,7 +24,7 @@ constexpr uint64_t kHierarchyBudgetShare = 8;  ///< the hierarchy may use 1/8 of
 /// Blobs that are requested or not decoded yet may use 1/16 of the memory budget, and the decoders another
 /// 1/16. A single blob may exceed this share.
 constexpr uint64_t kTransitBudgetShare = 16;
-/// Upper limit of each of these two shares.
+/// Upper limit for each of the two shares of kTransitBudgetShare.
 constexpr uint64_t kMaxTransitBytes = 64ull << 20;
 
 /// The resident data of one build of a model: hierarchy, meshes and textures. The caller passes in blobs from
@@ -50,10 +50,10 @@ class Model {
   TextureStream* textures() noexcept { return textures_ ? &*textures_ : nullptr; }
   const TextureStream* textures() const noexcept { return textures_ ? &*textures_ : nullptr; }
 
-  /// Returns the request to send before any view is set: first for the root page, then for the root's
-  /// coarsest LOD; nothing once both are resident, or if the blob is being decoded or was refused.
+  /// Returns the request to send while no view is set. The request is for the root page, then for the root's
+  /// coarsest LOD. Returns nothing if both are resident, or if the next blob is being decoded or was refused.
   std::optional<Request> firstRequest() const;
-  /// Returns true if the blob should be requested: it is neither being decoded nor refused.
+  /// Returns true if the blob should be requested. A blob that is being decoded or was refused should not.
   bool wants(const Request& request) const;
 
   /// Stores a blob or queues it for decoding. @param bytes  bytes that match the blob's digest.
@@ -63,7 +63,8 @@ class Model {
   /// uses other LODs or nodes instead.
   void refuse(const BlobRef& blob, const std::string& why, bool is_lost = true);
 
-  /// Returns the waiting jobs that fit the decoding budget. Call again after finishDecode() for the rest.
+  /// Returns the waiting jobs that fit the decoding budget. Call the function again after each
+  /// finishDecode(), to get the other jobs.
   std::vector<DecodeJob> takeDecodeJobs();
   /// Stores the result of a decode job; ignores results of another build.
   void finishDecode(DecodeResult result);

@@ -11,15 +11,15 @@
 namespace lode::core {
 
 constexpr size_t kMaxCacheQueries = 256;  ///< largest number of unanswered queries
-/// Above this number, all misses are forgotten and queried again.
+/// Largest number of remembered misses. Beyond this number, all misses are forgotten and queried again.
 constexpr size_t kMaxRememberedMisses = 65536;
 
 /// Queries the blob cache before the server. Sends no second query for a blob while the first is unanswered.
 /// Not thread safe.
 class CacheQueries {
  public:
-  /// Returns true if the cache is known not to contain the blob. Otherwise returns false and queries the
-  /// cache, or leaves the query to a later call if too many queries are unanswered.
+  /// Returns true if the cache has reported that it lacks the blob. Otherwise returns false and queries the
+  /// cache; if too many queries are unanswered, a later call makes the query.
   bool isMissing(const Request& request);
   /// Returns the blobs to look up in the cache. The caller answers each with finish().
   std::vector<BlobRef> take() { return std::exchange(new_, {}); }

@@ -96,7 +96,7 @@ void MeshCache::trim() {
       if (!entry.pinned && entry.in_use_round != round_)
         spare.push_back({entry.used_round, {NodeKey{node}, entry.lod}});
   std::sort(spare.begin(), spare.end(), [](const Spare& a, const Spare& b) {
-    // Evict deeper nodes first among meshes last used in the same round.
+    // Among meshes last used in the same round, evict deeper nodes first.
     return a.used_round != b.used_round ? a.used_round < b.used_round : b.key < a.key;
   });
   for (const Spare& next : spare) {

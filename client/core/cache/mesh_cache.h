@@ -40,8 +40,8 @@ inline uint64_t drawnBytes(const Mesh& mesh) noexcept {
 }
 
 /// Caches decoded meshes and their texture footprints, within a memory budget. Keeps pinned meshes and meshes
-/// in use (meshes of the cut, and meshes that wait for siblings). Evicts other meshes, least recently used
-/// first and deeper nodes before their ancestors. Not thread safe.
+/// in use: meshes of the cut, and meshes that wait for siblings. Evicts other meshes, least recently used
+/// first; among equally old meshes, deeper nodes first. Not thread safe.
 class MeshCache {
   struct Entry {
     uint32_t lod = 0;
@@ -60,7 +60,7 @@ class MeshCache {
     bool any() const noexcept { return resident_ != 0; }
     /// Returns the coarsest resident LOD. Requires any().
     uint32_t coarsest() const noexcept { return static_cast<uint32_t>(std::bit_width(resident_)) - 1; }
-    /// @return null if it is not resident.
+    /// @return null if the mesh is not resident.
     std::shared_ptr<const Mesh> mesh(uint32_t lod) const noexcept;
 
    private:
@@ -79,10 +79,10 @@ class MeshCache {
               std::shared_ptr<const TextureFootprint> footprint = nullptr);
   void setFootprint(MeshKey key, std::shared_ptr<const TextureFootprint> footprint);
   void pin(MeshKey key);
-  /// Returns the resident LODs of a node, to save lookups if the caller tests several of them. The reference
+  /// Returns the resident LODs of a node, which saves lookups if the caller tests several LODs. The reference
   /// is valid until the cache changes.
   const Lods& lodsOf(NodeKey node) const noexcept;
-  /// @return null if it is not resident.
+  /// @return null if the mesh is not resident.
   std::shared_ptr<const Mesh> find(MeshKey key) const noexcept { return lodsOf(key.node).mesh(key.lod); }
   bool contains(MeshKey key) const noexcept { return lodsOf(key.node).has(key.lod); }
   /// @return null if the mesh is not resident or its footprint is unknown.

@@ -13,7 +13,7 @@ using Seconds = std::chrono::duration<double>;
 
 constexpr Seconds kWindow{0.25};       // duration of the recorded history
 constexpr Seconds kShortest{0.03};     // shorter histories give no reliable velocity
-constexpr double kLargestTurnRad = 1;  // a larger rotation within the history is a jump
+constexpr double kLargestTurnRad = 1;  // a larger rotation within the history counts as a jump
 
 /// Returns the rotation from the camera's axes (right, up, back) to the model's axes.
 glm::dquat axesOf(const View& view) {
@@ -40,7 +40,7 @@ void CameraMotion::record(const View& view, TimePoint now) {
     seen_.back().at = now;
   else
     seen_.push_back({view, now});
-  // Keep one entry older than the window, so that the history spans all of it.
+  // Keep one entry that is older than the window, so that the history spans the whole window.
   while (seen_.size() > 2 && now - seen_[1].at > kWindow) seen_.pop_front();
 }
 

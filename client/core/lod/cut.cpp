@@ -14,7 +14,7 @@ std::vector<uint32_t> shownParts(const Cut& cut, const View& view) {
   const auto isSeen = [&](const LeftOut& place) { return frustum.test(place.box) != Visibility::kOutside; };
   std::vector<uint32_t> shown;
   shown.reserve(partCount(cut));
-  // The parts from this index to the end are already selected or replaced.
+  // All parts from this index to the end are already selected or replaced.
   auto begin = static_cast<uint32_t>(cut.parts.size());
   const auto showDownTo = [&](uint32_t part) {
     while (begin > part) shown.push_back(--begin);

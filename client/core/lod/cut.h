@@ -19,7 +19,7 @@ namespace lode::core {
 struct CutPart {
   NodeKey node;
   uint32_t lod = 0;
-  /// False: the part lies outside the view, and completes the cut or serves as a fallback.
+  /// False if the part lies outside the view. Such a part completes the cut, or is a fallback.
   bool visible = true;
   float error_px = 0;  ///< off_model projected into the view of the refinement
   std::shared_ptr<const Mesh> mesh;
@@ -48,16 +48,17 @@ struct LeftOut {
 struct Fallback {
   CutPart part;
   uint32_t first_part = 0, end_part = 0;  ///< index range of the parts below the node
-  /// Index range of the left-out nodes whose nearest fallback is this one.
+  /// Index range of the left-out nodes whose nearest fallback is this fallback.
   uint32_t first_left_out = 0, end_left_out = 0;
-  /// Index of the first fallback below the node; the last one precedes this fallback.
+  /// Index of the first fallback below the node. All fallbacks from this index up to this fallback lie below
+  /// the node.
   uint32_t first_nested = 0;
 };
 
-/// Parts that cover the model exactly once, depth first, by octant. The refiner publishes immutable cuts, and
-/// the renderer reads them on another thread. A cut omits parts without triangles. Until the cut has settled,
-/// parts outside the view and its margin may also be missing; call shownParts() to draw the cut for a camera
-/// that has moved.
+/// Parts that cover the model exactly once. The parts are in depth-first order, siblings by octant. The
+/// refiner publishes immutable cuts, and the renderer reads them on another thread. A cut omits parts without
+/// triangles. Until the cut has settled, parts outside the view and its margin may also be missing; call
+/// shownParts() to draw the cut for a camera that has moved.
 struct Cut {
   View view;               ///< view of the refinement
   float threshold_px = 1;  ///< largest projected error that the refinement allowed
@@ -114,9 +115,9 @@ size_t countHoles(const Cut& cut, std::span<const uint32_t> shown, const View& v
 /// The cuts of one model for all of its views, which share meshes. Immutable.
 struct ViewCuts {
   std::vector<std::shared_ptr<const Cut>> cuts;  ///< indexed by view
-  /// Union of the cuts. For one view, the union is the view's cut. For several views, its parts are all parts
-  /// and fallbacks of the cuts, each mesh once; the union has the textures, the sum of the triangles and the
-  /// largest error.
+  /// Union of the cuts. For one view, the union is the view's cut. For several views, the union contains the
+  /// parts and fallbacks of all cuts, each mesh once, and the textures. Its triangle count is the sum over
+  /// the cuts, and its errors are the largest of the cuts.
   std::shared_ptr<const Cut> all;
 };
 

@@ -122,7 +122,8 @@ void Hierarchy::use(std::span<const NodeKey> owners, uint64_t budget_bytes) {
   std::vector<Spare> spare;
   for (const auto& [owner, page] : pages_)
     if (page->used_round != round_) spare.push_back({page->used_round, owner});
-  // Pages of the same round: evict deeper pages first, so that one call can evict a whole branch.
+  // Among pages last used in the same round, evict deeper pages first, so that one call can evict a whole
+  // branch.
   std::sort(spare.begin(), spare.end(), [](const Spare& a, const Spare& b) {
     return a.used_round != b.used_round ? a.used_round < b.used_round : a.owner > b.owner;
   });

@@ -19,9 +19,9 @@ namespace lode::core {
 
 /// A node of the octree with links to its loaded children.
 struct KnownNode : Node {
-  /// One node per bit of child_mask, by octant; null if there are no children or they are not loaded.
+  /// Children by octant, one per set bit of child_mask; null if the node has no loaded children.
   const KnownNode* children = nullptr;
-  uint32_t page_below_bytes = 0;  ///< memory of the child page; 0 if there is none or it is not loaded
+  uint32_t page_below_bytes = 0;  ///< memory of the child page; 0 if no child page is loaded
   bool is_page_lost = false;      ///< true if the child page is lost: see Hierarchy::lose()
   uint64_t lost_lods = 0;         ///< bit i is set if LOD i is lost
 
@@ -41,8 +41,8 @@ struct KnownNode : Node {
     return std::nullopt;
   }
   bool isLost(uint32_t lod) const noexcept { return (lost_lods >> lod & 1) != 0; }
-  /// Returns true if the loaded pages show no lost blob that would leave a hole when nodes below replace this
-  /// node.
+  /// Returns true if nodes below can replace this node without a hole, as far as the loaded pages show. Each
+  /// child needs an LOD that is not lost, or nodes below that can replace the child.
   bool isReplaceable() const noexcept {
     return !isLeaf() && !is_page_lost && std::ranges::all_of(knownChildren(), [](const KnownNode& child) {
       return child.coarsestLod() || child.isReplaceable();
@@ -51,8 +51,8 @@ struct KnownNode : Node {
 };
 static_assert(kMaxLods <= 64);
 
-/// Returns an upper bound of a page's memory, given the size of its blob. hierarchy.cpp checks the bound for
-/// the smallest encoded node and LOD.
+/// Returns an upper bound of a page's memory. @param blob_bytes size of the page's blob. hierarchy.cpp checks
+/// the bound for the smallest encoded node and LOD.
 constexpr uint64_t pageBytesAtMost(uint64_t blob_bytes) noexcept { return 128 + 8 * blob_bytes; }
 
 /// The known part of a model's octree, merged from the pages of an untrusted server. If memory is short,

@@ -27,18 +27,17 @@ struct RefineOptions {
   /// this fraction of the threshold, which prevents LOD flicker. 1 disables hysteresis, so that the cut
   /// depends on the view alone.
   float hysteresis_factor = 1;
-  /// True: several models or views share the budgets. Refinement then lists Refinement::wanted_meshes, and if
-  /// a budget is short, ViewGroup raises the threshold even for a single view instead of stopping refinement
-  /// at the budget.
+  /// True if several models or views share the budgets. Refinement then fills Refinement::wanted_meshes. If a
+  /// budget is short, ViewGroup raises the threshold, even for a single view; otherwise refinement of a
+  /// single view stops at the budget.
   bool shares_memory = false;
 
   // ViewGroup sets the options below.
-  uint64_t cut_budget_bytes =
-      /// Budget for the memory of the wanted cut and its decoded meshes.
-      std::numeric_limits<uint64_t>::max();
+  /// Budget for the memory of the wanted cut and its decoded meshes.
+  uint64_t cut_budget_bytes = std::numeric_limits<uint64_t>::max();
   /// Budget for the memory of the hierarchy pages that the wanted cut needs; refinement stops at the budget.
   uint64_t hierarchy_budget_bytes = std::numeric_limits<uint64_t>::max();
-  bool finer_stand_ins = true;  ///< false: refinement shows no mesh finer than wanted, but a coarser ancestor
+  bool finer_stand_ins = true;  ///< if false, a coarser mesh stands in for a missing mesh, never a finer one
   /// Budget for the memory of fallbacks. If a fallback does not fit, the next higher ancestor replaces it.
   /// The last resort is the root's coarsest LOD, which no budget excludes.
   uint64_t fallback_budget_bytes = std::numeric_limits<uint64_t>::max();

@@ -11,12 +11,13 @@
 namespace lode::core {
 namespace {
 
-// Pages are small, and no blob below a node can be requested before the node's child page is loaded.
+// Factor that puts pages before meshes: pages are small, and no blob below a node can be requested until the
+// node's child page is loaded.
 constexpr float kPagePriorityFactor = 16;
-// Blobs of hidden nodes are requested after all visible blobs.
+// Factor that puts blobs of hidden nodes after all visible blobs.
 constexpr float kHiddenPriorityFactor = 1e-6f;
-// A hidden node's coarsest LOD serves as stand-in if its size is at most half of the wanted bytes at and
-// below the node.
+// A hidden node's coarsest LOD is requested as a stand-in if its size is at most 1/2 of the wanted bytes at
+// and below the node.
 constexpr uint64_t kStandInBytesRatio = 2;
 
 /// One refinement: builds the best cut that the resident meshes allow, and the requests for the rest.
@@ -114,7 +115,8 @@ class Run {
     return seen_ != nullptr && wanted.near && !seen_->in(wanted.node->key);
   }
 
-  /// Returns the priority of a request in the view: the projected error that the blob helps to remove.
+  /// Returns the priority of a request in the view. @param shown_px projected error that the blob helps to
+  /// remove.
   float priorityOf(float shown_px) const {
     return below_hidden_ ? shown_px * kHiddenPriorityFactor : shown_px;
   }

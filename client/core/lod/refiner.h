@@ -27,7 +27,7 @@ struct Refinement {
   std::vector<WantedMesh> wanted_meshes;
   std::vector<HeldNode> held;  ///< states for the next refinement; empty without hysteresis
   bool limited = false;        ///< a budget stopped refinement above the threshold
-  /// The cut equals the wanted cut and is complete, so only a new view changes the cut.
+  /// True if the cut equals the wanted cut and is complete, so that only a new view changes the cut.
   bool settled = false;
 };
 
@@ -40,13 +40,14 @@ struct Refinement {
 /// covers the node, else a coarser stand-in. Children replace a node only when resident meshes cover every
 /// child in the view or its margin. Missing children outside the margin are left out of the cut and requested
 /// in the margin class, largest error first. The nearest resident ancestor that fits the fallback budget
-/// becomes their fallback, which is drawn again when a left-out child comes into view.
+/// becomes the fallback of these children. It is drawn again as soon as one of them comes into view.
 ///
-/// Refinement skips the LODs between the shown and the wanted LOD, except for one covering step whose size is
-/// at most a twentieth of the wanted bytes below it.
+/// Refinement requests no LODs between the shown and the wanted LOD, except for one covering step. The
+/// covering step is an LOD of an ancestor of the wanted parts, and costs at most a twentieth of their bytes.
 ///
-/// Occluded nodes belong to the cut like all nodes in the view. Their siblings can be shown as soon as the
-/// coarsest LOD of the occluded node is resident. Its finer LODs are requested after all visible blobs.
+/// Occluded nodes belong to the cut like all nodes in the view. The siblings of an occluded node can be shown
+/// as soon as the node's coarsest LOD is resident. The node's finer LODs are requested after all visible
+/// blobs.
 ///
 /// Source: best-first view-dependent refinement as in Duchaineau et al., ROAMing Terrain, 1997, over the
 /// octree of the 2005 paper (docs/lod-selection.md).

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kWidth = 160, kHeight = 90;  // largest size of the depth buffer in pixels, without margin
 constexpr size_t kFewOf = 512;                // a node has few cells if it has less than 1/512 of all cells
-constexpr size_t kFewOfPart = 4;              // and less than 1/4 of the mean number of cells per part
+constexpr size_t kFewOfPart = 4;              // and less than 1/4 of the mean number of cells of a part
 constexpr double kMostTried = 1u << 22;       // largest number of pixel tests over all triangles
 
 /// Spreads the bits of a coordinate to every third bit.

@@ -180,8 +180,9 @@ bool ViewGroup::keep(Model& model, const Gathered& gathered, bool with_reserve) 
          (!gathered.all || hasRoom(gathered.all->drawn_bytes, drawn_budget_bytes_, with_reserve));
 }
 
-/// Drops fallbacks, then also stand-ins finer than wanted, until the rest fits. Shows these parts again only
-/// if a reserve stays free or the cuts have settled, so that single arrivals do not change the whole cut.
+/// If memory is short, drops first the fallbacks, then also the stand-ins finer than wanted. Allows dropped
+/// parts again only if a reserve stays free or the cuts have settled, so that single arrivals do not change
+/// the whole cut.
 void ViewGroup::fit(Model& model, Gathered& gathered) {
   const Degradation before = degradation_;
   degradation_ = Degradation::kNone;
@@ -199,13 +200,13 @@ bool ViewGroup::refine(Model& model) {
   if (!views_changed_ && model_version_ == model.version()) return false;
   views_changed_ = false;
   model_version_ = model.version();
-  // The wanted cuts may use half of the mesh budget, and the shown cuts the other half, so that neither
-  // blocks the other.
+  // The wanted cuts may use half of the mesh budget. The other half is for the shown cuts, so that neither
+  // kind of cut blocks the other.
   options_.hierarchy_budget_bytes = model.hierarchyBudgetBytes();
   options_.cut_budget_bytes = model.meshes().budgetBytes() / 2;
   options_.fallback_budget_bytes = model.meshes().budgetBytes() / kFallbackShare;
   Gathered gathered = refineWithin(model);
-  // Estimate occlusion only for a single view: with several, mostly other instances hide a node.
+  // Estimate occlusion only for a single view. With several views, mostly other instances hide a node.
   if (views_.size() == 1 && gathered.all && updateOcclusion(views_.front(), *gathered.all, model.summary()))
     gathered = refineWith(model, optionsAt(Degradation::kNone));
   fit(model, gathered);

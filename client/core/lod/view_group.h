@@ -105,7 +105,7 @@ class ViewGroup {
   uint64_t cut_build_ = 0;
   std::vector<Request> requests_;
   std::vector<NodeKey> pages_;
-  Degradation degradation_ = Degradation::kNone;  // degradation in the last refinement
+  Degradation degradation_ = Degradation::kNone;  // degradation that the last refinement used
   uint64_t wanted_bytes_ = 0;
   int coarsening_ = 0;  // number of steps by which the threshold is raised
   bool limited_ = false, settled_ = false;

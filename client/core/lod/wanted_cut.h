@@ -28,8 +28,9 @@ struct WantedNode {
   bool near = false;  ///< the node is in the view or its margin
   Role role = Role::kPart;
   uint32_t lod = 0;
-  std::optional<uint32_t> cover_lod;  ///< LOD that the covering step shows, if it includes this node
-  /// Result that the refiner caches: resident meshes cover all children.
+  std::optional<uint32_t> cover_lod;  ///< LOD of this node in the covering step; empty if the step does not
+                                      ///< contain the node
+  /// True if resident meshes cover all children; empty until the refiner has tested the children.
   std::optional<bool> children_covered;
   const MeshCache::Lods* resident = nullptr;  ///< resident LODs of the node; set by the refiner
   double distance_model = 0;
@@ -50,8 +51,9 @@ struct WantedMesh {
 /// start at their coarsest LOD; visible children start at the coarsest LOD whose error does not exceed the
 /// error of the replaced part, because a child's far LODs may have larger errors. If a LOD is lost, the next
 /// finer LOD replaces it. A part stays if its children cannot be loaded. Node keys decide between parts with
-/// equal errors. Parts outside the view are not refined. Without a budget, the order does not change the
-/// result. The first attempt therefore uses no priority queue.
+/// equal errors. Parts outside the view are not refined. The order matters only if a budget stops refinement.
+/// The first attempt therefore uses no priority queue; if a budget stops it, a second attempt starts again
+/// with one.
 class WantedCut {
  public:
   /// @param held  result of held() in the previous refinement; used only with hysteresis.
@@ -99,7 +101,7 @@ class WantedCut {
   /// Result of chooseCovers() for one subtree.
   struct Below {
     uint64_t bytes = 0;    // size of the wanted cut's payloads near the view
-    bool settled = false;  // the subtree has a covering step, or one of its pages is not loaded
+    bool settled = false;  // the subtree already has a covering step, or a page of the subtree is not loaded
   };
 
   void begin();

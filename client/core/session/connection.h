@@ -26,7 +26,8 @@ inline constexpr std::array kSessionRoles{SessionRole::kActive, SessionRole::kDr
 /// Not thread safe.
 class Connection {
  public:
-  /// @param options      options of each session; awaits_model takes effect once the model has been open.
+  /// @param options      options of each session; awaits_model takes effect only after the model has been
+  /// open once.
   /// @param jitter_seed  seed of the random waiting times.
   Connection(SessionOptions options, uint32_t jitter_seed)
       : options_(std::move(options)), random_(jitter_seed) {}
@@ -52,8 +53,8 @@ class Connection {
   void succeeded() noexcept;
   /// Ends the active session and schedules a retry. @param why  reason as a text for users.
   void end(std::string why, TimePoint now);
-  /// Returns true if a retry may succeed: the error is a network error or a timeout, and the model has been
-  /// open before.
+  /// Returns true if a retry may succeed, because the error is a network error or a timeout and the model has
+  /// been open before.
   bool survives(const Error& error) const noexcept;
   /// Ends the active session after an error. @throws the error if a retry cannot help: see survives().
   void fail(const Error& error, TimePoint now);

@@ -20,7 +20,7 @@ std::chrono::nanoseconds CreditWindow::sampleTime() const noexcept {
 }
 
 void CreditWindow::receive(uint64_t bytes, TimePoint now) {
-  if (!sample_begin_) {  // the start of the transfer of these bytes is unknown
+  if (!sample_begin_) {  // the time at which these bytes began to arrive is unknown
     sample_begin_ = now;
     sample_bytes_ = 0;
     return;

@@ -9,11 +9,11 @@
 
 namespace lode::core {
 
-/// Enough for 1 Gbit/s at a round trip of 85 ms, with kWindowGain.
+/// Largest window. It is enough for 1 Gbit/s at a round trip of 85 ms, with kWindowGain.
 constexpr uint64_t kMaxWindowBytes = 16u << 20;
 constexpr double kWindowGain = 1.5;  ///< ratio of the window to rate × round trip
-constexpr double kGrowthGain = 3;    ///< ratio that replaces kWindowGain while the measured rate still grows
-/// Lower bound for round trips, because thread scheduling dominates on a fast link.
+constexpr double kGrowthGain = 3;    ///< gain that replaces kWindowGain while the measured rate still grows
+/// Smallest round trip that is used. On a fast link, thread scheduling dominates the measured time.
 constexpr std::chrono::milliseconds kShortestTrip{10};
 /// Duration of a rate sample, unless the round trip is longer.
 constexpr std::chrono::milliseconds kShortestSample{50};

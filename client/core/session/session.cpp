@@ -13,7 +13,8 @@ namespace {
 
 constexpr uint32_t kHelloCall = 1, kSecondCall = 2;
 constexpr size_t kCompactBytes = 64u << 10;
-// Each grant adds at least 1/8 window, early enough that the server never waits.
+// Each grant adds at least 1/8 of the window, so that grants are few but early enough to keep the server from
+// waiting.
 constexpr uint64_t kGrantsPerWindow = 8;
 
 void require(bool allowed, const std::string& what) {
@@ -364,7 +365,8 @@ void Session::tick(TimePoint now) {
   if (!ping_open_ &&
       (silence_ >= kPingInterval || (!requests_.empty() && now - last_ping_ >= kMeasureInterval)))
     sendPing();
-  // On a slow link, a client may receive for minutes without sending anything; the server would time out.
+  // On a slow link, a client may receive for minutes without sending anything. The server would time out, so
+  // send a credit.
   if (outgoing_.empty() && now - last_sent_ >= kPingInterval) sendCredit();
 }
 

@@ -44,7 +44,8 @@ struct SessionOptions {
   uint64_t max_requested_bytes = kMaxRequestedBytes;
   /// If the server does not have the model, the session waits for the model instead of failing.
   bool awaits_model = false;
-  /// Returns true if the bytes match the blob's digest. If empty, the session compares the bytes' SHA-256.
+  /// Function that returns true if the bytes match the blob's digest. If the function is empty, the session
+  /// compares the bytes' SHA-256 with the digest.
   std::function<bool(const BlobRef&, std::span<const std::byte>)> matches_digest;
 };
 

@@ -11,8 +11,9 @@ namespace {
 using Corners = std::array<glm::dvec2, 3>;
 using ModelCorners = std::array<glm::dvec3, 3>;
 
-/// Limits the anisotropy of texels on a triangle, and the deviation of the density from the mean density.
-/// Equals the number of samples of the shader's anisotropic filter (shaders.cpp).
+/// Limits two ratios: a triangle's density is at least 1/8 of the density along its densest direction, and a
+/// tile's density at least 1/8 of the mean density. Equals the number of samples of the shader's anisotropic
+/// filter (shaders.cpp).
 constexpr double kMostStretch = 8;
 
 /// Collects the level 0 tiles of one texture that a mesh uses.
@@ -67,8 +68,8 @@ class TouchedGrid {
   }
 
  private:
-  /// Areas of a triangle on the model and in texels, and its texel density. All are zero if the triangle has
-  /// no area or its corners share one texture position.
+  /// Areas of a triangle on the model and in texels, and its texel density. All values are zero if the
+  /// triangle has no area or if its corners share one texture position.
   struct Worn {
     double model_area = 0, texel_area = 0;
     double texels_per_model = 0;  ///< density along the direction with the fewest texels

@@ -22,7 +22,7 @@ struct TouchedTile {
   bool operator==(const TouchedTile&) const = default;
 };
 
-/// A texture whose level 0 tiles a mesh uses as a whole, with one density for all tiles.
+/// A texture that a mesh uses as a whole: all its level 0 tiles, with one density.
 struct WornTexture {
   uint32_t texture = 0;
   float texels_per_model = 0;  ///< density: see TouchedTile
@@ -42,8 +42,9 @@ struct TextureFootprint {
 /// need more tests; the mesh then counts as using its remaining textures as a whole.
 constexpr uint64_t kMaxTileTests = 1u << 20;
 
-/// Returns the largest number of tiles in a footprint, so that a footprint takes little more memory than its
-/// mesh. Textures are added in order; a texture that exceeds the remaining number counts as used as a whole.
+/// Returns the largest number of tiles in a footprint. The limit keeps a footprint from taking much more
+/// memory than its mesh. Textures are added in order; a texture that exceeds the remaining number counts as
+/// used as a whole.
 constexpr uint64_t maxTouchedTiles(uint64_t triangles) noexcept { return 512 + 2 * triangles; }
 
 /// Returns the memory of a footprint.

@@ -35,13 +35,14 @@ class TextureStream {
 
   /// Returns the size that the image of a tile must have. @param blob  blob number of a requested tile.
   glm::uvec2 imageSize(uint32_t blob) const { return keys_.find(blob)->second.image_size; }
-  /// Returns true if the tile is the whole coarsest level of a texture, for which the client computes a tail.
+  /// Returns true if the tile is the whole coarsest level of a texture. The client computes a tail for such
+  /// tiles.
   bool isCoarsest(uint32_t blob) const { return keys_.find(blob)->second.coarsest; }
   void insert(uint32_t blob, std::shared_ptr<const TileImage> image) {
     cache_.insert(blob, std::move(image));
   }
 
-  /// Notes that the set or a tile cannot be loaded, and removes the request for this blob.
+  /// Notes that the set or a tile cannot be loaded, and removes the blob's request.
   void lose(uint32_t blob);
 
   /// Sets the budget, which takes effect at the next refine().

@@ -12,7 +12,8 @@ namespace {
 
 /// Demand for one level 0 tile, combined over all parts that use the tile.
 struct Demand {
-  double texels_px = std::numeric_limits<double>::infinity();  // smallest number of level 0 texels per pixel
+  double texels_px = std::numeric_limits<double>::infinity();  // level 0 texels per pixel, the smallest over
+                                                               // all parts
   bool visible = false;
 };
 

@@ -24,23 +24,23 @@ struct TexturedPart {
 struct WantedTile {
   TileKey key;
   bool visible = true;
-  /// Size of a shown texel in pixels while the tile is missing and all coarser tiles are resident. If the
-  /// tile is a coarsest level, without which the texture is missing: size of the whole image in pixels. The
-  /// value is at most the larger side of the picture.
+  /// Size in pixels of the texels that are shown while this tile is missing and all coarser tiles are
+  /// resident. For a tile of the coarsest level, the priority is the size of the whole image in pixels,
+  /// because no texture is shown without this tile. The value is at most the larger side of the picture.
   float priority_px = 0;
 
   bool operator==(const WantedTile&) const = default;
 };
 
-/// Returns the size with which an image counts against the texture budget, both in memory and on the GPU: the
-/// RGBA texels of a square whose side is the next power of two, because the GPU packs images into such
-/// squares.
+/// Returns the budgeted size of an image, in memory and on the GPU. The size is that of a square of RGBA
+/// texels whose side is the next power of two, because the renderer packs images into such squares on the
+/// GPU.
 uint64_t tileRoomBytes(glm::uvec2 image_size) noexcept;
 /// Returns the budgeted size of a tile, including the tail of a coarsest level.
 uint64_t tileRoomBytes(const TextureSet& set, const TileKey& key);
 /// Returns the budgeted size of a decoded tile, including its tail.
 uint64_t tileRoomBytes(const TileImage& image) noexcept;
-constexpr uint32_t kLeastTileCellPx = 32;  ///< smallest side of such a square
+constexpr uint32_t kLeastTileCellPx = 32;  ///< smallest side of the square that tileRoomBytes() counts
 
 /// Selects the tiles that a view of a cut needs. For each level 0 tile that visible parts use, selects the
 /// level whose texels cover at most the threshold (at least one pixel) at the nearest point of the part, and

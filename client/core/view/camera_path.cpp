@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kMaxCoordinate = 1e15;  // the square of a coordinate does not overflow
+constexpr double kMaxCoordinate = 1e15;  // limit that keeps squares of coordinates from overflowing
 
 [[noreturn]] void refuse(std::string_view source, const std::string& what) {
   throw Error(

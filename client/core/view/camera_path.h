@@ -24,8 +24,8 @@ struct CameraKey {
   bool operator==(const CameraKey&) const = default;
 };
 
-/// An animated camera: {"fov_y_deg": 45, "keys": [{"t": 0, "eye": [x,y,z], "target": [x,y,z], "up":
-/// [x,y,z]}]}.
+/// An animated camera. Its JSON form is {"fov_y_deg": 45, "keys": [{"t": 0, "eye": [x,y,z], "target":
+/// [x,y,z], "up": [x,y,z]}]}.
 struct CameraPath {
   double fov_y_deg = 45;
   std::vector<CameraKey> keys;  ///< at least one key; t increases strictly

@@ -67,8 +67,8 @@ glm::dvec3 directionToEye(const std::vector<glm::dvec3>& points, const Stand& st
          std::sin(tilt) * stand.up;
 }
 
-/// Eye position that keeps all points between two opposite sides of the picture: `across` is its coordinate
-/// along the side's normal, and `out` its smallest distance from the origin.
+/// Nearest eye position that shows all points between two opposite sides of the picture. `across` is the
+/// eye's coordinate along the side's normal, and `out` its distance from the origin towards the viewer.
 struct Fit {
   double across, out;
 };
@@ -95,7 +95,7 @@ Fit fit(const Shape& shape, const glm::dvec3& side, const glm::dvec3& to_eye, do
 /// Returns the eye position along a side's normal that centres the points in the picture at distance `out`.
 double centred(const std::vector<glm::dvec3>& points, const glm::dvec3& side, const glm::dvec3& to_eye,
                double across, double out) {
-  constexpr int kTurns = 8;  // each iteration reduces the remaining offset
+  constexpr int kTurns = 8;  // number of iterations; each one brings the points closer to the centre
   const double middle = out - reachAlong(points, to_eye).middle();
   for (int turn = 0; turn < kTurns; ++turn) {
     Reach slopes;
@@ -106,13 +106,14 @@ double centred(const std::vector<glm::dvec3>& points, const glm::dvec3& side, co
   return across;
 }
 
-/// Terrain: smallest fraction of the area that faces one direction on balance.
+/// A mesh is terrain if its area vectors, added up along an axis, exceed this fraction of its area.
 constexpr double kOpenPart = 0.2;
-constexpr double kOpenFactor = 1.5;  ///< terrain: smallest ratio to the same area of the other axis
-/// Foot: smallest excess over the other axis, as a fraction of the whole area.
+constexpr double kOpenFactor = 1.5;  ///< and if their sum exceeds the sum along the other axis by this factor
+/// The z axis is up if its foot exceeds the foot of the y axis by this fraction of the mesh's area.
 constexpr double kFootPart = 0.03;
-constexpr double kFootHeight = 0.03;  ///< height of the foot as a fraction of the model's height
-constexpr double kDownwards = 0.7;    ///< flat: smallest cosine of the angle between normal and axis
+constexpr double kFootHeight = 0.03;  ///< height of the foot, relative to the model's height
+constexpr double kDownwards = 0.7;    ///< a triangle is flat if the cosine of the angle between its normal
+                                      ///< and the axis is at least this value
 
 /// Areas of a mesh's triangles, in total and by axis.
 struct Areas {
@@ -179,7 +180,7 @@ CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
   const Mesh* const mesh = framing.coarse.get();
   const glm::dvec3 up = upOf(framing);
   Shape shape{pointsOf(model, mesh), mesh != nullptr ? model.max_error_model : 0, pointsOf(model, nullptr)};
-  const glm::dvec3 centre = shape.box.front();  // computes relative to this point, to keep precision
+  const glm::dvec3 centre = shape.box.front();  // coordinates relative to this point keep their precision
   for (auto* points : {&shape.points, &shape.box})
     for (glm::dvec3& point : *points) point -= centre;
 
@@ -195,7 +196,7 @@ CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
   const Fit vertical = fit(shape, above, to_eye, slope);
   const Reach depth = reachAlong(shape.points, to_eye);
   double out = std::max(horizontal.out, vertical.out);
-  if (!(out > depth.high)) out = depth.high + 1;  // the shape is a point, or a line through the eye
+  if (!(out > depth.high)) out = depth.high + 1;  // the shape is a point, or a line that points at the eye
   const double across = centred(shape.points, beside, to_eye, horizontal.across, out) - middle_slope * out;
   const glm::dvec3 aside =
       centre + across * right + centred(shape.points, above, to_eye, vertical.across, out) * above;

@@ -29,17 +29,17 @@ struct Framing {
   /// Up axis. If unset, the axis is guessUp(*coarse), or y without a mesh.
   std::optional<glm::dvec3> up = std::nullopt;
   double aspect = 1;  ///< width / height of the picture
-  /// Fraction of the picture's width that is covered at the left; the model fills the rest.
+  /// Fraction of the picture's width that a panel covers at the left; the model fills the rest.
   double covered = 0;
 };
 
 /// Returns the up direction for the camera and the light.
 glm::dvec3 upOf(const Framing& framing);
 
-/// Returns the default camera of every command, a path with one key: a three-quarter view from above, as near
-/// as possible with the whole model in the picture. The camera shows the broader side of the model, from +z
-/// if y is up and from -y if z is up, and is turned to the right. The camera looks down more steeply on flat
-/// models.
+/// Returns the default camera of every command, as a path with one key. The camera shows the model in a
+/// three-quarter view from above, as near as the whole model fits the picture. The model's front is at +z if
+/// y is up, and at -y if z is up. The camera stands between the front and the right side, closer to the
+/// broader of the two. The camera looks down more steeply on flat models.
 CameraPath framingCamera(const ModelSummary& model, const Framing& framing = {});
 
 }  // namespace lode::core

@@ -35,16 +35,16 @@ double distanceToBox(glm::dvec3 eye_model, const ModelBox& box) noexcept;
 /// @param error_model     error in model units, at least 0.
 /// @param distance_model  distance from the eye to the nearest point of the node's box; clamped to
 ///                        view.near_model.
-/// @return error in pixels; grows with error_model, which the refinement queue relies on.
+/// @return error in pixels. The error grows with error_model; the refinement queue relies on this.
 /// Source: Luebke et al., Level of Detail for 3D Graphics, 2003.
 float screenErrorPx(float error_model, double distance_model, const View& view) noexcept;
 
 /// Returns the focal length in pixels: the projected size of one unit at distance one.
 double focalPx(const View& view) noexcept;
 
-/// Returns false only if the box is outside the picture. Conservative: may return true for a box just
-/// outside.
-/// @param widening  scale of the picture about its centre; 1.2 makes it a fifth wider and higher.
+/// Returns false only if the box is outside the picture. The test is conservative: it may return true for a
+/// box just outside.
+/// @param widening  scale of the picture about its centre; 1.2 makes the picture a fifth wider and higher.
 bool boxMayBeVisible(const ModelBox& box, const View& view, double widening = 1) noexcept;
 
 /// Result of a box test against the planes of a frustum.
