@@ -73,7 +73,7 @@ std::string describeBytes(uint64_t bytes) {
 
 std::string byteSizeAtLeast(uint64_t bytes) {
   if (bytes < 1000) return std::to_string(bytes);
-  uint64_t step = 10;  // value of the last of three digits
+  uint64_t step = 10;  // place value of the last of three decimal digits
   for (const char* unit : {"KB", "MB", "GB", "TB"}) {
     for (int decimals = 2; decimals >= 0; --decimals, step *= 10) {
       const uint64_t steps = bytes / step + (bytes % step != 0 ? 1 : 0);

@@ -23,13 +23,14 @@ namespace command_line {
 
 constexpr int kDone = 0, kWorkFailed = 1, kWrongUsage = 2;
 
-/// Prints an error on one line of stderr. @return `status`.
+/// Prints an error on one line of stderr. @return the argument `status`.
 inline int fail(const CLI::App& program, const std::string& message, int status) {
   printOnOneLine(program.get_name(), message);
   return status;
 }
 
-/// @return `status`, or kWorkFailed if stdout could not be written.
+/// Ends a command that has printed its result. @return `status`, or kWorkFailed if stdout could not be
+/// written.
 inline int endAfterPrinting(const CLI::App& program, int status) {
   if (std::cout.flush() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
   return fail(program, std::string("cannot write to standard output: ") + std::strerror(errno), kWorkFailed);

@@ -11,7 +11,7 @@ enum class ErrorCode {
   kIo,        ///< the operating system refused to open, read, write or rename, or the disk is full
   kFormat,    ///< a store, page, payload or frame is damaged
   kLimit,     ///< a length or count exceeds a named limit
-  kNetwork,   ///< connect, send or receive failed, or the peer went away
+  kNetwork,   ///< connecting, sending or receiving failed, or the peer closed the connection
   kProtocol,  ///< the peer broke the protocol
   kTimeout,   ///< a deadline passed
   kInternal,  ///< a bug in Lodestream

@@ -13,7 +13,8 @@ constexpr int kLatticeBits = 21;                            ///< bits of a latti
 constexpr uint32_t kMaxLattice = (1u << kLatticeBits) - 1;  ///< largest lattice coordinate
 
 /// A vertex position: three lattice coordinates in 63 bits, x lowest. Payloads preserve position codes
-/// exactly, so welding, joining of boundaries and the triangle soup identify vertices by comparing codes.
+/// exactly, so equal codes identify equal vertices everywhere: in the build's triangles, across nodes and in
+/// clients.
 struct PositionCode {
   uint64_t value = 0;
   friend constexpr auto operator<=>(PositionCode, PositionCode) = default;
@@ -48,11 +49,11 @@ struct LatticeBox {
   }
 };
 
-/// Smallest and largest step. With other steps, floats of lattice points could be subnormal or infinite.
+/// Smallest and largest step. Beyond these, floats of lattice points could be subnormal or infinite.
 constexpr double kMinStep = 0x1p-100, kMaxStep = 0x1p60;
 
-/// Returns true for 4, 5, 6 and 7 times a power of two from kMinStep to kMaxStep. Such a step times a lattice
-/// coordinate is exact in float: 3 + 21 bits.
+/// Returns true if a step is 4, 5, 6 or 7 times a power of two and lies between kMinStep and kMaxStep. The
+/// product of such a step and a lattice coordinate is exact in float, because it needs 3 + 21 bits.
 inline bool isLatticeStep(double step) noexcept {
   int exponent = 0;
   const double eighths = 8 * std::frexp(step, &exponent);

@@ -36,7 +36,7 @@ uint64_t leastLimit(const std::filesystem::path& top, std::string_view group,
   std::filesystem::path folder = top;
   readFolder(folder);
   for (const std::filesystem::path& part : std::filesystem::path(group).relative_path()) {
-    if (part == "..") return least;  // outside the part of the tree that this process sees
+    if (part == "..") return least;  // the group lies outside the part of the tree that this process sees
     readFolder(folder /= part);
   }
   return least;

@@ -12,7 +12,7 @@ namespace lode {
 /// Attributes of a model's vertices, as bits. All nodes of a model have the same attributes.
 struct AttributeSet {
   static constexpr uint8_t kNormal = 1, kColour = 2, kAlpha = 4, kTexture = 8, kMaterial = 16, kAll = 31;
-  /// Bit that tells that the build computed the normals, because the input file has none.
+  /// Bit that is set if the build computed the normals because the input file has none.
   static constexpr uint8_t kComputedNormal = 32;
   uint8_t bits = 0;
 
@@ -28,7 +28,7 @@ constexpr double kTextureStep = 0x1p-16;
 constexpr uint16_t kNoMaterial = 0xffff;
 
 /// Attributes of one vertex. The scan of the input quantizes them once, on grids of the whole model. Fields
-/// of absent attributes keep their defaults, so that equal vertices compare equal.
+/// of absent attributes have their default values, so that equal vertices compare equal.
 struct VertexAttributes {
   uint16_t normal = 0;      ///< octahedral code of the normal, see common/codec/octahedral.h
   uint16_t material = 0;    ///< texture number (PLY texnumber), or kNoMaterial
@@ -47,15 +47,15 @@ constexpr uint64_t clusterCount(uint64_t triangles) noexcept {
   return (triangles + kClusterTriangles - 1) / kClusterTriangles;
 }
 
-/// Triangles of one LOD of a node, or of a cut. A vertex is one combination of position and attributes
-/// ("wedge"); at a seam several vertices share a position.
+/// The triangles of one LOD of a node, or of a cut. Each vertex is one combination of position and attributes
+/// (a "wedge"). At a seam, several vertices share a position.
 struct Mesh {
   AttributeSet attributes;
   std::vector<PositionCode> positions;
   std::vector<VertexAttributes> vertex_attributes;  ///< attributes per vertex; empty if `attributes` is empty
   std::vector<glm::u32vec3> triangles;              ///< indices of vertices, counter-clockwise
-  /// Bounding box of each cluster, a run of kClusterTriangles triangles. Empty unless the triangles are
-  /// sorted into clusters.
+  /// Bounding boxes of the clusters. A cluster is a run of kClusterTriangles triangles. Empty unless the
+  /// triangles are sorted into clusters.
   std::vector<LatticeBox> cluster_boxes = {};
 
   bool operator==(const Mesh&) const = default;

@@ -9,7 +9,7 @@ namespace lode {
 constexpr int kMaxDepth = 20;  ///< largest depth of a node; the root has depth 0
 
 /// Locational code of an octree cell: a leading 1, then 3 bits per level (x is bit 0, y bit 1, z bit 2).
-/// Keys are ordered by value: coarse nodes before fine ones, siblings together.
+/// Ordering keys by value puts coarse nodes before fine nodes and keeps siblings together.
 /// Source: Gargantini, An Effective Way to Represent Quadtrees, 1982.
 struct NodeKey {
   uint64_t value = 1;
@@ -23,7 +23,8 @@ struct NodeKey {
   constexpr NodeKey parent() const noexcept { return {value >> 3}; }
   constexpr NodeKey child(unsigned octant) const noexcept { return {value << 3 | octant}; }
   constexpr unsigned octant() const noexcept { return static_cast<unsigned>(value & 7); }
-  /// Returns the node's ancestor at a depth <= depth(); at depth() the node itself.
+  /// Returns the node's ancestor at a depth of at most depth(). The node counts as its own ancestor at
+  /// depth().
   constexpr NodeKey ancestorAt(int at_depth) const noexcept { return {value >> 3 * (depth() - at_depth)}; }
   /// Returns true for the node itself and its descendants.
   constexpr bool contains(NodeKey other) const noexcept {

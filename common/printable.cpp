@@ -8,7 +8,8 @@ namespace lode {
 
 namespace {
 
-/// Returns true for marks that change the direction of the text around them, which could disguise the text.
+/// Returns true for marks that change the direction of the text around them. Such marks could disguise a
+/// name.
 bool turnsText(uint32_t code) {
   return code == 0x61C || code == 0x200E || code == 0x200F || (code >= 0x202A && code <= 0x202E) ||
          (code >= 0x2066 && code <= 0x2069);

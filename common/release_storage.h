@@ -4,7 +4,7 @@
 
 namespace lode {
 
-/// Empties a container and frees its memory. In contrast, `container = {}` may keep the capacity.
+/// Empties a container and frees its memory. Unlike this function, `container = {}` may keep the capacity.
 template <typename Container>
 void releaseStorage(Container& container) {
   Container empty;

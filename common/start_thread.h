@@ -11,7 +11,7 @@
 
 namespace lode {
 
-/// Returns make(), which starts threads.
+/// Calls make(), which starts threads, and returns its result.
 /// @param purpose  purpose of the threads for the error message, such as "to decode".
 /// @throws Error kIo if the system refuses a thread.
 template <typename Make>
@@ -31,7 +31,7 @@ Thread startThread(const std::string& purpose, Work&& work) {
   return withThreads(purpose, [&] { return Thread(std::forward<Work>(work)); });
 }
 
-/// Starts up to `count` threads that share work: as many as the system allows, at least one.
+/// Starts up to `count` threads that share work. Starts fewer if the system refuses some, but at least one.
 /// @throws Error as withThreads().
 template <typename Work>
 std::vector<std::jthread> startThreads(size_t count, const std::string& purpose, const Work& work) {

@@ -19,7 +19,7 @@ namespace lode::proto {
 class ByteStream {
  public:
   explicit ByteStream(asio::ip::tcp::socket socket);
-  /// Makes a stream with TLS. Call a handshake function before any other.
+  /// Creates a stream with TLS. Call a handshake function before any other function.
   ByteStream(asio::ip::tcp::socket socket, std::shared_ptr<asio::ssl::context> tls);
 
   /// Performs the TLS handshake as a server. Does nothing on a plain stream.
@@ -32,10 +32,10 @@ class ByteStream {
   /// Returns true if connectHandshake() failed because of the certificate.
   bool isPeerDoubted();
 
-  /// @param error  must outlive the awaitable. Becomes asio::error::eof if the peer closed its side, even
-  /// without TLS's close_notify: frames have lengths, so the reader notices truncation.
+  /// @param error  must outlive the awaitable. Set to asio::error::eof if the peer closed its side, even
+  /// without TLS's close_notify. The length of a frame shows the reader whether data is missing.
   asio::awaitable<size_t> readSome(asio::mutable_buffer into, asio::error_code& error);
-  /// Writes all parts. With TLS one large part is cheaper than several.
+  /// Writes all parts. With TLS, one large part costs less than several small ones.
   asio::awaitable<void> write(std::span<const asio::const_buffer> parts, asio::error_code& error);
   /// Waits until the kernel's send buffer has room.
   asio::awaitable<void> waitWritable(asio::error_code& error);
@@ -45,7 +45,7 @@ class ByteStream {
   bool encrypted() const noexcept { return tls_.has_value(); }
 
   void shutdownSend() noexcept;
-  void close() noexcept;  ///< pending operations end with an error
+  void close() noexcept;  ///< closes the connection; pending operations end with an error
 
  private:
   std::shared_ptr<asio::ssl::context> context_;

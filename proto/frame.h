@@ -8,8 +8,8 @@
 
 namespace lode::proto {
 
-/// Lists every message as X(frame type, name, struct in messages.h). The table in lodestream.fbs and the
-/// FrameType have the same name. Numbers are part of the protocol: never change or reuse a number.
+/// Lists every message as X(number, name, struct in messages.h). The table in lodestream.fbs and the
+/// FrameType have the listed name. The numbers are part of the protocol: never change or reuse a number.
 #define LODE_MESSAGES(X)              \
   X(1, Hello, Hello)                  \
   X(2, Welcome, Welcome)              \
@@ -32,7 +32,7 @@ enum class FrameType : uint8_t {
 #define LODE_MESSAGE(number, name, type) k##name = (number),
   LODE_MESSAGES(LODE_MESSAGE)
 #undef LODE_MESSAGE
-      kBlob = 9,  ///< not a message; the body is a BlobChunkHeader and raw bytes
+      kBlob = 9,  ///< frame without a message: the body is a BlobChunkHeader, then raw bytes
 };
 
 /// Returns the name of a frame type for error messages: "Hello" and so on, or "unknown".
@@ -40,7 +40,7 @@ std::string_view frameName(uint8_t type) noexcept;
 /// Returns true if this version of the protocol has the frame type.
 bool isFrameType(uint8_t type) noexcept;
 
-constexpr uint8_t kFlagOptional = 1;  ///< a receiver that does not know the frame's type skips the frame
+constexpr uint8_t kFlagOptional = 1;  ///< flag of frames that a receiver skips if it does not know their type
 
 /// Header of every frame, 12 bytes, little-endian: body length u32, type u8, flags u8, reserved u16 (zero),
 /// call id u32. An answer has the same call id as the answered frame.

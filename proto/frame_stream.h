@@ -23,14 +23,15 @@ struct Frame {
 /// Frames on a byte stream. One coroutine may read while another writes, both on the stream's thread.
 class FrameStream {
  public:
-  /// A function that is called before a body grows by `more_bytes`. It returns false to refuse the growth.
+  /// A function that read() calls before a body grows by `more_bytes`. If the function returns false, the
+  /// body must not grow.
   using Room = std::function<bool(size_t more_bytes)>;
 
   /// @param read_ahead_bytes  size of the read buffer; longer bodies are read directly into the frame.
   explicit FrameStream(ByteStream stream, size_t read_ahead_bytes = 4096, Room room = {});
 
-  /// Reads one frame into `frame`, whose memory is reused. The memory of a body grows as
-  /// bytes arrive, whatever length the header announces.
+  /// Reads one frame into `frame` and reuses the memory of `frame`. The memory of a body grows only as bytes
+  /// arrive, even if the header announces a large length.
   /// @param max_body_bytes  limit; read() refuses a longer body before it allocates memory.
   /// @return false if the peer closed the connection between two frames.
   /// @throws Error kLimit, kProtocol (invalid header), kNetwork (closed within a frame, or reset).
@@ -46,7 +47,7 @@ class FrameStream {
   asio::awaitable<void> discard();
 
   ByteStream& bytes() noexcept { return stream_; }
-  void close() noexcept { stream_.close(); }  ///< pending operations throw Error kNetwork
+  void close() noexcept { stream_.close(); }  ///< closes the stream; pending operations throw Error kNetwork
 
  private:
   asio::awaitable<bool> fill(size_t needed);
@@ -55,7 +56,7 @@ class FrameStream {
   ByteStream stream_;
   Room room_;
   std::vector<std::byte> ahead_;
-  size_t begin_ = 0, end_ = 0;  ///< unread bytes of ahead_
+  size_t begin_ = 0, end_ = 0;  ///< range of the unread bytes in ahead_
 };
 
 }  // namespace lode::proto

@@ -11,17 +11,17 @@ constexpr uint16_t kDefaultPort = 7400;
 constexpr uint32_t kMaxFrameBodyBytes = 256u << 10;  ///< size of any frame's body
 constexpr uint32_t kMaxHelloBodyBytes = 4u << 10;    ///< size of a body before Hello
 constexpr uint32_t kMaxChunkBytes = 32u << 10;       ///< raw bytes of a Blob frame
-constexpr uint32_t kMaxRequestsPerFrame = 4096;      ///< entries of a Requests frame
-constexpr uint32_t kMaxOpenRequests = 16384;         ///< open requests of a session
-constexpr uint32_t kMaxOpenModels = 64;              ///< open models of a session
-constexpr uint32_t kMaxListedModels = 1024;          ///< models of a Models message
-constexpr uint32_t kMaxStringBytes = 1024;           ///< length of a string without its own limit
+constexpr uint32_t kMaxRequestsPerFrame = 4096;      ///< number of entries of a Requests frame
+constexpr uint32_t kMaxOpenRequests = 16384;         ///< number of open requests of a session
+constexpr uint32_t kMaxOpenModels = 64;              ///< number of open models of a session
+constexpr uint32_t kMaxListedModels = 1024;          ///< number of models of a Models message
+constexpr uint32_t kMaxStringBytes = 1024;           ///< length of a string that has no limit of its own
 constexpr uint32_t kMaxTokenBytes = 512;
-constexpr uint64_t kInitialWindowBytes = 64u
-                                         << 10;  ///< bytes that the server may send before the first Credit
+/// Bytes that the server may send before the first Credit.
+constexpr uint64_t kInitialWindowBytes = 64u << 10;
 constexpr uint64_t kFeatureClose = 1;  ///< feature bit of Hello and Welcome: the peer knows Close and Closed
-constexpr uint64_t kMaxQueuedAnswerBytes =
-    64u << 10;  ///< queued answers above which a server stops reading from a connection (back-pressure)
+/// Queued answers above which a server stops reading from a connection (back-pressure).
+constexpr uint64_t kMaxQueuedAnswerBytes = 64u << 10;
 
 // Defaults of `lodestreamd serve`; each has an option.
 constexpr uint32_t kMaxConnections = 10'000;

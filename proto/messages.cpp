@@ -21,7 +21,7 @@ namespace {
 
 using Builder = flatbuffers::FlatBufferBuilder;
 
-/// Initial size of a Builder. It suffices for messages without strings and lists.
+/// Initial size of a Builder, which suffices for messages without strings and lists.
 constexpr size_t kBuilderBytes = 64;
 
 template <typename Table>
@@ -48,7 +48,8 @@ std::string_view checkText(std::string_view text, uint32_t limit, const char* wh
 /// Makes a text for people valid: cuts it to kMaxStringBytes and replaces unprintable characters by '?'.
 std::string sanitized(std::string_view text) {
   std::string out(text.substr(0, kMaxStringBytes));
-  // A cut inside a character removes the whole character: continuation bytes here, the lead byte below.
+  // If the cut is inside a character, remove the whole character: the continuation bytes here, the lead byte
+  // below.
   while (!out.empty() && out.size() < text.size() && (static_cast<uint8_t>(out.back()) & 0xC0) == 0x80)
     out.pop_back();
   if (out.size() < text.size() && !out.empty() && static_cast<uint8_t>(out.back()) >= 0xC0) out.pop_back();

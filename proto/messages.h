@@ -62,9 +62,10 @@ enum class RequestAction : uint8_t { kAdd = 0, kReprioritise = 1, kCancel = 2 };
 struct RequestChange {
   RequestAction action = RequestAction::kAdd;
   RequestClass request_class = RequestClass::kVisible;
-  uint32_t request = 0;   ///< number > 0 that the client chooses, unique among the session's open requests
-  uint32_t blob = 0;      ///< kAdd only: number of the blob in the model's store
-  float priority_px = 0;  ///< projected error; the server prefers the highest in a class
+  uint32_t request = 0;   ///< number above 0 that the client chooses; unique among the session's open
+                          ///< requests
+  uint32_t blob = 0;      ///< number of the blob in the model's store; used by kAdd only
+  float priority_px = 0;  ///< projected error; within a class, the server sends the highest first
   bool operator==(const RequestChange&) const = default;
 };
 

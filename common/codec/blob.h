@@ -9,7 +9,7 @@
 
 namespace lode {
 
-/// SHA-256 of a blob, cut to 128 bits. Caches use it as the key of the blob.
+/// The first 128 bits of a blob's SHA-256. Caches use the digest as the blob's key.
 struct Digest {
   std::array<std::byte, 16> bytes{};
   friend constexpr auto operator<=>(const Digest&, const Digest&) = default;
@@ -20,7 +20,7 @@ std::string toHex(const Digest& digest);  ///< returns 32 lower-case digits
 
 /// Reference to a blob, for requests and checks: the blob's number in the store, size and digest.
 struct BlobRef {
-  uint32_t number = 0;  ///< number in the store; 0 for no blob (an LOD without triangles)
+  uint32_t number = 0;  ///< number in the store; 0 means no blob, as for an LOD without triangles
   uint32_t bytes = 0;
   Digest digest;
 

@@ -6,7 +6,8 @@
 namespace lode {
 namespace {
 
-/// Spreads lattice neighbours. Source: Appleby, MurmurHash3 (its finalizer's first half).
+/// Hashes a position so that lattice neighbours get distant values. Source: Appleby, MurmurHash3 (first half
+/// of the finalizer).
 size_t hashOf(PositionCode position) noexcept {
   const uint64_t mixed = (position.value ^ position.value >> 33) * 0xff51afd7ed558ccdULL;
   return mixed ^ mixed >> 33;

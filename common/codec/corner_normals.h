@@ -9,8 +9,8 @@
 
 namespace lode {
 
-/// Transfers the normals of a mesh to a mesh with the same triangles but other vertices, such as the mesh
-/// that Draco decodes: Draco reorders vertices and splits non-manifold vertices.
+/// Transfers the normals of a mesh to another mesh with the same triangles but other vertices. Draco decodes
+/// such meshes, because it reorders vertices and splits non-manifold vertices.
 class CornerNormals {
  public:
   explicit CornerNormals(const Mesh& mesh);
@@ -25,15 +25,15 @@ class CornerNormals {
     uint16_t normal = 0;
     bool is_taken = false, has_several = false;
   };
-  /// Corner of a triangle at a position that has several normals.
+  /// A corner of a triangle, at a position that has several normals.
   struct OfCorner {
     PositionCode position, next, last;
     uint16_t normal = 0;
     auto operator<=>(const OfCorner&) const = default;
   };
-  /// Returns the slot of a position in the table, or the slot where to insert the position.
+  /// Returns the slot of a position in the hash table, or the empty slot for a new position.
   size_t placeOf(PositionCode position) const noexcept;
-  /// Returns the normal if the position has exactly one.
+  /// Returns the normal of a position if the position has exactly one normal.
   std::optional<uint16_t> at(PositionCode position) const;
   std::optional<uint16_t> at(const OfCorner& corner) const;
   static OfCorner cornerOf(const Mesh& mesh, glm::u32vec3 triangle, int corner);

@@ -9,10 +9,11 @@
 
 namespace lode {
 
-/// Properties of a payload as its hierarchy page announces them. The decoder checks them before it allocates.
+/// Properties that a hierarchy page announces for a payload. The decoder checks them before it allocates
+/// memory.
 struct PayloadExpectation {
   uint32_t triangles = 0;
-  uint32_t vertices = 0;    ///< largest number of decoded vertices, which the encoder counted
+  uint32_t vertices = 0;    ///< number of decoded vertices, as the encoder counted them; a limit
   AttributeSet attributes;  ///< attributes of the model
   LatticeBox box;           ///< box of the node, which must contain all positions
 };
@@ -23,12 +24,14 @@ struct EncodedPayload {
 };
 
 /// Origin of a mesh's triangles. kFile and kFarLod select a predictor that saves more bytes but decodes more
-/// slowly: triangles of a file are often regular, and most triangles of a far LOD are at the boundary.
+/// slowly. The predictor suits triangles of a file, which are often regular, and far LODs, whose triangles
+/// mostly touch the node's border.
 enum class MeshSource { kFile, kSimplified, kFarLod };
 
-/// Encodes an LOD with Draco's edgebreaker (settings: docs/store-format.md), float positions in the model
-/// frame. The decoded mesh has the same triangles, with equal positions, attributes and orientation, in
-/// another order. Omits computed normals if most normals follow from the triangles.
+/// Encodes an LOD with Draco's edgebreaker, with float positions in the model frame. docs/store-format.md
+/// lists the settings. The decoded mesh has the same triangles, with equal positions, attributes and
+/// orientation, in another order. If the build computed the normals and most of them follow from the
+/// triangles, the payload omits these normals.
 /// @param step  step of the lattice.
 /// @throws Error kInternal if Draco fails. Thread safe.
 EncodedPayload encodePayload(const Mesh& mesh, double step, MeshSource source = MeshSource::kSimplified);

@@ -44,7 +44,8 @@ void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& exp
   if (vertices > expected.vertices)
     refuse("it declares " + std::to_string(vertices) + " vertices where " +
            std::to_string(expected.vertices) + " are announced");
-  if (header.u8() != 0) refuse("it has seams of its own");  // each would need a table of faces
+  // A seam would need a table of faces per attribute.
+  if (header.u8() != 0) refuse("it has seams of its own");
   const uint32_t symbols = header.varint();
   if (symbols > faces || header.varint() > symbols)
     refuse("its connectivity has more symbols than triangles");
@@ -124,8 +125,8 @@ uint32_t wholeSteps(float value, double step) {
   return static_cast<uint32_t>(steps);
 }
 
-// Reads positions from Draco's integers q. Decoders that use Draco's floats find the same positions, because
-// origin + q * range / (2^bits - 1) is exact in float for all payloads of our encoder.
+// Reads positions from Draco's integers q. A decoder that uses Draco's floats gets the same positions,
+// because origin + q * range / (2^bits - 1) is exact in float for all payloads of our encoder.
 void readPositions(const draco::Mesh& in, double step, const LatticeBox& box, Mesh& mesh) {
   const PointAttribute& attribute = *in.GetNamedAttribute(GeometryAttribute::POSITION);
   draco::AttributeQuantizationTransform transform;
@@ -210,7 +211,7 @@ void readTriangles(const draco::Mesh& in, Mesh& mesh) {
 /// Decodes a stream by GuardedDecoder. @return the bytes that follow the stream.
 std::span<const std::byte> decodeGuarded(std::span<const std::byte> bytes, const PayloadExpectation& expected,
                                          draco::Mesh& out) {
-  draco::DecoderOptions options;  // keep the quantized integers instead of converting them to floats
+  draco::DecoderOptions options;  // these options keep the quantized integers as integers
   for (const auto type :
        {GeometryAttribute::POSITION, GeometryAttribute::NORMAL, GeometryAttribute::TEX_COORD})
     options.SetAttributeBool(type, "skip_attribute_transform", true);

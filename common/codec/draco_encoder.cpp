@@ -28,19 +28,19 @@ using namespace draco_stream;
 // Draco's speed setting. Below 4, Draco predicts texture coordinates by a method that decodes damaged input
 // for seconds.
 constexpr int kSpeed = 4;
-// Speed setting for meshes with positions alone. Draco then visits the vertex with the most known neighbours
-// next, which saves up to 15 % of the bytes if triangles are regular. Draco does not do so for meshes with
-// other attributes.
+// Speed setting for meshes without attributes. With this setting Draco always visits the vertex with the most
+// known neighbours next, which saves up to 15 % of the bytes if triangles are regular. Draco does not support
+// this order for meshes with attributes.
 constexpr int kSpeedOfPositionsAlone = 0;
 // Largest number of triangles per vertex. To find an edge's other triangle, Draco searches all triangles
-// around one end of the edge, which takes long around a vertex with very many triangles.
+// around one end of the edge. The search is slow at a vertex with very many triangles.
 constexpr uint32_t kMostTrianglesOfVertex = 1024;
-// Least number of vertices per listed normal. A listed normal takes some 18 bits, a normal that Draco encodes
-// takes 5 to 8.
+// Least number of vertices per listed normal. A listed normal takes about 18 bits, and a normal that Draco
+// encodes takes 5 to 8 bits.
 constexpr size_t kLeastVerticesForOther = 4;
 
-// Returns n steps as text that strtof() reads back exactly in any locale. Draco stores options as text and
-// would write numbers with six decimals only.
+// Returns n steps as text that strtof() reads back exactly in any locale. Draco stores options as text, and
+// its own conversion keeps only six decimals.
 std::string hexFloat(uint32_t n, double step) {
   int exponent = 0;
   const auto eighths = static_cast<uint32_t>(8 * std::frexp(step, &exponent));
@@ -75,7 +75,8 @@ std::optional<Mesh> spreadTriangles(const Mesh& mesh) {
   if (std::ranges::all_of(uses, [](uint32_t count) { return count <= kMostTrianglesOfVertex; }))
     return std::nullopt;
   Mesh spread = mesh;
-  std::vector<uint32_t> copy(uses.size());  // by vertex: the copy that the next triangle uses
+  std::vector<uint32_t> copy(uses.size());  // indexed by vertex: copy of the vertex that the next triangle
+                                            // uses
   std::iota(copy.begin(), copy.end(), 0u);
   std::ranges::fill(uses, 0);
   for (glm::u32vec3& t : spread.triangles)
@@ -138,7 +139,7 @@ void addPositions(draco::Mesh& out, const Mesh& mesh, double step) {
                       });
 }
 
-// Ids of the attributes in the Draco mesh; nothing for an attribute that the mesh lacks.
+// Ids of the attributes in the Draco mesh; an id is empty if the mesh lacks the attribute.
 struct AttributeIds {
   int position = 0;
   std::optional<int> normal, texture;
@@ -179,7 +180,7 @@ void setQuantization(draco::ExpertEncoder& encoder, const AttributeIds& ids, con
   const std::string origin =
       hexFloat(box.min.x, step) + " " + hexFloat(box.min.y, step) + " " + hexFloat(box.min.z, step);
   // The multi-parallelogram predictor saves 3 to 20 % of the bytes if valences are regular, 5 to 8 % if most
-  // vertices are locked, and 1 % otherwise. Decoding is slower by a third.
+  // vertices are locked, and 1 % otherwise. Decoding takes a third longer.
   const auto prediction = source == MeshSource::kSimplified
                               ? draco::MESH_PREDICTION_PARALLELOGRAM
                               : draco::MESH_PREDICTION_CONSTRAINED_MULTI_PARALLELOGRAM;
@@ -195,8 +196,8 @@ void setQuantization(draco::ExpertEncoder& encoder, const AttributeIds& ids, con
   }
 }
 
-// Reads the number of decoded vertices from the payload's header, which is exact because attributes have no
-// seams. Draco could count the vertices too, but would take a twentieth of the encoding time.
+// Reads the number of decoded vertices from the payload's header. The number is exact, because attributes
+// have no seams. If Draco counted the vertices, encoding would take a twentieth longer.
 uint32_t verticesOf(std::span<const std::byte> payload) {
   draco_stream::Cursor header(payload);
   header.skipStart();

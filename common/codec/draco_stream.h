@@ -17,14 +17,15 @@ constexpr int kTextureBits = 16;
   throw Error(ErrorCode::kFormat, "damaged payload: " + why + "; fetch it again or rebuild the store");
 }
 
-/// Reads the head of a Draco stream, or the bytes that follow the stream. All functions throw Error kFormat.
+/// Reads the header of a Draco stream, or the bytes that follow the stream. All functions throw Error
+/// kFormat.
 /// Source: Draco's bitstream specification 2.2, sections 3 and 6.
 class Cursor {
  public:
   explicit Cursor(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
-  /// Skips the first bytes, which are the same in every payload. The kind of traversal and the numbers of
-  /// vertices and triangles follow.
+  /// Skips the first bytes, which are the same in every payload. The next bytes are the kind of traversal and
+  /// the numbers of vertices and triangles.
   void skipStart() {
     constexpr uint8_t kStart[] = {'D',         'R', 'A', 'C', 'O', 2, 2, /*mesh*/ 1, /*edgebreaker*/ 1,
                                   /*flags*/ 0, 0};

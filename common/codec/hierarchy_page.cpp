@@ -179,7 +179,7 @@ Node readNode(PageReader& in) {
   return node;
 }
 
-// Checks the tree in one page: order of nodes, each node's parent, children, box and errors.
+// Checks the tree in one page: the order of its nodes, and the parent, children, box and errors of each node.
 class TreeCheck {
  public:
   TreeCheck(const HierarchyPage& page, NodeKey owner, bool is_root_page)
@@ -227,7 +227,7 @@ class TreeCheck {
   const NodeKey owner_;
   const bool is_root_page_;
   size_t parent_ = 0;
-  std::array<uint8_t, kMaxPageNodes> seen_{};  // mask of the children found, by index of the parent
+  std::array<uint8_t, kMaxPageNodes> seen_{};  // child mask found so far, indexed by parent
 };
 
 }  // namespace

@@ -18,7 +18,7 @@ struct ModelSummary {
   LatticeBox box;  ///< box of all nodes
   AttributeSet attributes;
   uint64_t triangles = 0;         ///< triangles of the leaves
-  uint64_t dropped = 0;           ///< input triangles that the build left out (I1 of docs/architecture.md)
+  uint64_t dropped = 0;           ///< input triangles that the build dropped (I1 of docs/architecture.md)
   uint64_t stored_triangles = 0;  ///< triangles of all LODs
   uint64_t nodes = 0;
   uint64_t payloads = 0;
@@ -27,7 +27,8 @@ struct ModelSummary {
   float max_error_model = 0;  ///< error of the root's coarsest LOD
   uint32_t triangles_per_node = 0;
   BlobRef root_page;
-  BlobRef textures;  ///< the texture set (common/codec/texture_set.h); no blob without textures
+  BlobRef textures;  ///< the texture set (common/codec/texture_set.h); empty reference if the model has no
+                     ///< textures
 
   bool operator==(const ModelSummary&) const = default;
 };

@@ -6,13 +6,13 @@
 namespace lode {
 namespace {
 
-constexpr int kCentre = 127;        // centre of the square, which means the direction +x
+constexpr int kCentre = 127;        // coordinate of the square's centre, which encodes the direction +x
 constexpr int kLast = 2 * kCentre;  // largest coordinate; 254 instead of 255, so that the square has a centre
 
-// Returns the one code that is used for a direction. On the square's edges two codes mean the same direction,
-// because the halves of each edge mirror each other; all four corners mean -x. Used are the lower half of the
-// left edge, the left half of the lower edge, the upper half of the right edge, the right half of the upper
-// edge, and the upper right corner.
+// Returns the code that encoders use for the direction of p. On the square's edges, two codes stand for one
+// direction, because the halves of each edge mirror each other; all four corners stand for -x. Encoders use
+// the lower half of the left edge, the left half of the lower edge, the upper half of the right edge, the
+// right half of the upper edge, and the upper right corner.
 glm::ivec2 canonical(glm::ivec2 p) noexcept {
   const bool left = p.x == 0, right = p.x == kLast, bottom = p.y == 0, top = p.y == kLast;
   if ((left || right) && (bottom || top)) return glm::ivec2(kLast);
@@ -31,7 +31,7 @@ glm::ivec3 toIntegerOctahedron(glm::dvec3 direction) noexcept {
   p.x = static_cast<int>(std::floor(direction.x * kCentre + 0.5));
   p.y = static_cast<int>(std::floor(direction.y * kCentre + 0.5));
   p.z = kCentre - std::abs(p.x) - std::abs(p.y);
-  if (p.z < 0) {  // x and y were both rounded away from zero
+  if (p.z < 0) {  // z is negative if x and y were both rounded away from zero
     p.y += p.y > 0 ? p.z : -p.z;
     p.z = 0;
   }

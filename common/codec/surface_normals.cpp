@@ -12,7 +12,7 @@ namespace {
 
 using draco_stream::refuse;
 
-constexpr int kNibbleBias = 8;  ///< bias of differences from -8 to 7, which take four bits
+constexpr int kNibbleBias = 8;  ///< offset that makes a difference from -8 to 7 a number of four bits
 
 glm::ivec2 fromCode(uint16_t code) noexcept { return {code & 255, code >> 8}; }
 
@@ -23,7 +23,7 @@ void putVarint(std::vector<std::byte>& out, uint32_t value) {
 
 constexpr int kMiddle = 127, kEnd = 2 * kMiddle;
 constexpr int64_t kLargestSum = 1 << 29;
-constexpr int kFar = kMiddle / 2;  ///< difference above which the prediction is useless
+constexpr int kFar = kMiddle / 2;  ///< largest difference from a useful prediction
 
 int64_t sumOf(glm::i64vec3 v) noexcept { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
@@ -114,8 +114,8 @@ uint16_t cheapNormal(uint16_t wanted, glm::i64vec3 sum) noexcept {
   const glm::ivec2 code(wanted & 255, wanted >> 8), from = predicted(sum), off = code - from;
   if (std::max(std::abs(off.x), std::abs(off.y)) > kFar) return wanted;
   const glm::ivec2 cheap = from + glm::ivec2(roundedToSteps(off.x), roundedToSteps(off.y));
-  const bool is_at_edge = std::min(cheap.x, cheap.y) < 1 ||
-                          std::max(cheap.x, cheap.y) >= kEnd;  // there two codes mean one direction
+  // On the square's edges, two codes stand for one direction.
+  const bool is_at_edge = std::min(cheap.x, cheap.y) < 1 || std::max(cheap.x, cheap.y) >= kEnd;
   return is_at_edge ? wanted : static_cast<uint16_t>(cheap.x | cheap.y << 8);
 }
 

@@ -92,7 +92,7 @@ BlobRef readTile(SetReader& in) {
 
 uint32_t inTiles(uint32_t texels) { return (texels + kTileInnerPx - 1) / kTileInnerPx; }
 
-/// @param tiles  number of tiles of the textures read before; grows by the tiles of this texture.
+/// @param tiles  number of tiles of all textures read so far; grows by the tiles of this texture.
 Texture readTexture(SetReader& in, uint64_t& tiles) {
   Texture texture;
   const auto name = in.take(in.fixed(2));

@@ -17,30 +17,31 @@
 /// thread safe.
 namespace lode {
 
-constexpr uint32_t kTilePx = 512;       ///< longest edge of a tile's image, gutters included
-constexpr uint32_t kTileGutterPx = 2;   ///< texels of the neighbouring tiles on each side, for filtering
+constexpr uint32_t kTilePx = 512;       ///< longest edge of a tile's image, with gutters
+constexpr uint32_t kTileGutterPx = 2;   ///< width of the border that repeats texels of the neighbouring
+                                        ///< tiles, for filtering
 constexpr uint32_t kTileInnerPx = 508;  ///< largest edge of a tile without gutters
 static_assert(kTileInnerPx + 2 * kTileGutterPx == kTilePx);
 
-constexpr uint32_t kMaxTextures = 4096;  ///< textures of one model
+constexpr uint32_t kMaxTextures = 4096;  ///< number of textures of one model
 constexpr double kMaxUvOrigin = 0x1p60;
 constexpr uint32_t kMaxTextureEdgePx = 65536;        ///< longest edge of one image
-constexpr uint32_t kMaxTextureTiles = 1u << 20;      ///< tiles of one model
+constexpr uint32_t kMaxTextureTiles = 1u << 20;      ///< number of tiles of one model
 constexpr uint32_t kMaxTileBytes = 2u << 20;         ///< size of one tile's file
 constexpr uint32_t kMaxTextureNameBytes = 1024;      ///< length of one texture's name
 constexpr uint32_t kMaxTextureSetBytes = 32u << 20;  ///< size of an encoded set
 constexpr uint32_t kEmptyTextureSetBytes = 25;       ///< size of an encoded set without textures
 constexpr int32_t kMaxUvExponent = 40;               ///< largest absolute value of uv_scale_exponent
 
-/// One image as a chain of levels. Level l has max(1, ceil(size / 2^l)) texels each way. The coarsest
-/// level is the first level that fits into one tile. A tile holds up to kTileInnerPx texels of its level each
-/// way, fewer at the right and bottom edges, and kTileGutterPx texels around these. The level repeats beyond
-/// its edges.
+/// One image as a chain of levels. Level l has max(1, ceil(size / 2^l)) texels along each axis. The coarsest
+/// level is the first level that fits one tile. A tile contains up to kTileInnerPx texels of its level along
+/// each axis, fewer at the right and bottom edges. A gutter of kTileGutterPx texels surrounds them; beyond
+/// the edges of a level, the gutter continues with the opposite edge.
 struct Texture {
   std::string name;            ///< name in the input; printable UTF-8
   uint32_t width = 0;          ///< texels of level 0 per row; 0 if the image was missing
   uint32_t height = 0;         ///< rows of level 0; 0 if the image was missing
-  std::vector<BlobRef> tiles;  ///< tiles of the coarsest level first; within a level row by row from the top
+  std::vector<BlobRef> tiles;  ///< all tiles, coarsest level first; within a level, row by row from the top
 
   bool operator==(const Texture&) const = default;
 };
@@ -78,7 +79,7 @@ inline glm::dvec2 trueTextureCoordinates(const TextureSet& set, const VertexAttr
 
 /// Format of a tile, which is an unchanged image file.
 enum class TileKind : uint8_t { kJpeg, kWebp };
-/// Determines the format by the first bytes of the file.
+/// Returns the format that the first bytes of the file show; nothing if they show no known format.
 std::optional<TileKind> tileKind(std::span<const std::byte> tile) noexcept;
 
 /// Encodes a set. @throws Error kLimit or kFormat if decodeTextureSet() would refuse the result.

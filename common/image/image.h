@@ -8,7 +8,7 @@
 
 namespace lode {
 
-/// An image in memory: rows from the top, sRGB with straight alpha.
+/// An image in memory, with rows from the top and sRGB texels with straight alpha.
 struct Image {
   glm::uvec2 size{0};
   std::vector<glm::u8vec4> texels;
@@ -17,8 +17,9 @@ struct Image {
   const glm::u8vec4& at(uint32_t x, uint32_t y) const { return texels[size_t{y} * size.x + x]; }
 };
 
-/// Returns the next coarser level of an image, ceil(size / 2) texels each way. Each texel is the mean of
-/// the finer texels that it covers, in linear light and weighted by alpha. Thread safe.
+/// Returns the next coarser level of an image, with ceil(size / 2) texels along each axis. Each texel is the
+/// mean of the finer texels that it covers. The mean is taken in linear light and weighted by alpha. Thread
+/// safe.
 Image halved(const Image& image);
 
 /// Returns a part of an image. The image repeats beyond its edges. Thread safe.

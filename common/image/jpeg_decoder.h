@@ -10,31 +10,32 @@
 
 namespace lode {
 
-/// Error handler of one libjpeg codec; it must outlive the codec. An error jumps to `jump`: set `jump` with
-/// setjmp() before each call of libjpeg, and create no object with a destructor between setjmp() and that
-/// call.
+/// Error handler of one libjpeg codec. The handler must outlive the codec. An error jumps to `jump`. Set
+/// `jump` with setjmp() before each call of libjpeg, and create no object with a destructor between setjmp()
+/// and the call.
 struct JpegErrors {
-  jpeg_error_mgr manager{};  // must be the first member: libjpeg receives a pointer to it
+  jpeg_error_mgr manager{};  // must be the first member, because libjpeg receives a pointer to this member
   std::jmp_buf jump{};
   bool refuse_warnings = false;
   char message[JMSG_LENGTH_MAX]{};  ///< text of the error
   char warning[JMSG_LENGTH_MAX]{};  ///< text of the first warning, or empty
 
-  /// @param warnings_too  treats warnings as errors: libjpeg fills missing parts of an image with grey.
+  /// @param warnings_too  true treats warnings as errors, because libjpeg only warns of missing parts and
+  /// fills them with grey.
   /// @return the value for the codec's field `err`; assign it before you create the codec.
   jpeg_error_mgr* install(bool warnings_too);
 };
 
-/// Largest accepted number of scans in a JPEG: even a short scan costs a pass over the whole image. Common
-/// progressive files have about ten.
+/// Largest accepted number of scans in a JPEG file. Even a short scan costs a pass over the whole image.
+/// Common progressive files have about ten scans.
 constexpr int kMaxJpegScans = 64;
 
-/// Decodes a JPEG file from an untrusted source in two steps, header and texels, so that the caller can check
-/// the size in between: libjpeg allocates memory in proportion to the size. Not thread safe.
+/// Decodes a JPEG file from an untrusted source in two steps, header and texels. Between the steps the caller
+/// can check the size, because libjpeg allocates memory in proportion to the size. Not thread safe.
 class JpegDecoder {
  public:
   /// @param file  contents of the file; must outlive the decoder.
-  /// @param refuse_warnings  whether to refuse damage that libjpeg could repair.
+  /// @param refuse_warnings  true refuses damage that libjpeg could repair.
   JpegDecoder(std::span<const std::byte> file, bool refuse_warnings);
   ~JpegDecoder() { jpeg_destroy_decompress(&info_); }
   JpegDecoder(const JpegDecoder&) = delete;

@@ -9,11 +9,12 @@
 
 namespace lode {
 
-/// A decoded tile of a texture: rows from the top, sRGB with alpha.
+/// A decoded tile of a texture, with rows from the top and sRGB texels with alpha.
 struct TileImage {
   glm::uvec2 size{0};
   std::vector<glm::u8vec4> texels;
-  std::vector<TileImage> coarser;  ///< coarser levels, made by halving; decodeTile() leaves them empty
+  std::vector<TileImage> coarser;  ///< coarser levels, each half the size of the level before; decodeTile()
+                                   ///< leaves the list empty
 
   bool operator==(const TileImage&) const = default;
 };
@@ -21,9 +22,10 @@ struct TileImage {
 /// Returns true if the header of a tile's file allows texels that are not opaque.
 bool tileMayBeClear(std::span<const std::byte> file) noexcept;
 
-/// Decodes a tile from an untrusted source: JPEG or WebP by its first bytes.
-/// @param size  size of the tile with gutters, at most kTilePx each way. It alone determines the memory used:
-///              decodeTile() refuses a file of another size.
+/// Decodes a tile from an untrusted source. The first bytes of the file tell whether the tile is JPEG or
+/// WebP.
+/// @param size  size of the tile with gutters, at most kTilePx along each axis. This size alone determines
+///              the memory used, because decodeTile() refuses a file of another size.
 /// @throws Error kFormat or kLimit if the file is neither JPEG nor WebP, has another size, is damaged or
 /// animated, or has too many scans. Thread safe.
 TileImage decodeTile(std::span<const std::byte> file, glm::uvec2 size);

@@ -68,7 +68,7 @@ AtomicFile::AtomicFile(std::filesystem::path path, std::filesystem::path tempora
     return;
   }
   const Uninterrupted until_it_is_known;
-  do {  // a killed process with the same number may have left this name
+  do {  // a killed process with the same process id may have left a file of this name
     temporary_ = temporaryName(target_);
     file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   } while (file_ < 0 && errno == EEXIST);

@@ -10,24 +10,23 @@
 
 namespace lode {
 
-/// Writes a file under a temporary name; commit() syncs and renames it. Without commit(), the destructor or
-/// a signal that ends the process removes the temporary file. Replaces the target of symbolic links. Writes
-/// to a pipe or a character device directly. Buffers writes. Not thread safe. All functions throw Error kIo
-/// with the file's name.
+/// Writes a file under a temporary name; commit() syncs the file and renames it. Without commit(), the
+/// destructor or a signal that ends the process removes the temporary file. If the path is a symbolic link,
+/// replaces the file to which the link points. Writes to a pipe or a character device directly. Buffers all
+/// writes. Not thread safe. All functions throw Error kIo with the file's name.
 class AtomicFile {
  public:
   /// @param temporary  name of the temporary file, on the file system of `path`. An existing file is
   /// overwritten, and no signal removes it. By default AtomicFile chooses a new name beside `path`.
-  /// @throws also the errors of findOutput().
+  /// @throws Error kIo, and the errors of findOutput().
   explicit AtomicFile(std::filesystem::path path, std::filesystem::path temporary = {});
   ~AtomicFile();
   AtomicFile(AtomicFile&& other) noexcept;
   AtomicFile& operator=(AtomicFile&&) = delete;
 
   void write(std::span<const std::byte> bytes);
-  void writeAt(uint64_t offset,
-               std::span<const std::byte>
-                   bytes);  ///< overwrites bytes that were already written; cannot be used for a pipe
+  /// Overwrites bytes that were already written; cannot be used for a pipe.
+  void writeAt(uint64_t offset, std::span<const std::byte> bytes);
   uint64_t size() const noexcept;
   void commit();
 

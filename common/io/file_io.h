@@ -21,7 +21,8 @@ bool writeAt(int file, uint64_t offset, std::span<const std::byte> bytes) noexce
 /// @return false, with errno set, on failure.
 bool append(int file, std::span<const std::byte> bytes) noexcept;
 
-/// Returns the system's message for an errno; for a full disk or quota "the disk is full; " and the remedy.
+/// Returns the system's message for an errno. For a full disk or quota, returns "the disk is full; " followed
+/// by `when_full`.
 std::string fileErrorInWords(int error, const char* when_full = "free some space");
 
 }  // namespace lode

@@ -30,7 +30,7 @@ constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kVertexBuffer = 34962, kIndexBuffer = 34963;
 constexpr uint64_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
 
-/// Smallest and largest step whose multiples are exact floats, with a margin.
+/// Smallest and largest lattice step for which all positions are exact floats. Both keep a margin.
 constexpr double kLeastStep = 0x1p-120, kLargestStep = 0x1p100;
 
 /// Converts an sRGB byte to linear light, 0 to 65535.
@@ -109,8 +109,8 @@ Json addVertices(Parts& parts, const Mesh& mesh, const Lattice& lattice) {
   return attributes;
 }
 
-/// Returns false if alpha is 0 at all vertices: then nobody filled the channel. A viewer that used such alpha
-/// would show nothing, but our own pictures show the mesh.
+/// Returns false if alpha is 0 at all vertices. Nobody has filled such a channel, and a viewer that used it
+/// would show nothing.
 bool hasAlpha(const Mesh& mesh) {
   return mesh.attributes.has(AttributeSet::kAlpha) &&
          std::ranges::any_of(mesh.vertex_attributes,

@@ -8,10 +8,10 @@
 
 namespace lode {
 
-/// Writes a mesh as binary glTF 2.0 (Khronos, 2021). Positions are floats in the model frame and the
+/// Writes a mesh as binary glTF 2.0 (Khronos, 2021). Positions are floats in the model frame, and the
 /// lattice's origin is the node's translation, so both are exact. Colours are linear. Each material of the
-/// mesh is a primitive with a material that references its image file; the alpha mode is
-/// BLEND if vertices have alpha, else MASK if the image has alpha. Keeps the axes of the model.
+/// mesh becomes a primitive with a material that references the image file. The alpha mode is BLEND if
+/// vertices have alpha, else MASK if the image has alpha. The file keeps the axes of the model.
 /// @throws Error kIo; kLimit if the file would exceed 4 GB, or if the lattice's step exceeds the range of
 /// floats.
 /// @see writeMesh().

@@ -18,15 +18,15 @@ namespace lode {
 namespace {
 
 constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
-constexpr size_t kMostUnfinished = 64;  // a signal does not remove any beyond this number
-constexpr int kMostTries = 100;         // other threads may add files to a folder during its removal
+constexpr size_t kMostUnfinished = 64;  // largest number of files and folders that a signal removes
+constexpr int kMostTries = 100;         // attempts to remove a folder; other threads may add files meanwhile
 constexpr int kDeepestFolder = 8;
 
 std::array<std::atomic<const char*>, kMostUnfinished> unfinished;
 std::atomic<bool> is_ending = false;
 
-// The functions below run in a signal handler: they only make system calls, allocate no memory and lock
-// nothing.
+// The functions below run in a signal handler. They make system calls only, and neither allocate memory nor
+// lock.
 
 void removeFolder(int in, const char* name, int depth) noexcept;
 
@@ -64,8 +64,8 @@ bool remove(const char* path) noexcept {
   return true;
 }
 
-/// Removes a file or a folder for which another thread, which is ending the process, may have looked too
-/// early. Waits until the process ends.
+/// Removes a file or a folder, then waits until the process ends. Another thread is ending the process and
+/// may have looked for the path before it existed.
 [[noreturn]] void removeAndWait(const char* path) noexcept {
   remove(path);
   while (true) ::pause();
@@ -75,7 +75,8 @@ void say(const char* text) noexcept {
   [[maybe_unused]] const ssize_t ignored = ::write(STDERR_FILENO, text, std::strlen(text));
 }
 
-/// Removes everything unfinished, then ends the process by the signal, as the parent process expects.
+/// Removes all unfinished files and folders, then ends the process by the signal, so that the parent process
+/// sees the signal.
 void endBy(int signal) {
   is_ending = true;
   bool is_removed = false;

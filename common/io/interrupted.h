@@ -8,13 +8,13 @@
 
 namespace lode {
 
-/// Installs handlers for SIGINT, SIGTERM and SIGHUP: they remove every unfinished file and folder, print
-/// a line on stderr and end the process. Leaves alone signals that are ignored or already have a handler.
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP: they remove every unfinished file and folder, print a
+/// line on stderr and end the process. A signal that is ignored or already has a handler stays as it is.
 void endCleanlyWhenInterrupted() noexcept;
 
-/// Blocks SIGINT, SIGTERM and SIGHUP in the calling thread during this object's lifetime, so that none of
-/// them interrupts the thread between creating a file and creating the file's Unfinished. If another thread
-/// handles the signal in the meantime, the constructor of Unfinished removes the file.
+/// Blocks SIGINT, SIGTERM and SIGHUP in the calling thread during this object's lifetime. Create a file and
+/// its Unfinished during that time, so that no signal arrives between the two. If another thread handles a
+/// signal meanwhile, the constructor of Unfinished removes the file.
 class Uninterrupted {
  public:
   Uninterrupted() noexcept;
@@ -26,9 +26,9 @@ class Uninterrupted {
   sigset_t before_{};
 };
 
-/// Marks a file or a folder as unfinished: a signal that ends the process during this object's lifetime also
-/// removes the file or the whole folder. Calls endCleanlyWhenInterrupted(). Thread safe.
-/// Create an Unfinished before its file, or create both under the same Uninterrupted.
+/// Marks a file or a folder as unfinished. A signal that ends the process during this object's lifetime also
+/// removes the file or the whole folder. Calls endCleanlyWhenInterrupted(). Thread safe. Create an Unfinished
+/// before its file, or create both under the same Uninterrupted.
 class Unfinished {
  public:
   Unfinished() = default;  ///< marks nothing
@@ -37,7 +37,7 @@ class Unfinished {
   Unfinished(Unfinished&& other) noexcept;
   Unfinished& operator=(Unfinished&& other) noexcept;
 
-  /// Removes the mark: signals keep the file or folder from now on.
+  /// Removes the mark. From now on, signals leave the file or folder in place.
   void finish() noexcept;
 
  private:

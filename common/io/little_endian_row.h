@@ -9,7 +9,7 @@
 
 namespace lode {
 
-/// Builds a record of a binary file, little-endian on every machine, at most 64 bytes.
+/// Builds a record of a binary file, of at most 64 bytes. The record is little-endian on every machine.
 class LittleEndianRow {
  public:
   template <typename T>

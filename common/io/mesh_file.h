@@ -11,16 +11,16 @@ namespace lode {
 /// Formats of mesh files.
 enum class MeshFormat { kPly, kObj, kGlb };
 
-/// Returns the format of a file name's ending: .ply, .obj or .glb, in either case. Returns
+/// Returns the format that a file name's ending names: .ply, .obj or .glb, in upper or lower case. Returns
 /// kPly for an empty name, and for a pipe or device without an ending.
 /// @throws Error kUsage, which lists the endings, for any other name; also the errors of findOutput().
 MeshFormat meshFormatOf(const std::filesystem::path& path);
 
-/// Writes a mesh in the format of the file name, in true coordinates, with the attributes that the format
-/// supports, as an AtomicFile.
+/// Writes a mesh as an AtomicFile, in the format that the file name shows. The file has true coordinates and
+/// the attributes that the format supports.
 /// @param images  mapping of texture coordinates, and the image files that the mesh file references.
-/// @throws Error kUsage as meshFormatOf(), kIo, kLimit; kInternal if the mesh lacks attributes of its
-/// vertices.
+/// @throws the errors of meshFormatOf(); Error kIo or kLimit; kInternal if `mesh` declares attributes but has
+/// no values for its vertices.
 void writeMesh(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
                const ImageFiles& images = {});
 

@@ -10,8 +10,8 @@
 
 namespace lode {
 
-/// Joins meshes into one mesh and merges vertices of equal position and attributes. Vertices and triangles
-/// keep the order of the parts. Not thread safe.
+/// Joins meshes into one mesh and merges vertices that have equal positions and attributes. Vertices and
+/// triangles keep the order in which add() received them. Not thread safe.
 class MeshJoiner {
  public:
   /// @param triangles  expected number of triangles, to reserve memory.

@@ -10,7 +10,7 @@
 
 namespace lode {
 
-/// Triangles of a mesh with one material, in the mesh's order.
+/// The triangles of a mesh that have one material, in the mesh's order.
 struct MaterialGroup {
   uint16_t material = 0;
   std::vector<uint32_t> triangles;
@@ -19,13 +19,13 @@ struct MaterialGroup {
 /// Groups triangles by material, in ascending order. A mesh without materials forms one group of material 0.
 std::vector<MaterialGroup> groupByMaterial(const Mesh& mesh);
 
-/// Returns the name of a material's image, or an empty string if it has none.
+/// Returns the name of a material's image, or an empty string if the material has no image.
 std::string imageOf(const Mesh& mesh, const TextureSet& textures, uint16_t material);
 
-/// Textures of a mesh to be written, with the names of its image files.
+/// The textures of a mesh to write, with the names of their image files.
 struct ImageFiles {
   TextureSet set;  ///< textures named after their image files; a texture without a file keeps its own name
-  std::vector<bool> has_alpha;  ///< whether the image has alpha, by texture; false beyond the end
+  std::vector<bool> has_alpha;  ///< true if the image has alpha; indexed by texture, false beyond the end
 };
 
 /// Returns true if the image of a material has alpha.

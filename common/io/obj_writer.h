@@ -8,9 +8,9 @@
 
 namespace lode {
 
-/// Writes a mesh as Wavefront OBJ in true coordinates. Colours, 0 to 1 each, follow the coordinates of a
-/// vertex, as most programs read them; alpha is omitted. STEM.mtl beside the file names the images of
-/// materials and the alpha maps. @throws Error kIo. @see writeMesh().
+/// Writes a mesh as Wavefront OBJ in true coordinates. Colours follow the coordinates of a vertex as three
+/// numbers from 0 to 1, as most programs expect; alpha is omitted. The file STEM.mtl beside the OBJ file
+/// names the images and alpha maps of the materials. @throws Error kIo. @see writeMesh().
 void writeObj(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
               const ImageFiles& images = {});
 

@@ -15,7 +15,7 @@
 namespace lode {
 namespace {
 
-constexpr int kMostLinks = 40;  // the kernel follows as many
+constexpr int kMostLinks = 40;  // the kernel has the same limit
 
 [[noreturn]] void refuse(const std::filesystem::path& asked, const char* what) {
   throw Error(ErrorCode::kUsage, asked.string() + ": is " + what + ": name a file to write");
@@ -33,8 +33,8 @@ std::filesystem::path behindLinks(const std::filesystem::path& asked) {
   throw Error(ErrorCode::kIo, asked.string() + ": " + std::strerror(ELOOP) + ": name a file to write");
 }
 
-/// Returns true if a new file may replace the file that is standard output: the latter must be empty so far
-/// and not be appended to, because the replacement loses everything printed before or after.
+/// Returns true if a new file may replace the file to which standard output goes. That file must be empty,
+/// and not opened for appending, because all text printed before or after the replacement is lost.
 bool mayReplaceStandardOutput(const std::filesystem::path& file) noexcept {
   const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
   return isStandardOutput(file) && flags != -1 && (flags & O_APPEND) == 0 &&
@@ -46,7 +46,8 @@ bool mayReplaceStandardOutput(const std::filesystem::path& file) noexcept {
 OutputTarget findOutput(const std::filesystem::path& asked) {
   if (asked.empty()) throw Error(ErrorCode::kUsage, "the output's name is empty: name a file to write");
   struct stat status {};
-  // Check for pipes and devices before following links: the links in /proc/self/fd lead to no name.
+  // Check for pipes and devices before following links, because a link in /proc/self/fd need not lead to a
+  // name.
   const bool is_there = ::stat(asked.c_str(), &status) == 0;
   if (is_there && (S_ISFIFO(status.st_mode) || S_ISCHR(status.st_mode))) return {asked, true};
   if (is_there && S_ISDIR(status.st_mode)) refuse(asked, "a folder");
@@ -75,7 +76,7 @@ std::FILE* reportStream(const std::filesystem::path& output, bool as_json) {
 
 void refuseFilesBesideStream(const std::filesystem::path& output) {
   const bool is_device_of_a_file =
-      isStandardOutput(output) && !output.has_extension();  // for example /dev/stdout > a.ply
+      isStandardOutput(output) && !output.has_extension();  // for example --output /dev/stdout > a.ply
   if (is_device_of_a_file || findOutput(output).is_stream)
     throw Error(ErrorCode::kUsage,
                 output.string() + ": is a pipe or a device, beside which no images can be: name a file");

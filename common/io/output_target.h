@@ -6,10 +6,10 @@
 
 namespace lode {
 
-/// Resolved output of a command.
+/// The output of a command after resolving links.
 struct OutputTarget {
-  std::filesystem::path path;  ///< file to write, after following symbolic links; need not exist
-  bool is_stream = false;      ///< true for a pipe or a character device, never replaced
+  std::filesystem::path path;  ///< file to write, after following symbolic links; the file need not exist
+  bool is_stream = false;      ///< true for a pipe or a character device, which is never replaced
 };
 
 /// Follows symbolic links to the file to write.
@@ -17,10 +17,11 @@ struct OutputTarget {
 /// a loop of links.
 OutputTarget findOutput(const std::filesystem::path& asked);
 
-/// Returns the extension in lower case with its dot: ".png" for "a.PNG"; empty if the name has none.
+/// Returns the extension in lower case with its dot: ".png" for "a.PNG". Returns an empty string if the name
+/// has no extension.
 std::string fileEnding(const std::filesystem::path& path);
 
-/// Returns true if a path is this process's standard output, under any name.
+/// Returns true if a path, under any name, leads to this process's standard output.
 bool isStandardOutput(const std::filesystem::path& output) noexcept;
 
 /// Returns the stream for a command's report: stdout, or stderr if the output is stdout. Call it before

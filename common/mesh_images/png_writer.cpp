@@ -14,7 +14,7 @@
 namespace lode {
 namespace {
 
-/// Handles errors of libpng: jumps to the last setjmp(). The default handler would also print a line.
+/// Handles an error of libpng by a jump to the last setjmp(). Unlike libpng's own handler, prints nothing.
 [[noreturn]] void jumpInSilence(png_structp png, png_const_charp) { png_longjmp(png, 1); }
 void ignore(png_structp, png_const_charp) {}
 
@@ -29,8 +29,8 @@ struct PngHandle {
   png_infop info = writer ? png_create_info_struct(writer) : nullptr;
 };
 
-/// Writes a PNG file row by row. libpng reports errors by a jump to the last setjmp(), so each setjmp() is in
-/// a function without destructors.
+/// Writes a PNG file row by row. libpng reports errors by a jump to the last setjmp(), so no function that
+/// calls setjmp() has objects with destructors.
 class PngWriter {
  public:
   PngWriter(const std::filesystem::path& path, glm::uvec2 size, bool has_alpha) : path_(path), file_(path) {

@@ -9,7 +9,7 @@
 
 namespace lode {
 
-/// Fills row y of an image, counted from the top.
+/// A function that fills row y of an image, counted from the top.
 using FillRow = std::function<void(uint32_t y, std::span<glm::u8vec4> row)>;
 
 /// Writes an sRGB PNG row by row as an AtomicFile. Needs memory for one row.
