@@ -141,8 +141,8 @@ DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& style, floa
 
 /// Updates an instance's cross-fade with the parts that the drawn cut shows to this camera.
 Renderer::DrawnInstance& Renderer::choose(size_t number, const core::View& view, const DrawTime& time) {
-  static_assert(
-      std::is_nothrow_move_constructible_v<DrawnInstance>);  // clusters point into CrossFade::items()
+  // Clusters point into CrossFade::items().
+  static_assert(std::is_nothrow_move_constructible_v<DrawnInstance>);
   if (number >= instances_.size()) instances_.resize(number + 1);
   DrawnInstance& instance = instances_[number];
   if (meshes_.keptFrom() > std::min(instance.fade.oldestSerial(), instance.shown_serial))

@@ -75,8 +75,8 @@ std::FILE* reportStream(const std::filesystem::path& output, bool as_json) {
 }
 
 void refuseFilesBesideStream(const std::filesystem::path& output) {
-  const bool is_device_of_a_file =
-      isStandardOutput(output) && !output.has_extension();  // for example --output /dev/stdout > a.ply
+  // For example --output /dev/stdout > a.ply.
+  const bool is_device_of_a_file = isStandardOutput(output) && !output.has_extension();
   if (is_device_of_a_file || findOutput(output).is_stream)
     throw Error(ErrorCode::kUsage,
                 output.string() + ": is a pipe or a device, beside which no images can be: name a file");

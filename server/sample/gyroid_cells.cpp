@@ -8,12 +8,12 @@
 namespace lode::ingest {
 namespace {
 
-constexpr double kLevel =
-    -0.2;  // level of the gyroid function at the surface; slightly less than half is solid
+// Level of the gyroid function at the surface; slightly less than half is solid.
+constexpr double kLevel = -0.2;
 constexpr double kSteepness = 1.25;  // approximate slope of the function at the surface, per radian
 constexpr double kWall = 0.5;        // distance of the block's walls from the grid's border, in steps
-constexpr double kPhase =
-    std::numbers::pi / 4;  // phase of the walls, at which they cut off no separate pieces
+// Phase of the walls, at which they cut off no separate pieces.
+constexpr double kPhase = std::numbers::pi / 4;
 
 /// Six tetrahedra around the diagonal of a cube, as corner numbers, positively oriented.
 constexpr std::array<std::array<int, 4>, 6> kTetrahedra{

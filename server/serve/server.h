@@ -25,14 +25,14 @@ struct ServeOptions {
   bool proxy_protocol = false;  ///< expect a balancer's header at the start of a connection
   unsigned threads = 0;         ///< number of threads; 0: one per core
   uint32_t max_connections = proto::kMaxConnections;
-  std::optional<uint32_t>
-      max_connections_per_address;   ///< if not set: kMaxConnectionsPerAddress, but no limit for loopback
+  /// If not set: kMaxConnectionsPerAddress, but no limit for loopback.
+  std::optional<uint32_t> max_connections_per_address;
   uint64_t memory_budget_bytes = 0;  ///< memory for all connections; 0: defaultMemoryBudget()
   uint32_t max_open_requests = proto::kMaxOpenRequests;  ///< limit per connection
   uint32_t max_open_models = proto::kMaxOpenModels;      ///< limit per connection
-  uint64_t max_queued_answer_bytes =
-      proto::kMaxQueuedAnswerBytes;  ///< limit of answers that a client has not read yet
-  uint64_t bytes_per_second = 0;     ///< rate limit for the blobs of all connections; 0: no limit
+  /// Limit of answers that a client has not read yet.
+  uint64_t max_queued_answer_bytes = proto::kMaxQueuedAnswerBytes;
+  uint64_t bytes_per_second = 0;  ///< rate limit for the blobs of all connections; 0: no limit
   uint64_t bytes_per_second_per_connection = 0;
   std::chrono::milliseconds handshake_deadline = proto::kHandshakeDeadline;
   std::chrono::milliseconds idle_deadline = proto::kIdleDeadline;

@@ -20,8 +20,8 @@ struct VerifyReport {
   uint64_t tiles = 0;       ///< number of texture tiles decoded
   uint64_t open_edges = 0;  ///< open edges in the cut of all leaves: holes and boundaries of the scan
   uint64_t cuts = 0;        ///< number of random cuts compared
-  double max_boundary_gap_model =
-      0;  ///< largest distance of a cut's open edges from the leaves' open edges, in model units
+  /// Largest distance of a cut's open edges from the leaves' open edges, in model units.
+  double max_boundary_gap_model = 0;
 };
 
 /// Checks all properties of a store that can be checked without its input. Opens the store, which checks its

@@ -90,8 +90,8 @@ class Fetch {
     start_ = target.start();
     double total_ms = 0;  // time until the last key converged
     for (const core::CameraKey& camera : target.path().keys) {
-      const double begin_ms =
-          keys_.empty() ? 0 : msSince(start_);  // the first key's time counts from the start
+      // The first key's time counts from the start.
+      const double begin_ms = keys_.empty() ? 0 : msSince(start_);
       keys_.push_back(converge(target, camera.t));
       total_ms = keys_.back().converged() ? begin_ms + *keys_.back().converged_ms : msSince(start_);
       if (!keys_.back().converged() && !keys_.back().lacksOnlyTiles()) break;

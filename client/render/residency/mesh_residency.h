@@ -131,8 +131,8 @@ class MeshResidency {
   StagingRing staging_;
   Entries entries_;
   std::shared_ptr<const core::ViewCuts> newest_, target_, before_, rejected_;
-  std::shared_ptr<const core::ViewCuts>
-      complete_;  ///< cuts that all instances draw; null while cuts are mixed
+  /// Cuts that all instances draw; null while cuts are mixed.
+  std::shared_ptr<const core::ViewCuts> complete_;
   std::vector<DrawnInstance> instances_;
   std::optional<CutExchange> exchange_;      ///< plan of the switch to target_
   size_t steps_done_ = 0, steps_drawn_ = 0;  ///< numbers of resident and of drawn steps of exchange_

@@ -34,10 +34,10 @@ constexpr double kLargeModelShare = 0.85;
 
 /// Cost per triangle of building a part of the model.
 struct Trial {
-  double serial_cpu_seconds =
-      0;  ///< cost of the stage pack, and the serial share of dereference and partition
-  double parallel_cpu_seconds =
-      0;  ///< cost of the stage simplify, and the parallel share of dereference and partition
+  /// Cost of the stage pack, and the serial share of dereference and partition.
+  double serial_cpu_seconds = 0;
+  /// Cost of the stage simplify, and the parallel share of dereference and partition.
+  double parallel_cpu_seconds = 0;
   double store_bytes = 0;
 };
 

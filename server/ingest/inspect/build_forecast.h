@@ -17,8 +17,8 @@ struct ForecastInput {
   bool double_positions = false;  ///< float is not precise enough for the positions
   bool corner_texture = false;    ///< texture coordinates belong to faces' corners
   double scan_cpu_seconds = 0;    ///< CPU time of reading the file
-  std::vector<TextureImage>
-      images;  ///< images that a build would use; empty if the model has no texture coordinates
+  /// Images that a build would use; empty if the model has no texture coordinates.
+  std::vector<TextureImage> images;
   uint64_t memory_bytes = 0;  ///< memory budget
   unsigned threads = 1;
   std::filesystem::path temporary_folder;  ///< folder for the trial build, which leaves no files there

@@ -16,8 +16,8 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kShownDefects =
-    5;  ///< number of problems of each kind that the report describes with their places
+/// Number of problems of each kind that the report describes with their places.
+constexpr uint64_t kShownDefects = 5;
 
 class Doctor {
  public:
@@ -243,8 +243,8 @@ class Doctor {
 
   const DoctorOptions options_;
   const std::string name_;
-  std::optional<TemporaryFolder>
-      folder_;  ///< folder for temporary files; exists only while topology is counted
+  /// Folder for temporary files; exists only while topology is counted.
+  std::optional<TemporaryFolder> folder_;
   std::optional<TopologyCounter> topology_;
   std::optional<PlyReader> reader_;
   Defects bad_, dropped_;

@@ -18,8 +18,8 @@ struct DoctorOptions {
   std::filesystem::path input;
   uint64_t memory_bytes = 0;  ///< memory budget of the build to forecast; 0: defaultMemoryBytes()
   unsigned threads = 0;       ///< threads of the build to forecast; 0: one per core
-  std::filesystem::path
-      temporary_folder;  ///< folder for the forecast's trial build; empty: the system's folder
+  /// Folder for the forecast's trial build; empty: the system's folder.
+  std::filesystem::path temporary_folder;
 };
 
 struct DoctorReport {

@@ -16,10 +16,10 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kTolerance = 0.75f;  ///< distances below this multiple of the stored error need not be exact
 constexpr float kReach = 1.25f;      ///< leaves beyond this multiple of the stored error are skipped
-constexpr float kBeyond =
-    1.3f;  ///< multiple of the stored error that counts as distance of a point without a leaf nearby
-constexpr uint64_t kMostPoints =
-    20000;  ///< largest number of points per LOD, unless the LOD has more triangles
+/// Multiple of the stored error that counts as distance of a point without a leaf nearby.
+constexpr float kBeyond = 1.3f;
+/// Largest number of points per LOD, unless the LOD has more triangles.
+constexpr uint64_t kMostPoints = 20000;
 constexpr float kPointsOfCell = 8;
 constexpr float kMostCells = 32;  ///< largest number of cells along an axis
 

@@ -17,15 +17,15 @@ struct LodAt {
 /// Stored and measured error of an LOD, in lattice steps.
 struct MeasuredError {
   float stored_steps = 0;
-  float found_steps =
-      0;  ///< the larger of LodCheck::found() for the surface and BoundaryCheck::found() for its boundaries
+  /// The larger of LodCheck::found() for the surface and BoundaryCheck::found() for its boundaries.
+  float found_steps = 0;
 };
 
 struct LodErrorOptions {
   uint64_t seed = 1;  ///< selects points inside triangles
   unsigned threads = 1;
-  std::function<void(double fraction, uint64_t leaves)>
-      progress;  ///< one thread at a time calls this function, which may throw
+  /// One thread at a time calls this function, which may throw.
+  std::function<void(double fraction, uint64_t leaves)> progress;
 };
 
 /// Measures LODs against the leaves below their nodes, independently of the build's samples. Reads each leaf

@@ -35,8 +35,8 @@ class PieceCounter {
 
   const uint64_t range_vertices_;
   size_t range_ = 0;  ///< the current range; higher ranges are done
-  std::vector<std::unique_ptr<Spool>>
-      lower_;                      ///< for each lower range, the joins whose higher end is in that range
+  /// For each lower range, the joins whose higher end is in that range.
+  std::vector<std::unique_ptr<Spool>> lower_;
   Groups groups_{0};               ///< groups in the current range
   std::vector<uint32_t> anchors_;  ///< for each group of the current range, its anchor, or kNone
   uint64_t joins_ = 0;

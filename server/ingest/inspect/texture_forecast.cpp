@@ -13,8 +13,8 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kTrialTexels =
-    64 << 20;                        ///< texels to decode; a smaller set of images is decoded completely
+/// Texels to decode; a smaller set of images is decoded completely.
+constexpr uint64_t kTrialTexels = 64 << 20;
 constexpr uint32_t kTrialTiles = 4;  ///< tiles to encode per level
 /// Typical bytes per texel of a decoded image, without and with the next level.
 constexpr uint64_t kDecodedTexelBytes = 4, kLevelsTexelBytes = 5;

@@ -8,8 +8,8 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kShares =
-    4;  ///< equal parts of the memory: for sorting, for a batch of faces, for pieces, and for the rest
+/// Equal parts of the memory: for sorting, for a batch of faces, for pieces, and for the rest.
+constexpr uint64_t kShares = 4;
 
 AttributeSet normalsOf(AttributeSet attributes) noexcept {
   AttributeSet normals;

@@ -21,18 +21,18 @@ namespace lode::ingest {
 /// Topology of a file's faces. Except for duplicate and unused vertices, vertices at exactly the same
 /// position count as one, as in a build.
 struct Topology {
-  uint64_t duplicate_vertices =
-      0;  ///< vertices at the position of an earlier vertex; skipped vertices have the position 0
+  /// Vertices at the position of an earlier vertex; skipped vertices have the position 0.
+  uint64_t duplicate_vertices = 0;
   uint64_t unused_vertices = 0;     ///< vertices that no face uses
   uint64_t flat_faces = 0;          ///< faces with fewer than three distinct positions
   uint64_t open_edges = 0;          ///< edges of one face
   uint64_t non_manifold_edges = 0;  ///< edges of three or more faces
   uint64_t misoriented_edges = 0;   ///< edges that two faces use in the same direction
   uint64_t pieces = 0;              ///< sets of faces connected by vertices
-  uint64_t opposed_faces =
-      0;  ///< faces whose vertices have a mean normal that points to the back of the face
-  uint64_t lost_triangles =
-      0;  ///< triangles that would vanish on the lattice that a build chooses; see LostTriangles
+  /// Faces whose vertices have a mean normal that points to the back of the face.
+  uint64_t opposed_faces = 0;
+  /// Triangles that would vanish on the lattice that a build chooses; see LostTriangles.
+  uint64_t lost_triangles = 0;
   double lattice_step = 0;  ///< step of the lattice that a build chooses; 0 if there is no suitable lattice
   std::string_view lattice_problem;     ///< reason why there is no suitable lattice, and a remedy
   glm::dvec3 used_min{0}, used_max{0};  ///< box of the vertices that faces use; 0 if faces use none

@@ -292,8 +292,8 @@ class FarthestInTriangle {
   static constexpr uint32_t kNoTriangle = ~0u;
   static constexpr int kMostCuts = 24;
   static constexpr float kPrecision = 1.02f;
-  static constexpr float kFromCorners =
-      0.5773503f;  ///< largest distance of a point from its nearest corner, relative to the longest edge
+  /// Largest distance of a point from its nearest corner, relative to the longest edge.
+  static constexpr float kFromCorners = 0.5773503f;
   static constexpr float kLeastShare = 0.125f;  ///< smallest part of an edge that is cut off
 
   const Surface& surface_;

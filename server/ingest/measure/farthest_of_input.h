@@ -12,8 +12,8 @@ namespace lode::ingest {
 
 struct FarthestOfInput {
   float steps = 0;
-  std::optional<SurfaceSample>
-      inside;  ///< the farthest point, if it lies inside a triangle; its `near` is a corner of that triangle
+  /// The farthest point, if it lies inside a triangle; its `near` is a corner of that triangle.
+  std::optional<SurfaceSample> inside;
 };
 
 /// Returns the largest distance of an input mesh from an LOD made of it, in lattice steps, to 2 %. Measures

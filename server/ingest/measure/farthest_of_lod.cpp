@@ -10,8 +10,8 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kRefineAboveInLod =
-    0.8f;  ///< share of the largest distance so far; triangles with a larger distance are sampled finely
+/// Share of the largest distance so far; triangles with a larger distance are sampled finely.
+constexpr float kRefineAboveInLod = 0.8f;
 // Steps per edge in the first pass. A small LOD gets more steps, because its large triangles may hide larger
 // distances and the LOD has few triangles to sample.
 constexpr size_t kVeryFewTriangles = 256, kFewTriangles = 1024;

@@ -24,8 +24,8 @@ struct ReferenceBoundary {
 /// References of a mesh's boundary edges. A boundary edge that no reference maps to is its own reference.
 struct ReferenceBoundaries {
   std::vector<ReferenceBoundary> boundaries;
-  float gap_steps =
-      0;  ///< upper bound on the distance from these boundaries to the original boundary, in lattice steps
+  /// Upper bound on the distance from these boundaries to the original boundary, in lattice steps.
+  float gap_steps = 0;
 };
 
 constexpr int kMostSearchesOfInput = 32;  ///< exhaustive searches before building a tree pays

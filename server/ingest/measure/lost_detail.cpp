@@ -12,8 +12,8 @@ namespace lode::ingest {
 namespace {
 
 constexpr float kColourThreshold = 8;  ///< difference in any channel, of 255
-constexpr float kNormalThreshold =
-    0.3473f;  ///< length of the difference of two normals at an angle of about 20 degrees
+/// Length of the difference of two normals at an angle of about 20 degrees.
+constexpr float kNormalThreshold = 0.3473f;
 constexpr float kComputedThreshold = 0.684f;  ///< the same length for computed normals, at about 40 degrees
 constexpr double kIgnoredArea = 1.0 / 1024;   ///< ignored area, relative to the LOD's area
 

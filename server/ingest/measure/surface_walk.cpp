@@ -55,8 +55,8 @@ class TriangleOutline {
   std::array<Four, 3> corners_;
   FourVectors starts_, sides_;
   Four squared_lengths_;
-  FourVectors
-      outwards_;  ///< outward direction of each edge, scaled with the lengths of the edge and the normal
+  /// Outward direction of each edge, scaled with the lengths of the edge and the normal.
+  FourVectors outwards_;
 };
 
 }  // namespace

@@ -68,8 +68,8 @@ class TriangleTree {
   static constexpr uint32_t kIsLeaf = 1u << 31;
 
   std::vector<Fork> forks_;
-  std::vector<PackedTriangle>
-      triangles_;  ///< four triangles per leaf; a leaf with fewer is padded with empty triangles
+  /// Four triangles per leaf; a leaf with fewer is padded with empty triangles.
+  std::vector<PackedTriangle> triangles_;
   std::vector<uint32_t> number_;  ///< for each entry of triangles_, the triangle's number in the mesh
   std::vector<uint32_t> place_;   ///< for each triangle of the mesh, its index in triangles_
   uint32_t top_ = 0;

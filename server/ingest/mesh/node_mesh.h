@@ -13,15 +13,15 @@ constexpr uint8_t kNeverLocked = 255;
 struct NodeMesh {
   AttributeSet attributes;
   std::vector<PositionCode> positions;  ///< distinct positions of the mesh
-  std::vector<uint8_t>
-      lca_depth;  ///< for each position, the depth of the lowest common ancestor of the leaves that share it,
-                  ///< or kNeverLocked; nodes below that depth lock the position
+  /// For each position, the depth of the lowest common ancestor of the leaves that share it, or kNeverLocked;
+  /// nodes below that depth lock the position.
+  std::vector<uint8_t> lca_depth;
   std::vector<uint32_t> wedge_position;  ///< position of each wedge
-  std::vector<VertexAttributes>
-      wedge_attributes;  ///< attributes of each wedge; empty if the model has no attributes; wedges of one
-                         ///< position have different attributes
-  std::vector<glm::u32vec3>
-      triangles;  ///< wedges of each triangle's corners; the corners have three distinct positions
+  /// Attributes of each wedge; empty if the model has no attributes; wedges of one position have different
+  /// attributes.
+  std::vector<VertexAttributes> wedge_attributes;
+  /// Wedges of each triangle's corners; the corners have three distinct positions.
+  std::vector<glm::u32vec3> triangles;
 };
 
 constexpr uint32_t kVanished = ~0u;

@@ -17,15 +17,15 @@ constexpr size_t kTrianglesPerLockedBelowRoot = 12;
 // bounds the size of their parent. The root has the largest input and takes the most memory.
 constexpr size_t kLargeNodes = 8;
 constexpr size_t kLargeTriangles = 1 << 17;
-constexpr size_t kLeastLargeTriangles =
-    1 << 14;  ///< lower bound of the limit in nodes that are not children of the root
+/// Lower bound of the limit in nodes that are not children of the root.
+constexpr size_t kLeastLargeTriangles = 1 << 14;
 constexpr size_t kTrianglesPerLockedOfLarge = 4;
-constexpr double kInnerFactor =
-    2.0 / 3;  ///< share of the step's factor that a step leaves at least to triangles of unlocked vertices
+/// Share of the step's factor that a step leaves at least to triangles of unlocked vertices.
+constexpr double kInnerFactor = 2.0 / 3;
 constexpr uint64_t kFarLodNodes = 8;  ///< least number of node capacities below a node with far LODs
 constexpr size_t kFarLodShare = 4;    ///< far LODs end at the node capacity divided by this number
-constexpr size_t kFarLodTrianglesPerLocked =
-    2;  ///< far LODs end at this number of triangles per locked vertex
+/// Far LODs end at this number of triangles per locked vertex.
+constexpr size_t kFarLodTrianglesPerLocked = 2;
 
 bool hasMuchBelow(const LodRule& rule) {
   return rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;

@@ -23,8 +23,8 @@ namespace lode::ingest {
 namespace {
 
 constexpr size_t kReferencesPerTriangle = 2;  ///< number of references per triangle of the node capacity
-constexpr uint32_t kTrianglesPerSample =
-    2;  ///< number of triangles of the node capacity per sample, except in the lowest inner nodes
+/// Number of triangles of the node capacity per sample, except in the lowest inner nodes.
+constexpr uint32_t kTrianglesPerSample = 2;
 constexpr uint32_t kSamplesOfSmallNode = 8192, kSamplesPerTriangle = 16;  ///< the smaller one is the minimum
 
 }  // namespace

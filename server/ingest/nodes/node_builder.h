@@ -68,8 +68,8 @@ class NodeBuilder {
   struct Settings {
     Lattice lattice;
     glm::uvec3 extent{0};
-    AttributeSet
-        attributes;  ///< attributes in payloads: the file's, plus computed normals if the file has none
+    /// Attributes in payloads: the file's, plus computed normals if the file has none.
+    AttributeSet attributes;
     uint32_t triangles_per_node = 0;
     Simplifier simplifier = Simplifier::kCollapse;
     float snap_error_steps = 0;  ///< rounding error of the leaves' vertices

@@ -21,8 +21,8 @@ struct FinishedNodes {
     uint64_t offset = 0, bytes = 0, checksum = 0;
   };
   std::vector<FinishedNode> nodes;
-  std::map<NodeKey, Place>
-      roots;  ///< for each root of a finished subtree, the place of the data that the root's parent needs
+  /// For each root of a finished subtree, the place of the data that the root's parent needs.
+  std::map<NodeKey, Place> roots;
   uint64_t payload_bytes = 0;  ///< size of the payload file
   uint64_t root_bytes = 0;     ///< size of the root file
 

@@ -88,8 +88,8 @@ struct BuildReport {
   std::vector<Stage> stages;  ///< stages that this run executed
   std::string resumed_from;   ///< first stage that this run executed, if it resumed a build; else empty
   std::vector<std::string> warnings;
-  std::vector<std::string>
-      texture_files;  ///< images that an input with texture coordinates names, found or not
+  /// Images that an input with texture coordinates names, found or not.
+  std::vector<std::string> texture_files;
   uint64_t peak_rss_bytes = 0;
   double seconds = 0, cpu_seconds = 0;
 };

@@ -25,8 +25,8 @@ constexpr uint64_t kNodeRecordBytes = 96;  ///< memory per node of a tree that i
 
 /// Returns the memory to simplify and measure a node. @param triangles  triangles of the node's input mesh.
 constexpr uint64_t memoryOfNode(uint64_t triangles) noexcept {
-  constexpr uint64_t kTriangleBytes =
-      1024;  ///< memory for quadrics, queue, LODs and the search tree for errors
+  /// Memory for quadrics, queue, LODs and the search tree for errors.
+  constexpr uint64_t kTriangleBytes = 1024;
   return triangles * kTriangleBytes;
 }
 

@@ -55,8 +55,8 @@ void PlyVertexBatch::flush() {
   if (used_ == 0) return;
   if (has_normals_) countNormals();
   const uint64_t first = counts_.vertices;
-  const size_t count =
-      std::exchange(used_, 0);  // reset before the sink can throw, so that vertices count once
+  // Reset before the sink can throw, so that vertices count once.
+  const size_t count = std::exchange(used_, 0);
   counts_.vertices += count;
   if (sink_) sink_(first, std::span<const PlyVertex>(rows_).first(count));
 }

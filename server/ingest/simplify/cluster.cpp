@@ -289,8 +289,8 @@ SimplifiedMesh Clusterer::snapshot() {
 }
 
 void Clusterer::run(std::span<const size_t> targets, const SnapshotSink& sink) {
-  std::vector<std::pair<double, uint32_t>>
-      order;  // cells by ascending cost; among equal costs, inner cells first
+  // Cells by ascending cost; among equal costs, inner cells first.
+  std::vector<std::pair<double, uint32_t>> order;
   for (uint32_t i = 0; i < tree_.order().size(); ++i) order.emplace_back(states_[tree_.order()[i]].cost, i);
   std::sort(order.begin(), order.end());
   size_t live = mesh_.live_triangles;

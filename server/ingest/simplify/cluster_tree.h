@@ -79,8 +79,8 @@ class ClusterWedges {
  private:
   std::vector<Link> links_;      ///< sorted by cell
   std::vector<uint32_t> first_;  ///< index of each cell's first link, then the number of links
-  std::vector<uint32_t>
-      root_;  ///< union-find parent of each wedge; a parent's number is never higher than the wedge's
+  /// Union-find parent of each wedge; a parent's number is never higher than the wedge's.
+  std::vector<uint32_t> root_;
 };
 
 }  // namespace lode::ingest

@@ -27,13 +27,13 @@ constexpr std::array<CollapseLimits, 3> kLimits{{
     {.least_cosine = 0.0, .least_shape = 0.0, .link_condition = false, .most_triangles = 4096},
     {.least_cosine = -1.0, .least_shape = 0.0, .link_condition = false},
 }};
-constexpr double kPostponed =
-    4;  // factor by which an edge's cost grows each time its collapse is not possible
+// Factor by which an edge's cost grows each time its collapse is not possible.
+constexpr double kPostponed = 4;
 constexpr uint32_t kMostPostponements = 6;  // after so many times, the edge waits for the next round
 constexpr double kBreaksFeature = 8;        // cost factor of a collapse that moves a position off its seam
 constexpr double kLeastArea = 1e-6;         // replaces a zero area; in square lattice steps
-constexpr size_t kProgress =
-    32;  // the next level begins after a round that collapses less than 1 in 32 of its edges
+// The next level begins after a round that collapses less than 1 in 32 of its edges.
+constexpr size_t kProgress = 32;
 
 /// How far a collapse may move an end of an edge.
 enum class Freedom { kFree, kPenalised, kFixed };

@@ -12,16 +12,16 @@ namespace {
 
 constexpr uint32_t kNoIndex = ~0u;
 constexpr uint32_t kSlack = 4;  // number of spare slots that a corner list gets when it moves
-constexpr size_t kMany =
-    64;  // number of removed triangles from which each corner list is scanned once for all of them
+// Number of removed triangles from which each corner list is scanned once for all of them.
+constexpr size_t kMany = 64;
 
 // Weights in quadrics. The plane of a triangle has the triangle's area as weight.
-constexpr double kPointWeight =
-    1e-6;  // weight of a corner's own point, relative to the area; makes the optimum unique on flat surfaces
-constexpr double kBoundaryWeight =
-    2;  // weight of the plane through a boundary edge, relative to the edge's squared length
-constexpr double kSeamWeight =
-    1;  // weight of the plane through a seam edge, relative to the edge's squared length
+// Weight of a corner's own point, relative to the area; makes the optimum unique on flat surfaces.
+constexpr double kPointWeight = 1e-6;
+// Weight of the plane through a boundary edge, relative to the edge's squared length.
+constexpr double kBoundaryWeight = 2;
+// Weight of the plane through a seam edge, relative to the edge's squared length.
+constexpr double kSeamWeight = 1;
 
 std::array<uint32_t, 3> cornersOf(const CollapseMesh& mesh, uint32_t corner) {
   const uint32_t first = corner & ~3u;

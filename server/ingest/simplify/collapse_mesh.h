@@ -135,8 +135,8 @@ struct CollapseMesh {
   std::vector<CollapsePosition> positions;
   std::vector<Quadric> quadrics;  ///< quadric of each position
   std::vector<float> areas;       ///< total area of the triangles in each position's quadric
-  std::vector<uint32_t>
-      corner_position;  ///< position of each corner; four entries per triangle, the last one unused
+  /// Position of each corner; four entries per triangle, the last one unused.
+  std::vector<uint32_t> corner_position;
   std::vector<uint32_t> corner_wedge;  ///< wedge of each corner, in the same layout; empty without attributes
   std::vector<uint32_t> only_wedge;  ///< each position's only wedge, or kManyWedges; empty without attributes
   std::vector<uint32_t> pool;        ///< corner lists of the positions

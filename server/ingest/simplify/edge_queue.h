@@ -83,8 +83,8 @@ class EdgeQueue {
 
  private:
   static constexpr uint32_t kNone = ~0u;
-  static constexpr uint32_t kDroppedBits =
-      19;  // number of fraction bits, of 23 in a float, that do not affect the bucket
+  // Number of fraction bits, of 23 in a float, that do not affect the bucket.
+  static constexpr uint32_t kDroppedBits = 19;
   static constexpr size_t kBuckets = 1u << (31 - kDroppedBits);  // no sign bit
   static constexpr size_t kWords = kBuckets / 64;
   static constexpr uint32_t kBlock = 30;

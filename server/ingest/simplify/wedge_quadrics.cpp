@@ -12,10 +12,10 @@ namespace {
 // Larger weights preserve attributes little better and increase the geometric error as much again.
 constexpr double kColourWeight = 0.03;   // length for the full range of a colour, relative to the diagonal
 constexpr double kNormalWeight = 0.007;  // length for one radian of a normal, relative to the diagonal
-constexpr double kTextureWeight =
-    0.1;  // length for the full range of the texture grid, relative to the diagonal
-constexpr double kThinnest =
-    1e-2;  // least ratio of height to longest side; thinner triangles have no gradient
+// Length for the full range of the texture grid, relative to the diagonal.
+constexpr double kTextureWeight = 0.1;
+// Least ratio of height to longest side; thinner triangles have no gradient.
+constexpr double kThinnest = 1e-2;
 
 }  // namespace
 

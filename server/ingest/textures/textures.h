@@ -23,8 +23,8 @@ struct StagedTextures {
   struct Texture {
     std::string name;  ///< name of the image, shortened and printable, as a texture set requires
     uint32_t width = 0, height = 0;
-    std::vector<Place>
-        tiles;  ///< places in the order of lode::Texture::tiles; empty if the image has a problem
+    /// Places in the order of lode::Texture::tiles; empty if the image has a problem.
+    std::vector<Place> tiles;
   };
   /// Name of the tiles' file, which outlives a killed build.
   static constexpr std::string_view kFile = "tiles";

@@ -21,8 +21,8 @@ using asio::ip::tcp;
 
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);  ///< pause after a failed accept()
 constexpr auto kSweepEvery = std::chrono::milliseconds(100);
-constexpr int kNotSentLowBytes =
-    16 << 10;  ///< TCP_NOTSENT_LOWAT; low, because urgent bytes cannot overtake bytes in the kernel
+/// TCP_NOTSENT_LOWAT; low, because urgent bytes cannot overtake bytes in the kernel.
+constexpr int kNotSentLowBytes = 16 << 10;
 
 void tune(tcp::socket& socket) {
   asio::error_code ignored;

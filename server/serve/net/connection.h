@@ -134,8 +134,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool write_woken_ = false, read_woken_ = false;
   bool gone_ = false;  ///< whether the client has closed the connection or the connection broke
   bool slow_ = true;   ///< unsent bytes may wait in the kernel
-  std::optional<Clock::time_point>
-      linger_until_;  ///< set when all is sent: time until which the client should close
+  /// Set when all is sent: time until which the client should close.
+  std::optional<Clock::time_point> linger_until_;
   std::optional<Clock::time_point> writing_since_;  ///< start of the write that is under way
   std::optional<EndReason> end_;
   std::string why_;  ///< reason of a refusal, for the log

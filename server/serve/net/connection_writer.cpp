@@ -24,11 +24,11 @@ constexpr size_t kSlowWriteBytes = 16u << 10;  ///< size of a write on a slow li
 /// Size of the first writes. They fit into the client's first TCP window, so that a client that never reads
 /// occupies no buffer here. After kReadersBytes the client is known to read, and writes become larger.
 constexpr size_t kFirstWriteBytes = 48u << 10, kReadersBytes = 256u << 10;
-constexpr int kLittleUnsentBytes =
-    8 << 10;  ///< most unsent bytes in the kernel at which a link counts as fast
+/// Most unsent bytes in the kernel at which a link counts as fast.
+constexpr int kLittleUnsentBytes = 8 << 10;
 constexpr auto kLinger = std::chrono::seconds(2);
-constexpr auto kLingerForMemory =
-    std::chrono::milliseconds(100);  ///< short, because other connections wait for memory
+/// Short, because other connections wait for memory.
+constexpr auto kLingerForMemory = std::chrono::milliseconds(100);
 
 void append(ChunkBuffer& buffer, const Chunk& chunk) {
   const auto head =

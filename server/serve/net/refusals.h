@@ -20,8 +20,8 @@ class Refusals {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr size_t kMost = 512;  ///< limit of connections at a time; another refusal closes the oldest
-  static constexpr size_t kMostHandshakes =
-      32;  ///< limit of TLS handshakes at a time, because they need memory and CPU
+  /// Limit of TLS handshakes at a time, because they need memory and CPU.
+  static constexpr size_t kMostHandshakes = 32;
   static constexpr Clock::duration kLinger = std::chrono::seconds(2);
 
   /// Sends the frame, then waits until the client closes the connection.
@@ -38,8 +38,8 @@ class Refusals {
 
  private:
   struct Lingering {
-    std::shared_ptr<proto::ByteStream>
-        stream;  ///< stream; under TLS a coroutine sends the frame and closes the stream
+    /// Stream; under TLS a coroutine sends the frame and closes the stream.
+    std::shared_ptr<proto::ByteStream> stream;
     Clock::time_point until;
   };
   void linger(std::shared_ptr<proto::ByteStream> stream, Clock::time_point now);

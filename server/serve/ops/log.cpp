@@ -196,8 +196,8 @@ struct Log::State {
         logger(std::make_shared<spdlog::async_logger>(
             "lodestreamd", std::make_shared<DescriptorSink>(options.descriptor, options.json, dropped), pool,
             spdlog::async_overflow_policy::overrun_oldest)) {
-    logger->set_error_handler(
-        [](const std::string&) {});  // the default handler writes to stderr and can block
+    // The default handler writes to stderr and can block.
+    logger->set_error_handler([](const std::string&) {});
   }
   ~State() { pool.reset(); }  // joins the thread that uses the sink and the counter
   State(const State&) = delete;

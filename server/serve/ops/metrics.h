@@ -94,8 +94,8 @@ class ThreadCounters {
   std::array<Counter, kRefusalReasons> refused;
   std::array<Counter, kEndReasons> ended;
   std::array<Counter, kRequestClasses> requests;
-  std::array<LatencyCounter, kRequestClasses>
-      queue;  ///< time from a request to its first chunk, without the time in `held`
+  /// Time from a request to its first chunk, without the time in `held`.
+  std::array<LatencyCounter, kRequestClasses> queue;
   std::array<LatencyCounter, kRequestClasses> held;  ///< time before the first chunk in which the
                                                      ///< client could not receive a chunk
   std::array<LatencyCounter, kRequestClasses> send;  ///< time from a request to its last chunk

@@ -32,8 +32,8 @@ struct OpenRequest {
   bool parked = false;  ///< the request waits for the disk, so that first() skips the request
   uint64_t serial = 0;  ///< number that distinguishes requests with the same id
   std::chrono::steady_clock::time_point asked;
-  std::chrono::steady_clock::duration
-      held_before{};  ///< Session's backpressure time when the request arrived
+  /// Session's backpressure time when the request arrived.
+  std::chrono::steady_clock::duration held_before{};
 };
 
 /// The open requests of a session, in the order in which their blobs are sent. Not thread safe.

@@ -22,8 +22,8 @@ namespace lode::serve {
 
 namespace {
 
-constexpr std::string_view kByteOrderMark =
-    "\xef\xbb\xbf";  ///< mark that some editors write at the start of a file
+/// Mark that some editors write at the start of a file.
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 [[noreturn]] void refuse(size_t line, const std::string& what) {
   throw Error(ErrorCode::kUsage, "line " + std::to_string(line) + " of the token file: " + what +

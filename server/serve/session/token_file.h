@@ -20,8 +20,8 @@ struct TokenGrant {
   bool all_models = false;
   std::vector<std::string> models;  ///< sorted names of the models that a client with the token can list and
                                     ///< open; unused with all_models
-  std::optional<std::chrono::sys_seconds>
-      expires;  ///< end of validity, in seconds because nanoseconds overflow before the year 9999
+  /// End of validity, in seconds because nanoseconds overflow before the year 9999.
+  std::optional<std::chrono::sys_seconds> expires;
 
   bool allows(std::string_view model) const noexcept;
   bool hasExpired(std::chrono::system_clock::time_point now) const noexcept {

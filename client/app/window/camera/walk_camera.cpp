@@ -64,8 +64,8 @@ void WalkCamera::move(const FlyKeys& keys, double seconds, const GroundBelow& gr
 void WalkCamera::follow(const std::optional<Ground>& ground, double climb_model, double seconds) noexcept {
   is_settling_ = false;
   if (!ground) return;
-  const double foot_model =
-      climb_model + height_model_ - ground->depth_model;  // > 0: the ground is above the foot
+  // > 0: the ground is above the foot.
+  const double foot_model = climb_model + height_model_ - ground->depth_model;
   double rise_model = std::max(0.0, foot_model);
   if (foot_model < -ground->uncertainty_model) rise_model = foot_model + ground->uncertainty_model;
   if (std::abs(rise_model) < kSettled * height_model_) return;
