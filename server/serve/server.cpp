@@ -23,8 +23,9 @@ namespace lode::serve {
 
 namespace {
 
-constexpr size_t kReaderThreads = 4;        ///< threads that wait for the disk
-constexpr uint64_t kOtherDescriptors = 64;  ///< descriptors for other than connections, stores and refusals
+constexpr size_t kReaderThreads = 4;        ///< number of threads for reads that wait for the disk
+constexpr uint64_t kOtherDescriptors = 64;  ///< descriptors reserved for everything except connections,
+                                            ///< stores and refusals
 constexpr auto kMaintainMemoryEvery = std::chrono::milliseconds(100);
 constexpr uint64_t kTrimBytes = 4u << 20;  ///< least number of freed bytes for a call of malloc_trim()
 
@@ -90,9 +91,9 @@ struct Server::State {
 
   MemoryReserve reserve;
   ServeOptions options;
-  const uint64_t open_files = raiseOpenFileLimit();  ///< raised before stores are opened
+  const uint64_t open_files = raiseOpenFileLimit();  ///< the limit is raised before stores are opened
   Log log;
-  std::mutex reload_mutex;     ///< locked during a whole reload, which can wait for a disk
+  std::mutex reload_mutex;     ///< locked during a whole reload, which may wait for a disk
   std::mutex published_mutex;  ///< guards published and workers; locked only briefly
   Published published;         ///< written by the constructor and reload() only
   MemoryBudget budget;
@@ -104,7 +105,8 @@ struct Server::State {
   std::atomic<uint64_t> certificate_expires_s{0};  ///< Unix time of the expiry; 0 without TLS
   std::string address;
   uint16_t port = 0;
-  asio::io_context context{1};  ///< accepts connections and serves the health port, on run()'s thread
+  /// Context for accepting connections and for the health port; runs on run()'s thread.
+  asio::io_context context{1};
   std::unique_ptr<Acceptor> acceptor;
   std::unique_ptr<HealthEndpoint> health;
   asio::steady_timer drain_timer{context}, memory_timer{context};
@@ -128,7 +130,9 @@ Server::State::State(ServeOptions given)
 Server::State::~State() {
   halt();
   for (auto& worker : workers) worker->join();
-  readers.join();  // before the workers' contexts are destroyed, which own the readers' buffers
+  // Join the readers before the workers' contexts are destroyed, because the contexts own the readers'
+  // buffers.
+  readers.join();
 }
 
 BlobReaderOptions Server::State::readerOptions() {
@@ -238,15 +242,16 @@ void Server::State::run() {
       maintainMemory();
       context.run();
       break;
-    } catch (const std::exception& error) {  // usually out of memory; accept further connections
+    } catch (const std::exception& error) {  // usually memory ran out; go on accepting connections
       log.write(LogKind::kSystem, reasonOf(error));
     }
   halt();
   for (auto& worker : workers) worker->join();
 }
 
-/// Refills the reserve. Returns freed memory to the system after the use of the budget has halved, because
-/// malloc keeps nearly all memory that a flood of requests or answers needed.
+/// Refills the reserve. Returns freed memory to the system when the used part of the budget has fallen to
+/// half of its peak. Otherwise malloc would keep nearly all memory that a flood of requests or answers
+/// needed.
 void Server::State::maintainMemory() {
   if (reserve.refill() > 0)
     log.write(LogKind::kSystem, "the system has no memory left; the server used its reserve");
@@ -297,9 +302,8 @@ void Server::State::reload() {
 void Server::State::inspect(const Published& now_served) {
   const auto& [served, tls] = now_served;
   models = served.catalog->models().size();
-  for (const auto& model :
-       served.catalog->models())  // export zeros: Prometheus sees an increase only of a known counter
-    metrics.ofThread(0).model(model->summary.name);
+  // Export a zero for each model, because Prometheus sees an increase only in a counter that it knows.
+  for (const auto& model : served.catalog->models()) metrics.ofThread(0).model(model->summary.name);
   warnOfUnknownModels(served);
   const auto now = std::chrono::system_clock::now();
   if (served.tokens && served.tokens->allHaveExpired(now))
@@ -331,7 +335,7 @@ void Server::State::halt() {
 
 void Server::State::stopNow() {
   if (stopping.exchange(true)) {
-    drain_timer.cancel();  // the timer's handler runs as if the time were over
+    drain_timer.cancel();  // the timer's handler then runs as if the time were over
     return;
   }
   log.write(LogKind::kServer, "stopping");

@@ -15,22 +15,25 @@ namespace lode::serve {
 
 struct ServeOptions {
   std::vector<std::filesystem::path> stores;  ///< .lode files, and folders of .lode files
-  std::string listen = "127.0.0.1:7400";      ///< ADDRESS:PORT, [V6]:PORT or NAME:PORT; port 0 picks one
-  std::optional<int> listening_socket;  ///< open socket to listen on instead of `listen`; the server owns it
-  std::string metrics;                  ///< address of the port for metrics and health; empty: no such port
-  bool public_ok = false;               ///< allow addresses beyond loopback without tokens
-  bool insecure = false;                ///< allow addresses beyond loopback without TLS
-  std::filesystem::path token_file;     ///< file with the tokens; empty: clients need no token
+  /// ADDRESS:PORT, [V6]:PORT or NAME:PORT; port 0 selects a free port.
+  std::string listen = "127.0.0.1:7400";
+  /// Open listening socket that replaces `listen`; the server owns the socket.
+  std::optional<int> listening_socket;
+  std::string metrics;               ///< address of the port for metrics and health; empty: no such port
+  bool public_ok = false;            ///< allow addresses beyond loopback without tokens
+  bool insecure = false;             ///< allow addresses beyond loopback without TLS
+  std::filesystem::path token_file;  ///< file with the tokens; empty: clients need no token
   std::filesystem::path tls_certificate, tls_key;  ///< PEM files; set both or neither
   bool proxy_protocol = false;  ///< expect a balancer's header at the start of a connection
   unsigned threads = 0;         ///< number of threads; 0: one per core
   uint32_t max_connections = proto::kMaxConnections;
-  /// If not set: kMaxConnectionsPerAddress, but no limit for loopback.
+  /// Largest number of connections per client address. If not set, the limit is kMaxConnectionsPerAddress,
+  /// and loopback has no limit.
   std::optional<uint32_t> max_connections_per_address;
   uint64_t memory_budget_bytes = 0;  ///< memory for all connections; 0: defaultMemoryBudget()
   uint32_t max_open_requests = proto::kMaxOpenRequests;  ///< limit per connection
   uint32_t max_open_models = proto::kMaxOpenModels;      ///< limit per connection
-  /// Limit of answers that a client has not read yet.
+  /// Limit per connection for answers that the client has not read yet.
   uint64_t max_queued_answer_bytes = proto::kMaxQueuedAnswerBytes;
   uint64_t bytes_per_second = 0;  ///< rate limit for the blobs of all connections; 0: no limit
   uint64_t bytes_per_second_per_connection = 0;
@@ -65,13 +68,14 @@ class Server {
   /// @throws Error kIo.
   void run();
 
-  /// Reads stores, tokens and certificate again. If one of them cannot be read, logs the error and keeps the
-  /// previous version. Returns when all are read. Thread safe.
+  /// Reads stores, tokens and certificate again, and returns when all are read. If one cannot be read, logs
+  /// the error and keeps its previous version. Thread safe.
   void reload();
 
   /// Stops the server: reports "not ready", closes the listener after the drain delay, then sends GoAway to
-  /// all connections. run() returns when their requests are served, at the latest after the drain deadline. A
-  /// second call ends the current wait. Thread safe, also before run(), but not safe in a signal handler.
+  /// all connections. run() returns when the open requests are served, at the latest after the drain
+  /// deadline. A second call ends the current wait. Thread safe, also before run(), but not safe in a signal
+  /// handler.
   void stop();
 
  private:

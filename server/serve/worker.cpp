@@ -58,7 +58,7 @@ void Worker::start(Clock::duration sweep_every) {
     while (true) try {
         context_.run();
         return;
-      } catch (const std::exception& error) {  // usually out of memory; the other connections continue
+      } catch (const std::exception& error) {  // usually memory ran out; the other connections continue
         host_.log->write(LogKind::kSystem, reasonOf(error));
       }
   });

@@ -33,9 +33,9 @@ class ReaderThreads {
   void join();
 
  private:
-  std::unique_ptr<asio::thread_pool> pool_;  ///< pool with one thread, because asio hangs if a pool with
-                                             ///< several threads cannot start all of them
-  std::vector<std::jthread> others_;         ///< further threads of the pool
+  std::unique_ptr<asio::thread_pool> pool_;  ///< pool with one thread, because asio hangs if it cannot start
+                                             ///< all threads of a pool with several
+  std::vector<std::jthread> others_;         ///< threads that join the pool's work
 };
 
 /// State of the server that a reload replaces in a single step.
@@ -56,9 +56,9 @@ class Worker {
   void halt() { context_.stop(); }
   void join();
 
-  /// Returns the number of connections, including those that give() has queued.
+  /// Returns the number of connections, including connections that give() has queued.
   uint32_t load() const noexcept { return load_.load(std::memory_order_relaxed); }
-  /// Takes over a connection. @throws std::bad_alloc after closing it.
+  /// Takes over a connection. If memory runs out, closes the connection and throws std::bad_alloc.
   void give(asio::ip::tcp::socket socket, Slot slot, MemoryAccount memory, std::string client);
   void publish(const Published& published);
   void drain(const std::string& reason);

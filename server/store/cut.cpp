@@ -13,7 +13,7 @@ CutItem coarsest(const NodeTree& tree, uint32_t node) {
   return {node, static_cast<uint32_t>(tree.node(node).lods.size() - 1)};
 }
 
-/// Returns the coarsest LOD whose error does not exceed the error of the node that it replaces.
+/// Returns the coarsest LOD of a node whose error does not exceed `error`.
 CutItem coarsestWithin(const NodeTree& tree, uint32_t node, float error) {
   const std::vector<Lod>& lods = tree.node(node).lods;
   auto lod = static_cast<uint32_t>(lods.size() - 1);
@@ -38,8 +38,8 @@ Cut finishCut(const NodeTree& tree, std::vector<CutItem> items) {
   return cut;
 }
 
-/// Walks down from the root. `choose` returns the LOD at which to stop, or a negative number to continue with
-/// the children; for a leaf it must return an LOD.
+/// Walks down from the root. At each node `choose` returns the LOD for the cut, or a negative number to
+/// continue with the children. At a leaf it must return an LOD.
 template <typename Choose>
 Cut walk(const NodeTree& tree, Choose&& choose) {
   std::vector<CutItem> items;
@@ -106,7 +106,7 @@ Cut cutByTriangles(const NodeTree& tree, uint64_t max_triangles) {
 }
 
 Cut randomCut(const NodeTree& tree, uint64_t seed) {
-  // The standard specifies the numbers of this generator, but not the numbers of distributions.
+  // Use the generator's numbers directly: the standard defines them, but not the numbers of distributions.
   std::mt19937_64 random(seed);
   const uint64_t stop_of_16 = 1 + random() % 10;
   return walk(tree, [&](const Node& node) {
@@ -134,7 +134,9 @@ bool coversExactlyOnce(const NodeTree& tree, std::span<const CutItem> items) {
     const uint32_t number = todo.back();
     todo.pop_back();
     if (states[number] == kTaken) {
-      ++met;  // the search does not go below this item, so items below remain unmet
+      // Do not search below this item. An item below is then not counted, and the comparison at the end
+      // fails.
+      ++met;
       continue;
     }
     if (tree.node(number).isLeaf()) return false;

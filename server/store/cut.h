@@ -21,7 +21,7 @@ struct Cut {
   std::vector<CutItem> items;
   uint64_t triangles = 0;
   float max_error_model = 0;  ///< largest error of the items with triangles, in model units
-  bool converged = true;      ///< the cut meets the requested bound
+  bool converged = true;      ///< true if the cut meets the requested bound
 };
 
 /// Returns the cut of the coarsest (node, LOD) pairs whose errors are at most `max_error_model`. If even a
@@ -29,20 +29,22 @@ struct Cut {
 /// uses geometric errors.
 Cut cutByError(const NodeTree& tree, double max_error_model);
 
-/// Returns the best cut of at most `max_triangles`. Starts with the coarsest cut and refines the item with
-/// the largest error first: to the node's next finer LOD, or from LOD 0 to the children's coarsest LODs.
-/// Skips steps that exceed the limit, and ends when no step fits. If even the coarsest cut has more
-/// triangles, returns the coarsest cut as not converged. Among equal errors, the node key decides.
+/// Returns the best cut of at most `max_triangles`. Starts with the coarsest cut and always refines the item
+/// with the largest error; among equal errors, the node key decides. An item is refined to the node's next
+/// finer LOD, or from LOD 0 to the children's coarsest LODs. Steps that exceed the limit are skipped; the
+/// search ends when no step fits. If even the coarsest cut has too many triangles, returns the coarsest cut
+/// as not converged.
 Cut cutByTriangles(const NodeTree& tree, uint64_t max_triangles);
 
 /// Returns a random cut with random LODs. The same seed yields the same cut on all platforms; cuts of
 /// different seeds differ in depth.
 Cut randomCut(const NodeTree& tree, uint64_t seed);
 
-/// Returns the cut of all leaves at LOD 0, the original triangles.
+/// Returns the cut of all leaves at LOD 0. This cut has the original triangles.
 Cut leafCut(const NodeTree& tree);
 
-/// Returns whether every path from the root to a leaf contains exactly one item, and every item's LOD exists.
+/// Returns true if every path from the root to a leaf contains exactly one item, and the LOD of each item
+/// exists.
 bool coversExactlyOnce(const NodeTree& tree, std::span<const CutItem> items);
 
 }  // namespace lode::store

@@ -32,7 +32,7 @@ class FinestTiles {
   TileImage image(uint32_t x, uint32_t y) const {
     return decodeTile(file(x, y), tileInnerSize(texture_, 0, x, y) + 2 * kTileGutterPx);
   }
-  /// Returns whether any texel is not opaque. Decodes tiles, because a WebP tile need not have alpha.
+  /// Returns true if any texel is not opaque. Decodes the tiles, because a WebP file need not contain alpha.
   bool haveClearTexels() const {
     const auto isClear = [](const glm::u8vec4& texel) { return texel.a != 255; };
     for (uint32_t y = 0; y < count().y; ++y)
@@ -46,7 +46,7 @@ class FinestTiles {
   const Texture& texture_;
 };
 
-/// @return whether the image has alpha.
+/// Writes one texture as a PNG file. @return true if the image has alpha.
 bool exportImage(const Reader& reader, const Texture& texture, const std::filesystem::path& path) {
   const FinestTiles stored(reader, texture);
   const bool has_alpha = stored.haveClearTexels();

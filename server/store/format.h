@@ -9,8 +9,8 @@
 #include "common/codec/blob.h"
 #include "common/codec/model_summary.h"
 
-/// Encoding of a store file's fixed parts, as in docs/store-format.md: header, blobs back to back, blob
-/// table, footer. All numbers are little-endian.
+/// Encoding of a store file's fixed parts. A store has a header, blobs back to back, a blob table and a
+/// footer (docs/store-format.md). All numbers are little-endian.
 namespace lode::store {
 
 constexpr uint32_t kFormatVersion = 4;
@@ -18,8 +18,8 @@ constexpr size_t kHeaderBytes = 188;
 constexpr size_t kTableEntryBytes = 28;
 constexpr size_t kFooterBytes = 24;
 
-/// Content of the header. The header does not store the summary's `name`, and stores only the blob numbers of
-/// `root_page` and `textures`.
+/// Content of the header. The file does not contain the summary's `name`. Of `root_page` and `textures`, it
+/// contains only the blob numbers.
 struct FileHeader {
   ModelSummary summary;
   uint64_t table_offset = 0;
@@ -38,17 +38,18 @@ std::array<std::byte, kHeaderBytes> encodeHeader(const FileHeader& header);
 std::vector<std::byte> encodeTable(std::span<const TableEntry> entries);
 std::array<std::byte, kFooterBytes> encodeFooter(std::span<const std::byte, kHeaderBytes> header);
 
-/// Checks magic, version, checksum and the range of every field, and that the parts fill the file exactly.
+/// Decodes the header. Checks magic, version, checksum and the range of every field. Checks that the parts
+/// fill the file exactly.
 /// @throws Error kInput (not a store, or a store of another version) or kFormat.
 FileHeader decodeHeader(std::span<const std::byte, kHeaderBytes> bytes, uint64_t file_bytes);
-/// Checks the table against the header: checksum, sizes, limits, and that the blobs fill the space between
-/// header and table. @throws Error kFormat, kLimit.
+/// Decodes the blob table. Checks its checksum, sizes and limits against the header. Checks that the blobs
+/// fill the space between header and table. @throws Error kFormat, kLimit.
 std::vector<TableEntry> decodeTable(std::span<const std::byte> bytes, const FileHeader& header);
 /// Checks the footer against the header. @throws Error kFormat.
 void checkFooter(std::span<const std::byte, kFooterBytes> footer,
                  std::span<const std::byte, kHeaderBytes> header);
 
-/// Returns the digest of the header, without build id and checksum, and of the blob table.
+/// Returns the digest of the header and the blob table. The header's build id and checksum do not count.
 Digest computeBuildId(const FileHeader& header, std::span<const std::byte> table);
 
 }  // namespace lode::store

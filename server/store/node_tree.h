@@ -10,7 +10,7 @@
 
 namespace lode::store {
 
-/// Sums over a hierarchy, for comparison with the header.
+/// Sums over all nodes of a hierarchy, for comparison with the store's header.
 struct HierarchyTotals {
   uint64_t triangles = 0;         ///< triangles in the leaves' LOD 0
   uint64_t stored_triangles = 0;  ///< triangles in all LODs
@@ -18,15 +18,16 @@ struct HierarchyTotals {
   uint32_t depth = 0;
 };
 
-/// Checks a whole hierarchy: key order, presence of exactly the children in the child masks, one LOD in each
-/// leaf except the root, triangle counts that do not increase towards coarser LODs, finite errors that do not
-/// decrease towards coarser LODs and parents (I3), boxes inside the parents' boxes, and limits.
+/// Checks a whole hierarchy and its limits. Nodes must be in key order and have exactly the children of their
+/// child masks. Each leaf must have one LOD, unless it is the root. Triangle counts must not increase towards
+/// coarser LODs. Errors must be finite, and must not decrease towards coarser LODs or towards the parent
+/// (I3). Each box must lie inside the parent's box.
 /// @param nodes  in key order.
 /// @throws Error kFormat or kLimit, naming the node. Thread safe.
 HierarchyTotals checkHierarchy(std::span<const Node> nodes);
 
-/// Finds the children of nodes in a checked hierarchy, by number. Siblings have consecutive numbers, because
-/// nodes are in key order.
+/// Finds the children of nodes in a checked hierarchy. Nodes are numbered in key order, so siblings have
+/// consecutive numbers.
 class NodeTree {
  public:
   /// @param nodes  nodes of a checked hierarchy, in key order; must outlive the tree.
@@ -47,8 +48,8 @@ std::string describeKey(NodeKey key);
 
 /// A page before it gets a blob number.
 struct PagePlan {
-  NodeKey owner;  ///< node above the topmost nodes of the page; for the first page the root, which that page
-                  ///< also contains
+  /// Parent of the topmost nodes of the page; for the first page the root, which is in the page itself.
+  NodeKey owner;
   HierarchyPage page;
 };
 
@@ -59,7 +60,7 @@ constexpr NodeKey pageOwner(NodeKey key) noexcept {
   return depth <= 2 ? kRootKey : key.ancestorAt((depth - 1) / 2 * 2);
 }
 
-/// Returns whether a node owns a page: it has children and an even depth >= 2.
+/// Returns true if a node owns a page, because it has children and an even depth >= 2.
 inline bool ownsPage(const Node& node) noexcept {
   return node.key.depth() >= 2 && node.key.depth() % 2 == 0 && !node.isLeaf();
 }

@@ -5,7 +5,7 @@
 namespace lode::store {
 namespace {
 
-/// Sorts edges and removes equal ones in pairs.
+/// Sorts edges and removes equal edges in pairs.
 void cancelPairs(std::vector<OpenEdge>& edges) {
   std::sort(edges.begin(), edges.end());
   size_t kept = 0;

@@ -25,7 +25,7 @@ namespace {
 /// An open file; closed on destruction.
 class File {
  public:
-  /// Opens without blocking on pipes, which are not stores.
+  /// Opens a file. Does not block if the file is a pipe, which cannot be a store.
   explicit File(const std::filesystem::path& path)
       : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
     if (descriptor_ < 0)
@@ -83,7 +83,7 @@ struct Reader::State {
 
 namespace {
 
-/// Adds the file name and, for damaged content, a remedy to errors.
+/// Runs an action. Adds the file name to its errors, and a remedy if the content is damaged.
 template <typename Action>
 auto namingFile(const std::filesystem::path& path, Action&& action) {
   try {
@@ -137,7 +137,8 @@ void Reader::State::readIndex() {
   summary.textures = {summary.textures.number, textures_blob.bytes, textures_blob.digest};
 }
 
-/// Reads all pages from the root down. Terminates, because a page that is referenced twice is an error.
+/// Reads all pages from the root down. The function ends for any file, because a second reference to a page
+/// is an error.
 void Reader::State::readHierarchy() {
   struct Todo {
     NodeKey owner;
@@ -191,7 +192,7 @@ void Reader::State::checkSummary(const HierarchyTotals& totals) const {
     failReading("the header's error does not match the root's coarsest LOD");
 }
 
-/// Checks that every blob has exactly one use.
+/// Checks that every blob of the file is referenced and has one kind of use.
 void Reader::State::checkRefs() const {
   enum Use : uint8_t { kNone, kPage, kPayload, kTextures, kTile };
   std::vector<Use> uses(blobs.size(), kNone);

@@ -21,12 +21,12 @@ struct BlobEntry {
   Digest digest;
 };
 
-/// An open store: summary, whole hierarchy, textures and blob table, validated by the constructor. Const
-/// functions are thread safe.
+/// An open store with its summary, whole hierarchy, textures and blob table. The constructor validates all of
+/// them. Const functions are thread safe.
 class Reader {
  public:
-  /// @throws Error kIo, kInput (not a store, or a store of another version), kFormat or kLimit, naming the
-  /// file, the place and the remedy.
+  /// @throws Error kIo, kInput (not a store, or a store of another version), kFormat or kLimit. The message
+  /// names the file, the place and the remedy.
   explicit Reader(const std::filesystem::path& path);
   ~Reader();
   Reader(Reader&&) noexcept;
@@ -35,7 +35,7 @@ class Reader {
   const std::filesystem::path& path() const noexcept;
   /// All nodes, in key order.
   std::span<const Node> nodes() const noexcept;
-  /// Textures of the store; empty if it has none.
+  /// Textures of the store; empty if the store has none.
   const TextureSet& textures() const noexcept;
   /// Returns the node with a key; null if the store has no such node.
   const Node* find(NodeKey key) const noexcept;

@@ -14,7 +14,7 @@
 namespace lode::store {
 namespace {
 
-constexpr int kPointsPerEdge = 5;  ///< points of an open edge to compare, including both ends
+constexpr int kPointsPerEdge = 5;  ///< number of compared points of an open edge, with both ends
 
 class Verifier {
  public:
@@ -111,7 +111,7 @@ class Verifier {
     }
   }
 
-  /// Returns for each node the LOD that a cut shows, or null if the cut does not show the node.
+  /// Returns one LOD per node: the LOD that a cut contains, or null if the cut does not contain the node.
   std::vector<const Lod*> shownLods(const Cut& cut) const {
     std::vector<const Lod*> shown(tree_.nodes().size());
     for (const CutItem item : cut.items) shown[item.node] = &tree_.node(item.node).lods[item.lod];
@@ -134,9 +134,9 @@ class Verifier {
     }
   }
 
-  /// Returns the largest error of the shown LODs whose nodes' boxes contain a position. The LOD that causes
-  /// an open edge need not have the position any more: when a boundary triangle collapses, the edge of the
-  /// neighbouring triangle becomes open.
+  /// Returns the largest error of the cut's LODs whose boxes contain a position. The LOD that causes an open
+  /// edge need not contain the position itself: if a boundary triangle collapses, the edge of a neighbouring
+  /// triangle becomes open.
   double errorAt(PositionCode position, const std::vector<const Lod*>& shown) const {
     LatticeBox point;
     point.add(unpackPosition(position));

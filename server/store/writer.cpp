@@ -60,7 +60,7 @@ bool Writer::wasAdded(const BlobRef& ref) const {
          entries_[ref.number - 1].digest == ref.digest;
 }
 
-/// Checks that every payload was added by addBlob(), and that every added blob is used.
+/// Checks that addBlob() has added every payload and that every added blob is used.
 void Writer::checkUse(std::span<const Node> nodes) const {
   std::vector<bool> used(entries_.size());
   if (textures_) used[textures_.number - 1] = true;
@@ -82,8 +82,8 @@ void Writer::checkUse(std::span<const Node> nodes) const {
                 path_.string() + ": blob " + std::to_string(unused - used.begin() + 1) + " is not used");
 }
 
-/// Writes all pages, coarse pages first. A page contains the numbers and sizes of the pages below, so the
-/// function numbers all pages first and encodes them from last to first.
+/// Writes all pages, coarse pages first. A page contains the numbers and sizes of the pages below it.
+/// Therefore the function first numbers all pages, then encodes them from last to first.
 /// @return the root's page.
 BlobRef Writer::writePages(std::vector<Node> nodes) {
   std::vector<PagePlan> plans = splitIntoPages(std::move(nodes));

@@ -22,18 +22,18 @@ class Writer {
   /// @param temporary  see AtomicFile. @throws Error kIo.
   explicit Writer(const std::filesystem::path& path, const std::filesystem::path& temporary = {});
 
-  /// Adds a blob, unless an earlier blob has equal bytes; then returns the earlier blob. Without bytes, adds
-  /// nothing and returns an empty reference. @throws Error kIo, kLimit.
+  /// Adds a blob. If an earlier blob has equal bytes, returns the earlier blob instead. If `bytes` is empty,
+  /// adds nothing and returns an empty reference. @throws Error kIo, kLimit.
   BlobRef addBlob(std::span<const std::byte> bytes);
 
   /// Adds the texture set. Call at most once, after adding its tiles. @throws Error kFormat if a tile was not
   /// added; kIo, kLimit.
   void addTextures(const TextureSet& textures);
 
-  /// Checks the hierarchy like a reader; writes pages, blob table, footer and header; and renames the file
-  /// into place. Must be the last call.
-  /// @param summary  the function reads only lattice, attributes, dropped and triangles_per_node, and
-  /// computes the rest.
+  /// Checks the hierarchy as a reader does. Writes pages, blob table, footer and header, then renames the
+  /// file into place. Call it last.
+  /// @param summary  only lattice, attributes, dropped and triangles_per_node are read; the function computes
+  /// the rest.
   /// @param nodes    all nodes in key order; the function sets their child pages.
   /// @return the summary as a reader sees it. @throws Error kIo, kFormat, kLimit.
   ModelSummary finish(ModelSummary summary, std::vector<Node> nodes);

@@ -6,14 +6,14 @@
 
 namespace lode::serve {
 
-/// Memory that every connection can use if the budget has so much left, regardless of other connections.
+/// Memory that every connection can use while the budget has room, even if other connections use much.
 constexpr uint64_t kPoliteBytes = 64u << 10;
-/// Limit for small connections. The last 1/16 of the budget is reserved for connections that use at most this
-/// much memory.
+/// Limit for small connections. Only connections that use at most this much memory can use the last 1/16 of
+/// the budget.
 constexpr uint64_t kModestBytes = 16u << 10;
-/// Divisor that limits large connections. A connection that uses more than kPoliteBytes can use at most 1/64
-/// of the unused part of the first 3/4 of the budget. The limit shrinks as connections use more memory, and
-/// 1/4 of the budget is left for connections below kPoliteBytes.
+/// Divisor that limits connections above kPoliteBytes. Such a connection can use at most 1/64 of the free
+/// memory in the first 3/4 of the budget. The limit shrinks as connections use more memory. The last 1/4 of
+/// the budget is left to connections below kPoliteBytes.
 constexpr uint64_t kLargeDivisor = 64;
 
 /// Returns an eighth of the memory that this process can use (memoryLimitBytes()).
@@ -26,11 +26,11 @@ class MemoryBudget {
 
   uint64_t limit() const noexcept { return limit_; }
   uint64_t used() const noexcept { return used_.load(std::memory_order_relaxed); }
-  /// Returns whether more than 12/16 of the budget are used. The server then checks the budget often.
+  /// Returns true if more than 12/16 of the budget are used. The server then checks the budget more often.
   bool tight() const noexcept { return used() > limit_ / 16 * 12; }
-  /// Returns whether open connections use more than 13/16 of the budget. The server then closes the largest
-  /// connections until relieved() returns true. The memory of closing connections does not count. New
-  /// connections are admitted up to 14/16, so that closed connections make room for new ones.
+  /// Returns true if open connections use more than 13/16 of the budget. The server then closes the largest
+  /// connections until relieved() returns true. Connections that are closing do not count. The server admits
+  /// new connections up to 14/16 of the budget, so that the closed connections make room for new ones.
   bool pressed() const noexcept { return staying() > limit_ / 16 * 13; }
   bool relieved() const noexcept { return staying() <= limit_ / 16 * 12; }
   /// Returns the average memory of a connection in bytes, including its base cost.
@@ -43,7 +43,7 @@ class MemoryBudget {
 
   uint64_t limit_;
   std::atomic<uint64_t> used_{0}, accounts_{0};
-  std::atomic<uint64_t> leaving_{0};  ///< part of used_ that closing connections use
+  std::atomic<uint64_t> leaving_{0};  ///< memory of closing connections; a part of used_
 };
 
 /// Memory that one connection uses, charged to the budget. The destructor returns the memory to the budget.
@@ -57,8 +57,8 @@ class MemoryAccount {
 
   /// Charges the base cost of a connection. @return false if the budget has no room for another connection.
   bool admit(uint64_t base_bytes) noexcept;
-  /// Charges bytes if the connection stays within its limits. @return false, without a charge, if it would
-  /// exceed them.
+  /// Charges bytes if the connection stays within its limits. @return false, without a charge, if the bytes
+  /// would exceed a limit.
   bool tryTake(uint64_t bytes) noexcept;
   /// Charges bytes without a check of the limits, for example for the Error that closes the connection.
   void take(uint64_t bytes) noexcept;

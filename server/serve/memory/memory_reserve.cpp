@@ -10,7 +10,8 @@ namespace lode::serve {
 namespace {
 
 std::mutex mutex;
-std::array<void*, MemoryReserve::kBlocks> blocks;  ///< guarded by mutex, like in_hand
+/// Blocks of the reserve; the mutex guards them and in_hand.
+std::array<void*, MemoryReserve::kBlocks> blocks;
 size_t in_hand = 0;
 
 }  // namespace

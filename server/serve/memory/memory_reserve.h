@@ -4,10 +4,10 @@
 
 namespace lode::serve {
 
-/// Reserve of memory blocks for small allocations after malloc has failed. Without the reserve the process
-/// would end, because asio calls std::terminate() if it cannot allocate the state of an operation. The
-/// program's operator new (server/operator_new.cpp) uses these blocks. Allocations larger than a block still
-/// throw std::bad_alloc. A process can have only one reserve. Thread safe.
+/// Reserve of memory blocks that serve small allocations after malloc has failed. Without the reserve, the
+/// process could end, because asio calls std::terminate() if the state of an operation cannot be allocated.
+/// The program's operator new (server/operator_new.cpp) uses these blocks. Allocations larger than a block
+/// still throw std::bad_alloc. A process can have only one reserve. Thread safe.
 class MemoryReserve {
  public:
   static constexpr size_t kBlocks = 128, kBlockBytes = 8u << 10;

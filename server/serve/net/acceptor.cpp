@@ -21,7 +21,7 @@ using asio::ip::tcp;
 
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);  ///< pause after a failed accept()
 constexpr auto kSweepEvery = std::chrono::milliseconds(100);
-/// TCP_NOTSENT_LOWAT; low, because urgent bytes cannot overtake bytes in the kernel.
+/// Value of TCP_NOTSENT_LOWAT. The value is low because urgent blobs cannot overtake bytes in the kernel.
 constexpr int kNotSentLowBytes = 16 << 10;
 
 void tune(tcp::socket& socket) {
@@ -31,7 +31,8 @@ void tune(tcp::socket& socket) {
   socket.set_option(NotSentLow(kNotSentLowBytes), ignored);
 }
 
-/// Completion handler that clears the flag and rethrows an exception, which then leaves run().
+/// Returns a completion handler that clears the flag. It rethrows an exception of the coroutine, which then
+/// leaves run().
 auto ending(bool& running) {
   return [&running](const std::exception_ptr& thrown) {
     running = false;

@@ -34,15 +34,15 @@ class ReserveDescriptor {
   ReserveDescriptor& operator=(const ReserveDescriptor&) = delete;
 
   void release() noexcept;
-  void acquire() noexcept;  ///< opens the spare descriptor again if the system has one left
+  void acquire() noexcept;  ///< opens the spare descriptor again, unless the system has no descriptor left
 
  private:
   int descriptor_ = -1;
 };
 
 struct AcceptorOptions {
-  bool count_addresses = true;    ///< whether to limit connections per address; false behind a balancer,
-                                  ///< because its header names the client's address later
+  bool count_addresses = true;    ///< true limits connections per address at accept(); false behind a
+                                  ///< balancer, whose header names the client's address later
   uint64_t connection_bytes = 0;  ///< memory charged to the budget per connection
 };
 
@@ -50,7 +50,7 @@ struct AcceptorOptions {
 /// the thread of its context. Not thread safe.
 class Acceptor {
  public:
-  /// Receives each admitted connection.
+  /// A function that receives each admitted connection.
   using Handler = std::function<void(asio::ip::tcp::socket, Slot, MemoryAccount, std::string client)>;
 
   Acceptor(asio::ip::tcp::acceptor acceptor, AcceptorOptions options, Admission& admission,

@@ -14,7 +14,7 @@ uint64_t keyOf(const asio::ip::address& plain) {
   const auto bytes = plain.to_v6().to_bytes();
   uint64_t network = 0;
   for (size_t i = 0; i < 8; ++i) network = network << 8 | bytes[i];
-  return network | uint64_t{1} << 63;  // differs from every IPv4 key
+  return network | uint64_t{1} << 63;  // the highest bit distinguishes the key from all IPv4 keys
 }
 
 }  // namespace

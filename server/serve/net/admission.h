@@ -42,8 +42,8 @@ class Slot {
 /// Limits the number of connections, in total and per address. Must outlive its slots. Thread safe.
 class Admission {
  public:
-  /// @param per_address  limit per IPv4 address or IPv6 /64 network. If it is not set, the limit is
-  /// kMaxConnectionsPerAddress, and loopback has no limit.
+  /// @param per_address  limit per IPv4 address or IPv6 /64 network. If the limit is not set, it is
+  /// kMaxConnectionsPerAddress, except that loopback has no limit.
   Admission(uint32_t total, std::optional<uint32_t> per_address);
 
   /// Admits a connection. @return a slot, or nothing if the total limit is reached.
@@ -51,8 +51,8 @@ class Admission {
   uint32_t count() const;
   uint32_t total() const noexcept { return total_; }
 
-  /// Calls `empty` once, when no connection is left; at once if there is no connection now. The call can come
-  /// from any thread.
+  /// Calls `empty` once, as soon as no connection is left; at once if there is no connection now. Any thread
+  /// can make the call.
   void whenEmpty(std::function<void()> empty);
 
  private:

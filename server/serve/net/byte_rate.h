@@ -7,12 +7,12 @@
 namespace lode::serve {
 
 /// Limits the bytes per second of one connection or of all connections. A sender calls take(), waits until
-/// the returned time, sends, and returns unsent bytes to the rate by give(). The times of several
-/// senders follow the order of their calls, which shares the rate fairly. Thread safe.
+/// the returned time, sends, and returns unsent bytes by give(). Several senders get their times in the order
+/// of their calls, so that they share the rate fairly. Thread safe.
 class ByteRate {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Longest delay of a sender that does not reduce its rate.
+  /// A sender that calls late by at most this time loses no part of its rate.
   static constexpr std::chrono::milliseconds kGrace{20};
 
   /// @param bytes_per_second  limit; 0: no limit, so that a sender never waits.
@@ -29,7 +29,8 @@ class ByteRate {
   }
 
   double ns_per_byte_;
-  std::atomic<int64_t> next_ns_{0};  ///< time from which the next bytes can be sent, since the epoch of Clock
+  /// Time from which the next bytes can be sent, in ns since the epoch of Clock.
+  std::atomic<int64_t> next_ns_{0};
 };
 
 }  // namespace lode::serve

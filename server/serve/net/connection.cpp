@@ -129,13 +129,13 @@ asio::awaitable<void> Connection::read() {
     }
   } catch (const Error& error) {
     const bool is_cut_off = error.code() == ErrorCode::kNetwork;
-    broken = is_cut_off && !session_.closing();  // a refused client is allowed to cut the connection
+    broken = is_cut_off && !session_.closing();  // a refused client may cut the connection
     if (broken) end(EndReason::kBroken);
     if (!is_cut_off)
       session_.refuse(
           error.code() == ErrorCode::kLimit ? proto::WireError::kLimit : proto::WireError::kMalformed,
           error.what());
-  } catch (const std::exception&) {  // out of memory: end this connection only
+  } catch (const std::exception&) {  // memory ran out: end this connection only
     end(EndReason::kMemory);
     broken = true;
   }
@@ -143,7 +143,7 @@ asio::awaitable<void> Connection::read() {
     if (!end_) why_ = session_.refusal();
     end(EndReason::kMistake);
     if (session_.unauthorized()) host_.counters->refused[static_cast<size_t>(RefusalReason::kToken)].add();
-    wakeWriter();  // sends the Error; discard further frames
+    wakeWriter();  // the writer sends the Error; further frames are discarded
     co_await stream_.discard();
   } else {
     end(EndReason::kClient);
@@ -153,8 +153,8 @@ asio::awaitable<void> Connection::read() {
   wakeWriter();
 }
 
-/// Reads the balancer's header and does the TLS handshake. @return false if the client closed the connection
-/// before.
+/// Reads the balancer's header and performs the TLS handshake. @return false if the client closed the
+/// connection before sending anything.
 asio::awaitable<bool> Connection::greet() {
   if (limits_.proxy_protocol) {
     std::optional<ProxyHeader> header;
@@ -190,7 +190,7 @@ void Connection::turnAway(RefusalReason refused, EndReason ended, const std::str
   why_ = why;
 }
 
-/// Frees the memory of a large frame except kMaxKeptBodyBytes, and returns the freed memory to the budget.
+/// Frees the memory of a frame above kMaxKeptBodyBytes, and returns the freed memory to the budget.
 void Connection::releaseStorageOf(proto::Frame& frame) {
   if (frame.body.capacity() <= kMaxKeptBodyBytes) return;
   memory_.give(frame.body.capacity() - kMaxKeptBodyBytes);

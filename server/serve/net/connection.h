@@ -23,11 +23,11 @@
 
 namespace lode::serve {
 
-/// Buffer for one write, which is a full chunk or several chunks of small blobs. A connection borrows a
-/// buffer from the pool of its thread while the connection sends.
+/// Buffer for one write: one full chunk, or several chunks of small blobs. While a connection sends, it
+/// borrows a buffer from the pool of its thread.
 struct ChunkBuffer {
-  /// Size of a buffer. The kernel splits a segment if it exceeds 64 KiB with headers. A buffer of this size
-  /// is not split and wakes the receiver once.
+  /// Size of a buffer. The kernel splits a write whose segment exceeds 64 KiB with headers. A buffer of this
+  /// size stays in one segment and wakes the receiver once.
   static constexpr size_t kBytes = 60u << 10;
   std::unique_ptr<std::byte[]> bytes;  ///< kBytes long, or null
   size_t used = 0;
@@ -37,7 +37,7 @@ struct ChunkBuffer {
 class BufferPool {
  public:
   ChunkBuffer take();
-  void give(ChunkBuffer buffer);  ///< ignores a buffer without bytes
+  void give(ChunkBuffer buffer);  ///< takes a buffer back; ignores a buffer without bytes
 
  private:
   std::vector<ChunkBuffer> free_;
@@ -62,7 +62,8 @@ struct ConnectionLimits {
   SessionLimits session;
   Clock::duration write = proto::kWriteDeadline;  ///< time in which the client must receive a write
   uint64_t bytes_per_second = 0;                  ///< rate limit for blobs; 0: no limit
-  size_t queued_answer_bytes = proto::kMaxQueuedAnswerBytes;  ///< limit above which no frame is read
+  size_t queued_answer_bytes = proto::kMaxQueuedAnswerBytes;  ///< above this size of unsent answers, the
+                                                              ///< connection reads no frame
   bool proxy_protocol = false;                                ///< expect a balancer's header at the start
 };
 
@@ -121,22 +122,23 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   Slot slot_;
   MemoryAccount memory_;
-  MemoryAccount reading_;  ///< memory of chunks read from disk; not part of memory_, because reads must not
-                           ///< limit requests
+  MemoryAccount reading_;  ///< memory of chunks being read from disk; apart from memory_, because reads must
+                           ///< not limit requests
   ConnectionHost& host_;
   ConnectionLimits limits_;
   proto::FrameStream stream_;
   Session session_;
   std::vector<std::shared_ptr<ColdRead>> cold_;
   ByteRate rate_;
-  std::optional<Clock::time_point> turn_;  ///< time at which the rates allow the next kSlowWriteBytes
+  std::optional<Clock::time_point> turn_;  ///< time from which the rates allow the next write; empty if no
+                                           ///< time is reserved
   asio::steady_timer to_write_, to_read_;  ///< timers that are cancelled to wake a coroutine
   bool write_woken_ = false, read_woken_ = false;
-  bool gone_ = false;  ///< whether the client has closed the connection or the connection broke
-  bool slow_ = true;   ///< unsent bytes may wait in the kernel
-  /// Set when all is sent: time until which the client should close.
+  bool gone_ = false;  ///< the client has closed the connection, or the connection broke
+  bool slow_ = true;   ///< many unsent bytes may wait in the kernel
+  /// Time until which the client should close the connection; set when everything is sent.
   std::optional<Clock::time_point> linger_until_;
-  std::optional<Clock::time_point> writing_since_;  ///< start of the write that is under way
+  std::optional<Clock::time_point> writing_since_;  ///< start of the current write; empty between writes
   std::optional<EndReason> end_;
   std::string why_;  ///< reason of a refusal, for the log
   std::string client_;

@@ -18,16 +18,20 @@ namespace lode::serve {
 namespace {
 
 constexpr size_t kChunkFrameHeadBytes = proto::kFrameHeaderBytes + proto::kBlobChunkHeaderBytes;
-constexpr size_t kMaxFreeBuffers = 64;  ///< limit of unused buffers per thread; further buffers are freed
-constexpr size_t kMaxColdReads = 8;     ///< limit per connection at a time
+/// Largest number of unused buffers per thread; further buffers are freed.
+constexpr size_t kMaxFreeBuffers = 64;
+/// Largest number of reads from disk that a connection makes at a time.
+constexpr size_t kMaxColdReads = 8;
 constexpr size_t kSlowWriteBytes = 16u << 10;  ///< size of a write on a slow link
-/// Size of the first writes. They fit into the client's first TCP window, so that a client that never reads
-/// occupies no buffer here. After kReadersBytes the client is known to read, and writes become larger.
+/// Size of the first writes of a connection. A write of this size fits the client's first TCP window, so that
+/// a client that never reads does not occupy a buffer here. Writes become larger after kReadersBytes, which
+/// show that the client reads.
 constexpr size_t kFirstWriteBytes = 48u << 10, kReadersBytes = 256u << 10;
-/// Most unsent bytes in the kernel at which a link counts as fast.
+/// Largest number of unsent bytes in the kernel for a link that counts as fast.
 constexpr int kLittleUnsentBytes = 8 << 10;
 constexpr auto kLinger = std::chrono::seconds(2);
-/// Short, because other connections wait for memory.
+/// Time for the client to close a connection that ended for memory. The time is short, because other
+/// connections wait for the memory.
 constexpr auto kLingerForMemory = std::chrono::milliseconds(100);
 
 void append(ChunkBuffer& buffer, const Chunk& chunk) {
@@ -77,7 +81,8 @@ asio::awaitable<void> Connection::write() {
 
 asio::awaitable<void> Connection::writeFrames() {
   while (!gone_) {
-    if (slow_) {  // wait until the kernel accepts more, so that later urgent requests can go first
+    if (slow_) {  // wait for the kernel before the next chunk is chosen, so that urgent requests that arrive
+                  // meanwhile go first
       writing_since_ = Clock::now();
       session_.onBackpressure(*writing_since_);
       asio::error_code error;
@@ -166,7 +171,8 @@ ReadResult Connection::readChunk(const Chunk& chunk, std::span<std::byte> into) 
   const std::shared_ptr<ColdRead> read = std::move(*cold);
   cold_.erase(cold);
   reading_.give(read->bytes.size());
-  // If the window or the write is smaller than at the read, use the beginning. The rest is read again.
+  // The window or the write can be smaller now than at the start of the read. Then use the beginning; the
+  // rest is read again later.
   if (read->result == ReadResult::kDone) {
     const size_t there = std::min(read->bytes.size(), into.size());
     std::memcpy(into.data(), read->bytes.data(), there);
@@ -179,7 +185,7 @@ bool Connection::startFetching(const Chunk& chunk) {
   if (cold_.size() >= kMaxColdReads) return false;
   if (!reading_.tryTake(chunk.bytes)) {
     if (!cold_.empty()) return false;
-    reading_.take(chunk.bytes);  // one read is always allowed, so that the connection makes progress
+    reading_.take(chunk.bytes);  // charge one read even without room, so that the connection makes progress
   }
   const auto cold = std::make_shared<ColdRead>(ColdRead{chunk, std::vector<std::byte>(chunk.bytes)});
   cold_.push_back(cold);

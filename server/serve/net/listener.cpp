@@ -42,7 +42,8 @@ ListenAddress parseListenAddress(std::string_view text) {
     host = text.substr(0, colon);
     port = text.substr(colon);
   }
-  // Refuse a number alone. The user means a port, but the resolver would read the number as an IPv4 address.
+  // Refuse a host that is a plain number: the user means a port, but the resolver would read the number as an
+  // IPv4 address.
   if (host.find_first_not_of("0123456789") == std::string_view::npos) throw wrong();
   ListenAddress address{std::string(host), proto::kDefaultPort};
   if (port.empty()) return address;

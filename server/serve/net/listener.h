@@ -26,7 +26,8 @@ ListenAddress parseListenAddress(std::string_view text);
 /// Resolves ADDR:PORT or NAME:PORT to its first address. @throws Error kUsage.
 asio::ip::tcp::endpoint resolveListen(asio::io_context& context, const std::string& listen);
 
-/// Opens an acceptor that listens on the endpoint. @param option  name for errors, such as "--listen".
+/// Opens an acceptor that listens on the endpoint. @param option option that error messages name, such as
+/// "--listen".
 /// @throws Error kIo, for example if the port is in use.
 asio::ip::tcp::acceptor openListener(asio::io_context& context, const asio::ip::tcp::endpoint& endpoint,
                                      const std::string& option);
@@ -37,13 +38,14 @@ asio::ip::tcp::acceptor adoptListener(asio::io_context& context, int descriptor)
 /// Formats an endpoint as "127.0.0.1:7400" or "[::1]:7400".
 std::string toString(const asio::ip::tcp::endpoint& endpoint);
 
-/// Creates the server's context for TLS 1.3 from PEM files with a certificate chain and its key. An idle TLS
-/// session of this context has no buffers.
+/// Creates the server's context for TLS 1.3 from PEM files with a certificate chain and its key. Idle TLS
+/// sessions of this context free their buffers.
 /// @throws Error kUsage if a file cannot be read or the key does not match the certificate.
 std::shared_ptr<asio::ssl::context> openTls(const std::filesystem::path& certificate,
                                             const std::filesystem::path& key);
 
-/// Returns the time at which the context's own certificate expires, or nothing without a certificate.
+/// Returns the time at which the context's own certificate expires. Returns nothing if the context has no
+/// certificate.
 std::optional<std::chrono::sys_seconds> expiryOf(asio::ssl::context& context);
 
 }  // namespace lode::serve

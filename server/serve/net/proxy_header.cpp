@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::string_view kTextStart = "PROXY ";
 constexpr std::string_view kBinaryStart("\r\n\r\n\0\r\nQUIT\n", 12);
-constexpr size_t kMaxTextBytes = 107;  ///< limit of a version 1 header, with its line end
+constexpr size_t kMaxTextBytes = 107;  ///< largest size of a version 1 header, line end included
 constexpr size_t kBinaryHeadBytes = 16;
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -122,7 +122,7 @@ std::optional<ProxyHeader> parseProxyHeader(std::span<const std::byte> bytes) {
 asio::awaitable<std::optional<ProxyHeader>> readProxyHeader(tcp::socket& socket) {
   const auto broken = [](const std::string& why) { return Error(ErrorCode::kNetwork, why); };
   socket.non_blocking(true);
-  std::vector<std::byte> header;  // bytes taken from the socket
+  std::vector<std::byte> header;  // all bytes taken from the socket so far
   while (true) {
     asio::error_code error;
     co_await socket.async_wait(tcp::socket::wait_read, asio::redirect_error(asio::use_awaitable, error));
@@ -144,7 +144,7 @@ asio::awaitable<std::optional<ProxyHeader>> readProxyHeader(tcp::socket& socket)
     }
     const size_t take = parsed ? parsed->bytes - taken : seen;
     socket.receive(asio::buffer(header.data() + taken, take), 0,
-                   error);  // cannot block, because these bytes were peeked
+                   error);  // the read cannot block, because the bytes were peeked before
     if (error) throw broken("the connection broke in the balancer's header: " + error.message());
     if (parsed) co_return parsed;
   }

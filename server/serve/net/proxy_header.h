@@ -17,17 +17,17 @@ constexpr size_t kMaxProxyHeaderBytes = 2048;
 /// the client's own bytes.
 struct ProxyHeader {
   size_t bytes = 0;                         ///< length of the header
-  std::optional<asio::ip::address> client;  ///< the client's address; not set for connections of the balancer
-                                            ///< itself, such as health checks
+  std::optional<asio::ip::address> client;  ///< the client's address; empty for the balancer's own
+                                            ///< connections, such as health checks
 };
 
 /// Parses the header at the start of a connection. Thread safe.
 /// @param bytes  all bytes received so far.
-/// @return nothing until the header is complete. A header has at most kMaxProxyHeaderBytes.
+/// @return the header, or nothing while the header is incomplete. A header has at most kMaxProxyHeaderBytes.
 /// @throws Error kProtocol or kLimit as soon as the bytes cannot be a header.
 std::optional<ProxyHeader> parseProxyHeader(std::span<const std::byte> bytes);
 
-/// Reads the balancer's header. Leaves the bytes of the client, which can be TLS, in the socket.
+/// Reads the balancer's header. Leaves the client's own bytes in the socket, for example a TLS handshake.
 /// @return nothing if the peer closed the connection before the first byte, as health checks do.
 /// @throws Error kNetwork if the header is malformed or the connection ends within it. A peer that sends no
 /// valid header gets no answer.

@@ -17,7 +17,7 @@ using asio::ip::tcp;
 bool drop(tcp::socket& socket) {
   std::array<std::byte, 4096> room;
   asio::error_code error;
-  for (int i = 0; i < 16; ++i) {  // a limit, so that a flood cannot keep the thread busy
+  for (int i = 0; i < 16; ++i) {  // the limit keeps a flood of bytes from occupying the thread
     socket.read_some(asio::buffer(room), error);
     if (error) break;
   }
@@ -27,8 +27,8 @@ bool drop(tcp::socket& socket) {
 void say(tcp::socket& socket, std::span<const std::byte> last_word) {
   asio::error_code ignored;
   socket.non_blocking(true, ignored);
-  socket.write_some(asio::buffer(last_word.data(), last_word.size()),
-                    ignored);  // the frame fits into the send buffer of a new socket
+  // The frame fits the send buffer of a new socket.
+  socket.write_some(asio::buffer(last_word.data(), last_word.size()), ignored);
   socket.shutdown(tcp::socket::shutdown_send, ignored);
 }
 
@@ -42,7 +42,7 @@ asio::awaitable<void> tell(std::shared_ptr<proto::ByteStream> stream, proto::Byt
     stream->shutdownSend();
     std::array<std::byte, 1024> dropped;
     while (is_there && !error) co_await stream->readSome(asio::buffer(dropped), error);
-  } catch (const std::exception&) {  // the client speaks no TLS, or memory ran out
+  } catch (const std::exception&) {  // the client does not speak TLS, or memory ran out
   }
   stream->close();
 }

@@ -13,14 +13,16 @@
 
 namespace lode::serve {
 
-/// Refused connections whose client has not read the reason yet. To close a socket with unread bytes would
-/// reset the connection, and the client would lose the reason. Each refused connection needs a descriptor and
-/// little memory. Not thread safe.
+/// Refused connections whose clients have not read the reason yet. The connections stay open for a while:
+/// closing a socket with unread bytes would reset the connection, and the client would lose the reason. Each
+/// refused connection needs a descriptor and little memory. Not thread safe.
 class Refusals {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr size_t kMost = 512;  ///< limit of connections at a time; another refusal closes the oldest
-  /// Limit of TLS handshakes at a time, because they need memory and CPU.
+  static constexpr size_t kMost = 512;  ///< largest number of connections at a time; a further refusal closes
+                                        ///< the oldest connection
+  /// Largest number of TLS handshakes at a time. The number is small because handshakes need memory and CPU
+  /// time.
   static constexpr size_t kMostHandshakes = 32;
   static constexpr Clock::duration kLinger = std::chrono::seconds(2);
 
@@ -32,13 +34,13 @@ class Refusals {
                       proto::Bytes last_word, Clock::time_point now);
   /// Sends the frame and closes the connection at once. Used if no descriptor can be spared.
   static void refuseAtOnce(asio::ip::tcp::socket socket, std::span<const std::byte> last_word);
-  /// Closes the connections whose client has closed or whose time is over.
+  /// Closes each connection that the client has closed or whose time is over.
   void sweep(Clock::time_point now);
   size_t size() const noexcept { return lingering_.size(); }
 
  private:
   struct Lingering {
-    /// Stream; under TLS a coroutine sends the frame and closes the stream.
+    /// Stream of a connection with TLS. A coroutine sends the frame and closes the stream.
     std::shared_ptr<proto::ByteStream> stream;
     Clock::time_point until;
   };

@@ -38,7 +38,8 @@ std::string_view reasonOf(int status) {
 
 using asio::ip::tcp;
 
-constexpr size_t kMaxClients = 16;  ///< limit of clients at a time; a further one closes the oldest
+/// Largest number of clients at a time; a further client ends the oldest connection.
+constexpr size_t kMaxClients = 16;
 constexpr auto kAnswerWithin = std::chrono::seconds(5);  ///< time from accept() to the last byte sent
 constexpr auto kPauseAfterRefusal = std::chrono::milliseconds(100);
 constexpr const char* kMetricsType = "text/plain; version=0.0.4; charset=utf-8";
@@ -81,7 +82,7 @@ struct HealthEndpoint::State : std::enable_shared_from_this<State> {
   std::string answer(const HealthRequest& request) const;
 
   tcp::acceptor acceptor;
-  std::deque<std::shared_ptr<tcp::socket>> clients;  ///< oldest first
+  std::deque<std::shared_ptr<tcp::socket>> clients;  ///< open connections, oldest first
   HealthAnswers answers;
 };
 
@@ -120,7 +121,7 @@ asio::awaitable<void> HealthEndpoint::State::serve(std::shared_ptr<tcp::socket> 
   try {
     co_await converse(*socket);
   } catch (const std::exception&) {
-    // The client is gone, too slow or does not speak HTTP, or memory ran out: close the connection.
+    // Close the connection. The client is gone, too slow or does not speak HTTP, or memory ran out.
   }
   deadline.cancel();
   std::erase(clients, socket);

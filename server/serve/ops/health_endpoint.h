@@ -17,7 +17,7 @@ constexpr size_t kMaxHealthRequestBytes = 8192;
 /// First line of an HTTP request from Prometheus, a balancer or curl. The other lines are ignored.
 struct HealthRequest {
   std::string path;        ///< path without the query after '?'
-  bool head_only = false;  ///< method is HEAD, so that the response has no body
+  bool head_only = false;  ///< true if the method is HEAD, so that the response has no body
   bool known_method = true;
 };
 
@@ -44,7 +44,7 @@ class HealthEndpoint {
   /// @param listen  ADDR:PORT; port 0 selects a free port.
   /// @throws Error kUsage, kIo.
   HealthEndpoint(asio::io_context& context, const std::string& listen, HealthAnswers answers);
-  ~HealthEndpoint();  ///< must run on the context's thread, or after the context has stopped
+  ~HealthEndpoint();  ///< call the destructor on the context's thread, or after the context has stopped
   HealthEndpoint(const HealthEndpoint&) = delete;
   HealthEndpoint& operator=(const HealthEndpoint&) = delete;
 

@@ -28,7 +28,8 @@ namespace lode::serve {
 
 namespace {
 
-constexpr size_t kMaxShownBytes = 1024;  ///< limit of bytes shown of the message and of each field
+/// Largest number of bytes that a line shows of the message and of each field.
+constexpr size_t kMaxShownBytes = 1024;
 
 std::string toIso(std::chrono::system_clock::time_point time) {
   const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count();
@@ -196,10 +197,10 @@ struct Log::State {
         logger(std::make_shared<spdlog::async_logger>(
             "lodestreamd", std::make_shared<DescriptorSink>(options.descriptor, options.json, dropped), pool,
             spdlog::async_overflow_policy::overrun_oldest)) {
-    // The default handler writes to stderr and can block.
+    // Replace the default handler, which writes to stderr and can block.
     logger->set_error_handler([](const std::string&) {});
   }
-  ~State() { pool.reset(); }  // joins the thread that uses the sink and the counter
+  ~State() { pool.reset(); }  // joins the thread first, because the thread uses the sink and the counter
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 

@@ -86,23 +86,25 @@ class LogSink {
   bool ready() const noexcept;
 
   int descriptor_;
-  int own_ = -1;  ///< the same pipe, opened again, so that O_NONBLOCK affects only this process
+  /// Second descriptor of the pipe, opened again so that O_NONBLOCK affects only this process.
+  int own_ = -1;
   bool is_socket_ = false;
 };
 
-/// Returns an exception's message for operators. Returns an own text for std::bad_alloc, because its what()
-/// is no sentence. The text is valid as long as the exception.
+/// Returns an exception's message for operators. Replaces the message of std::bad_alloc, which is no
+/// sentence, by another text. The returned text is valid as long as the exception.
 std::string_view reasonOf(const std::exception& error) noexcept;
 
 struct LogOptions {
   bool json = false;
-  int descriptor = 2;         ///< descriptor to write to, which the caller owns; default: stderr
-  size_t queue_lines = 1024;  ///< lines that wait for the descriptor; a full queue drops its oldest line
+  int descriptor = 2;         ///< descriptor to which the log writes; the caller owns it; stderr by default
+  size_t queue_lines = 1024;  ///< largest number of lines that wait for the descriptor; a full queue drops
+                              ///< its oldest line
   std::function<std::chrono::steady_clock::time_point()> clock = std::chrono::steady_clock::now;
 };
 
-/// The server's log. write() never blocks and never fails. It adds the line to a bounded queue (spdlog's),
-/// and a thread writes the lines without blocking and counts dropped lines. LogLimit limits each kind of
+/// The server's log. write() never blocks and never fails. It adds the line to a bounded queue of spdlog. A
+/// thread writes the queued lines without blocking, and counts dropped lines. LogLimit limits each kind of
 /// line; a separate line reports the number of lines left out. Thread safe.
 class Log {
  public:

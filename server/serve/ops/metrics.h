@@ -30,7 +30,7 @@ class Counter {
 constexpr std::array kLatencyBoundsSeconds{0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02,
                                            0.05,   0.1,    0.2,    0.5,   1.0,   2.0,   5.0,  10.0};
 
-/// A histogram of durations. One thread adds, any thread reads.
+/// A histogram of durations. One thread adds durations; any thread can read the histogram.
 class LatencyCounter {
  public:
   static constexpr size_t kBuckets = kLatencyBoundsSeconds.size() + 1;
@@ -50,8 +50,8 @@ class LatencyCounter {
   Counter sum_ns_;
 };
 
-/// Reason of a refused connection. The first four reasons apply at accept(), the others after accept().
-/// Behind a balancer, kAddress also applies after accept().
+/// Reason for refusing a connection. The first four reasons apply at accept(), the others later. Behind a
+/// balancer, kAddress also applies later.
 enum class RefusalReason : uint8_t {
   kConnections,  ///< --max-connections is reached
   kAddress,      ///< --max-connections-per-address is reached
@@ -66,7 +66,7 @@ std::string_view refusalName(RefusalReason reason) noexcept;
 
 /// Reason why an accepted connection ended.
 enum class EndReason : uint8_t {
-  kClient,       ///< the client closed it
+  kClient,       ///< the client closed the connection
   kBroken,       ///< the connection was reset, or closed within a frame
   kProxyHeader,  ///< the balancer's header was missing or malformed
   kTls,          ///< the handshake failed

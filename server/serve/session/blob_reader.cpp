@@ -20,7 +20,8 @@ namespace lode::serve {
 
 namespace {
 
-/// Limit of the size of cached blobs that the serving thread verifies. To verify one takes about 50 µs.
+/// Largest size of a blob that the serving thread itself verifies, if the blob is in the page cache.
+/// Verifying such a blob takes about 50 µs.
 constexpr uint32_t kMaxCheckedHotBytes = 256u << 10;
 
 // A note on a blob contains the blob's Trust (2 bits), the generation of the file for which the note is valid
@@ -42,7 +43,8 @@ struct stat statusOf(int descriptor) {
   return status;
 }
 
-/// Returns the flags of preadv2. File systems in memory reject RWF_NOWAIT, but never wait.
+/// Returns the flags for preadv2() that avoid waiting for the disk. File systems in memory reject RWF_NOWAIT,
+/// but reads from them never wait.
 int flagsForHot(int descriptor) noexcept {
   struct statfs system {};
   const bool in_memory =
@@ -118,7 +120,7 @@ void BlobReader::checkFile() const noexcept {
   try {
     options_.report("the store of model '" + reader_.summary().name +
                     "' changed in place; its blobs are verified again. Rename new stores into place instead");
-  } catch (const std::exception&) {  // a failing report must not stop serving
+  } catch (const std::exception&) {  // ignore a failed report, because serving must go on
   }
 }
 
@@ -174,7 +176,7 @@ ReadResult BlobReader::readCold(const BlobRange& range, std::span<std::byte> int
   }
   const store::BlobEntry& entry = reader_.blob(range.blob);
   const uint32_t end = range.offset_bytes + range.bytes;
-  if (end < entry.bytes)  // prefetch the rest of the blob, which is read next
+  if (end < entry.bytes)  // ask the system to load the rest of the blob, which is read next
     posix_fadvise(reader_.fileDescriptor(), static_cast<off_t>(entry.offset + end), entry.bytes - end,
                   POSIX_FADV_WILLNEED);
   uint32_t done = 0;
@@ -207,7 +209,7 @@ void BlobReader::report(const BlobRange& range, std::string_view why) const noex
   try {
     options_.report("blob " + std::to_string(range.blob) + " of model '" + reader_.summary().name +
                     "': " + std::string(why));
-  } catch (const std::exception&) {  // a failing report must not stop serving
+  } catch (const std::exception&) {  // ignore a failed report, because serving must go on
   }
 }
 

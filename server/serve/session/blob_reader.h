@@ -19,7 +19,7 @@ namespace lode::serve {
 /// Result of a read.
 enum class ReadResult {
   kDone,
-  kCold,     ///< the blob is not in the page cache, or too large for a quick check; use readCold()
+  kCold,     ///< the blob is not in the page cache, or is too large to verify quickly; call readCold()
   kDamaged,  ///< the blob's checksum does not match, or the file was truncated
   kFailed,   ///< the operating system reported an error, or memory ran out
 };
@@ -35,8 +35,8 @@ struct BlobReaderOptions {
   std::chrono::nanoseconds check_file_every = std::chrono::milliseconds(20);
   /// Time after which a damaged blob is verified again, because the store may have been repaired.
   std::chrono::seconds retry_damaged{10};
-  /// Receives a line for the operator when a blob is found damaged or when the file has changed in place. Any
-  /// thread can call the function.
+  /// A function that receives a line for the operator when a blob is damaged or the file has changed in
+  /// place. Any thread can call the function.
   std::function<void(std::string_view)> report = [](std::string_view) {};
 };
 
@@ -46,13 +46,15 @@ class BlobReader {
  public:
   BlobReader(store::Reader reader, BlobReaderOptions options);
 
-  /// Reads without waiting for the disk. @param into  buffer of at least range.bytes.
+  /// Reads a range of a blob without waiting for the disk. @param into buffer of at least range.bytes.
   ReadResult readHot(const BlobRange& range, std::span<std::byte> into) const noexcept;
-  /// Reads and waits for the disk if necessary. Reads the whole blob if the blob is not verified yet.
+  /// Reads a range of a blob, and waits for the disk if necessary. If the blob is not verified yet, reads the
+  /// whole blob.
   ReadResult readCold(const BlobRange& range, std::span<std::byte> into) const noexcept;
 
   const store::Reader& store() const noexcept { return reader_; }
-  /// Returns true if `file` is the status of the open file and the file has not changed since it was opened.
+  /// Returns true if `file` is the status of this reader's file and the file has not changed since the reader
+  /// opened it.
   bool isStill(const struct stat& file) const noexcept;
   /// Returns the number of reads of damaged blobs.
   uint64_t damagedReads() const noexcept { return damaged_reads_.load(std::memory_order_relaxed); }

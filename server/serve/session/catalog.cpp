@@ -22,8 +22,8 @@ bool areTheSame(const fs::path& a, const fs::path& b) {
   return a == b || fs::equivalent(a, b, ignored);
 }
 
-/// Returns the store files: each folder is replaced by the stores in it.
-/// @param allow_empty  accept folders without a store.
+/// Returns the store files. Replaces each folder by the stores in the folder.
+/// @param allow_empty  true accepts folders without a store.
 std::vector<fs::path> storeFiles(std::span<const fs::path> stores, bool allow_empty) {
   std::vector<fs::path> files;
   for (const fs::path& path : stores) {
@@ -131,7 +131,8 @@ std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before, std::span<co
     if (!model || !isUnchanged(*model, file)) try {
         model = openModel(file, options);
       } catch (const Error& error) {
-        if (!model && std::ranges::find(stores, file) != stores.end()) throw;  // for example a missing folder
+        // Fail if the options name this path, for example a missing folder.
+        if (!model && std::ranges::find(stores, file) != stores.end()) throw;
         options.report("the store of model '" + file.stem().string() + "' cannot be opened" +
                        (model ? "; its previous build stays" : "; the model is not served") + ": " +
                        withoutFolder(error.what(), file));

@@ -18,12 +18,13 @@ namespace lode::serve {
 class BlobReader;
 struct ModelCounters;
 
-/// A served model: summary, sizes of the blobs, and the reader of the blobs. Immutable except for the notes
-/// of the reader. A replaced model exists until the last connection closes it.
+/// A served model: its summary, the sizes of its blobs, and their reader. Immutable except for the reader's
+/// notes. A replaced model exists until the last connection closes the model.
 struct Model {
   ModelSummary summary;
   std::vector<uint32_t> blob_bytes;  ///< size of each blob, by number; 0 if there is no blob with this number
-  uint32_t coarsest_blob = 0;        ///< payload of the root's coarsest LOD; 0 without triangles
+  /// Number of the root's coarsest payload; 0 if the model has no triangles.
+  uint32_t coarsest_blob = 0;
   std::shared_ptr<const BlobReader> blobs;  ///< null in tests of sessions, which read no blobs
 
   uint32_t blobBytes(uint32_t number) const noexcept {
@@ -35,7 +36,7 @@ struct Model {
 struct OpenedModel {
   std::shared_ptr<const Model> model;
   Digest announced;                   ///< latest build that Opened or ModelReplaced announced to the client
-  ModelCounters* counters = nullptr;  ///< null: count nothing
+  ModelCounters* counters = nullptr;  ///< counters of the model; null counts nothing
 };
 
 /// The models that a server serves, by name. Immutable; a reload replaces the whole catalog, and connections
@@ -64,8 +65,8 @@ std::shared_ptr<const Catalog> openCatalog(std::span<const std::filesystem::path
 /// Opens the stores again for a reload. Unchanged stores stay open. If a store cannot be opened, reports the
 /// error and keeps the model with the same name in `before`, if any. Folders can be empty.
 /// @param refused  counter that is incremented per store that cannot be opened; can be null.
-/// @throws Error as openCatalog() does, and also if a path in `stores` is missing and belongs to no model in
-/// `before`. An example is a missing folder.
+/// @throws the errors of openCatalog(), and Error kIo if a path in `stores` is missing and belongs to no
+/// model in `before`, such as a folder.
 std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before,
                                              std::span<const std::filesystem::path> stores,
                                              const BlobReaderOptions& options, size_t* refused = nullptr);
@@ -73,7 +74,7 @@ std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before,
 /// The models and the tokens of a server. A reload replaces models and tokens in a single step.
 struct ServedSet {
   std::shared_ptr<const Catalog> catalog;
-  std::shared_ptr<const TokenFile> tokens;  ///< null: clients need no token
+  std::shared_ptr<const TokenFile> tokens;  ///< tokens of the clients; null: clients need no token
 };
 
 }  // namespace lode::serve

@@ -14,7 +14,7 @@ struct OpenedModel;
 /// Memory charged for an open request.
 constexpr uint64_t kRequestBytes = 128;
 
-/// Position in the queue: by class, then by descending priority, then by request id.
+/// Position of a request in the queue. Requests are sorted by class, then by descending priority, then by id.
 struct Rank {
   proto::RequestClass request_class = proto::RequestClass::kVisible;
   float priority_px = 0;
@@ -29,10 +29,10 @@ struct OpenRequest {
   uint32_t blob = 0;
   uint32_t sent_bytes = 0;
   uint32_t call = 0;
-  bool parked = false;  ///< the request waits for the disk, so that first() skips the request
+  bool parked = false;  ///< the request waits for the disk; first() skips parked requests
   uint64_t serial = 0;  ///< number that distinguishes requests with the same id
   std::chrono::steady_clock::time_point asked;
-  /// Session's backpressure time when the request arrived.
+  /// Total time under backpressure, up to the arrival of the request.
   std::chrono::steady_clock::duration held_before{};
 };
 
@@ -52,7 +52,8 @@ class RequestQueue {
   void end(OpenRequest& request);
   void clear();
 
-  /// Ends the requests of a handle. @param ended  called with each request in the order of their ids.
+  /// Ends all requests of a handle. @param ended function that is called with each request, in the order of
+  /// the ids.
   template <typename Ended>
   void endAll(uint32_t handle, Ended ended) {
     std::set<uint32_t> numbers;
@@ -66,7 +67,8 @@ class RequestQueue {
 
  private:
   std::unordered_map<uint32_t, OpenRequest> requests_;  ///< open requests by id
-  std::set<Rank> queue_;                                ///< requests that are not parked
+  /// Ranks of the requests that do not wait for the disk.
+  std::set<Rank> queue_;
 };
 
 }  // namespace lode::serve

@@ -11,10 +11,11 @@ using proto::WireError;
 
 namespace {
 
-/// Limit of queued answers up to which the session refuses requests one by one if memory is used up.
+/// If the memory is used up, the session refuses requests one by one, as long as its queued answers take at
+/// most this many bytes.
 constexpr size_t kRefusedAnswerBytes = 4u << 10;
 
-/// Exception of handlers. The session answers it with an Error that closes the connection.
+/// Exception that a handler of a frame throws. The session answers with an Error that closes the connection.
 struct Refusal {
   WireError code;
   std::string why;
@@ -33,7 +34,7 @@ Session::~Session() {
   host_.memory->give(requests_.size() * kRequestBytes + opened_.size() * kOpenModelBytes + control_.size());
 }
 
-/// Queues a small frame that must be sent even if the budget is used up.
+/// Queues a small frame, even if the budget is used up.
 template <typename Message>
 void Session::queueUnchecked(const Message& message, uint32_t call) {
   const proto::Bytes frame = proto::encode(message, call);
@@ -215,7 +216,7 @@ void Session::open(const proto::Open& message, uint32_t call) {
       opened_.emplace(handle, OpenedModel{std::move(model), build, counters}).first->second;
   queue(proto::Opened{handle, offered.summary}, call);
   if (build != Digest() && build == message.known_build_id)
-    return;  // the client already has the first blobs or requests them
+    return;  // the client has the first blobs, or requests them itself
   for (const uint32_t blob : {offered.summary.root_page.number, offered.coarsest_blob})
     if (blob != 0)
       unasked_.push_back({handle, &opened, blob, 0, call, ++last_serial_, now_, held_.total(now_), false});

@@ -29,23 +29,23 @@ struct SessionLimits {
   uint32_t max_open_models = proto::kMaxOpenModels;
 };
 
-/// Objects of the session's owner, which must outlive the session.
+/// Objects that the session uses. Their owner must keep them longer than the session.
 struct SessionHost {
-  const ServedSet* served = nullptr;   ///< models and tokens; after replacing them the owner calls
-                                       ///< servedSetChanged()
+  /// Models and tokens; the owner calls servedSetChanged() after replacing them.
+  const ServedSet* served = nullptr;
   MemoryAccount* memory = nullptr;     ///< account for open requests, open models and queued answers
-  ThreadCounters* counters = nullptr;  ///< null: count nothing
+  ThreadCounters* counters = nullptr;  ///< counters of the thread; null counts nothing
 };
 
 /// Memory charged for an open model and the two blobs that follow Opened.
 constexpr uint64_t kOpenModelBytes = 256;
 
-/// Least size of a chunk, unless the rest of the blob is shorter. A chunk is sent only if the window has room
-/// for this size. This avoids tiny chunks if the window opens in small steps (silly window syndrome, RFC
-/// 1122, 4.2.3.4).
+/// Least size of a chunk, unless the rest of the blob is shorter. The session sends a chunk only if the
+/// window has room for this size. Otherwise a window that opens in small steps would cause tiny chunks (silly
+/// window syndrome, RFC 1122, 4.2.3.4).
 constexpr uint32_t kMinChunkBytes = 4096;
 
-/// Sums the time under backpressure.
+/// Measures the total time under backpressure.
 class BackpressureClock {
  public:
   void start(Clock::time_point now) noexcept {
@@ -70,7 +70,7 @@ struct Chunk {
   uint32_t blob = 0;
   uint32_t bytes = 0;
   uint32_t call = 0;
-  uint64_t serial = 0;  ///< serial of the request
+  uint64_t serial = 0;  ///< OpenRequest::serial of the chunk's request
   proto::RequestClass request_class = proto::RequestClass::kVisible;
   Clock::time_point asked;
   Clock::duration held_before{};  ///< backpressure time when the request arrived
@@ -82,11 +82,11 @@ struct Chunk {
 
 /// Protocol state of one connection on the server, without sockets, files or clocks. The session receives
 /// frames and produces the control frames and chunks to send. It owns the request queue and the byte window.
-/// All memory is charged and bounded. SessionLimits bounds open requests and models. If the caller reads no
-/// frame while controlBytes() is above its limit, the control frames exceed that limit at most by the answers
-/// to one frame. Not thread safe.
+/// All memory is charged and bounded. SessionLimits bounds open requests and models. The caller bounds the
+/// queued control frames: if it reads no frame while controlBytes() is above a limit, the queue exceeds this
+/// limit by at most the answers to one frame. Not thread safe.
 ///
-/// The caller sends control frames before any chunk that began after they were queued.
+/// The caller sends queued control frames before it begins another chunk.
 class Session {
  public:
   Session(SessionHost host, SessionLimits limits, Clock::time_point now);
@@ -98,11 +98,11 @@ class Session {
   void receive(const proto::FrameHeader& header, std::span<const std::byte> body, Clock::time_point now);
   /// Queues an Error that closes the connection, for input that is not a frame.
   void refuse(proto::WireError code, const std::string& why, uint32_t call = 0);
-  /// Queues GoAway and a Ping, or before Hello only GoAway. The session is finished when no request is open
-  /// and the Pong has arrived or stopWaitingForPong() has returned true. Requests that the client sent before
-  /// the Pong are therefore still served.
+  /// Queues GoAway and a Ping; before Hello, queues only GoAway. The session is finished when no request is
+  /// open and the Pong has arrived, or stopWaitingForPong() has returned true instead of the Pong. Requests
+  /// that the client sent before the Pong are still served.
   void drain(const std::string& reason, Clock::time_point now);
-  /// Stops waiting for the Pong after kHearDeadline. @return true if it stopped waiting now.
+  /// Stops waiting for the Pong if kHearDeadline has passed. @return true if this call stopped the wait.
   bool stopWaitingForPong(Clock::time_point now) noexcept;
   /// Handles a new served set. Queues ModelReplaced for handles whose model has a new build, and ends the
   /// session if its token is no longer valid.
@@ -116,7 +116,7 @@ class Session {
   size_t controlBytes() const noexcept { return control_.size(); }
 
   /// Begins the next chunk of the most urgent request, if the window has room and no control frame is queued.
-  /// No other chunk can begin until finishChunk(), abandonChunk(), parkChunk() or failChunk() ends this
+  /// End the chunk by finishChunk(), abandonChunk(), parkChunk() or failChunk() before you begin another
   /// chunk.
   /// @param max_bytes  maximum size of the chunk.
   std::optional<Chunk> beginChunk(uint32_t max_bytes = proto::kMaxChunkBytes);
@@ -143,8 +143,8 @@ class Session {
   bool wantsToSend() const noexcept { return !requests_.empty() || !unasked_.empty(); }
   /// Returns true if a chunk is ready and waits only for room in the client's window.
   bool waitsForWindow();
-  /// Tells the session when backpressure starts and ends. Under backpressure the client cannot receive a
-  /// chunk because its window has no room or its link is full.
+  /// Notes the start of backpressure; onWritable() notes the end. Under backpressure the client cannot
+  /// receive a chunk, because its window has no room or its link is full.
   void onBackpressure(Clock::time_point now) noexcept { held_.start(now); }
   void onWritable(Clock::time_point now) noexcept { held_.stop(now); }
   /// Returns the time under backpressure since the chunk's request arrived.
@@ -169,7 +169,7 @@ class Session {
     bool parked = false;
   };
   struct UnderWay {
-    uint32_t request;  ///< id of the request; 0: the first unasked blob
+    uint32_t request;  ///< id of the request; 0 for the first unasked blob
     uint32_t bytes;
     bool last;
   };
@@ -200,8 +200,8 @@ class Session {
   bool greeted_ = false, closing_ = false, draining_ = false, unauthorized_ = false;
   std::optional<Clock::time_point> pong_deadline_;  ///< set while the session waits for the Pong after GoAway
   std::string token_, refusal_;
-  std::shared_ptr<const TokenFile> tokens_;  ///< owns grant_
-  const TokenGrant* grant_ = nullptr;        ///< null: all models are allowed
+  std::shared_ptr<const TokenFile> tokens_;  ///< tokens at the time of Hello; own grant_
+  const TokenGrant* grant_ = nullptr;        ///< rights of the client's token; null allows all models
   proto::Bytes control_;
   std::map<uint32_t, OpenedModel> opened_;  ///< open models by handle
   uint32_t last_handle_ = 0;

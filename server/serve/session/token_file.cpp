@@ -33,7 +33,7 @@ constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 Digest hashOf(std::string_view token) { return digestOf(std::as_bytes(std::span(token))); }
 
-/// Parses a time like 2027-01-31T12:00:00Z. Returns nothing if the text has another form.
+/// Parses a time such as 2027-01-31T12:00:00Z. Returns nothing for other text.
 std::optional<std::chrono::sys_seconds> parseTime(std::string_view text) {
   constexpr std::string_view kForm = "dddd-dd-ddTdd:dd:ddZ";
   if (text.size() != kForm.size()) return {};
@@ -51,7 +51,7 @@ std::optional<std::chrono::sys_seconds> parseTime(std::string_view text) {
   return sys_days(date) + hours(number(11, 2)) + minutes(number(14, 2)) + seconds(number(17, 2));
 }
 
-/// Returns the words of a line before a word that begins with #. Words in double quotes can contain spaces
+/// Splits a line into words. Stops at a word that begins with #. A word in double quotes can contain spaces
 /// and escaped quotes.
 std::vector<std::string> wordsOf(const std::string& line, size_t number) {
   std::istringstream in(line);

@@ -20,7 +20,7 @@ struct TokenGrant {
   bool all_models = false;
   std::vector<std::string> models;  ///< sorted names of the models that a client with the token can list and
                                     ///< open; unused with all_models
-  /// End of validity, in seconds because nanoseconds overflow before the year 9999.
+  /// Time at which the token expires. Seconds reach the year 9999; nanoseconds would overflow before.
   std::optional<std::chrono::sys_seconds> expires;
 
   bool allows(std::string_view model) const noexcept;
@@ -38,13 +38,14 @@ struct TokenGrant {
 /// memory. Thread safe.
 class TokenFile {
  public:
-  /// Parses the text of a token file. @throws Error kUsage (the message names the line, but never the token),
-  /// kLimit.
+  /// Parses the text of a token file. @throws Error kLimit; Error kUsage, whose message names the line but
+  /// never the token.
   static TokenFile parse(std::string_view text);
   /// Reads a token file. @throws Error as parse() does, and kIo.
   static TokenFile read(const std::filesystem::path& path);
 
-  /// Finds the rights of a token. Always compares all tokens, so that the time does not depend on the token.
+  /// Finds the rights of a token. Always compares all tokens, so that the duration tells nothing about the
+  /// tokens.
   /// @return the rights, valid as long as this object, or null if the token is unknown or has expired.
   const TokenGrant* find(std::string_view token, std::chrono::system_clock::time_point now) const;
 
