@@ -36,7 +36,7 @@ class GyroidGrid {
   /// Returns the triangles of cell x + 3 y + 9 z, counter-clockwise seen from outside the solid.
   std::vector<Triangle> triangles(int cell) const;
 
-  /// Returns whether the surface crosses an edge of a cell.
+  /// Returns true if the surface crosses an edge of a cell.
   bool crosses(int cell, uint32_t edge) const;
   /// Returns both ends of a cell's edge, in steps from the block's corner.
   std::pair<glm::ivec3, glm::ivec3> ends(int cell, uint32_t edge) const;

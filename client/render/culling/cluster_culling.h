@@ -24,7 +24,7 @@ struct SeenCluster {
   uint32_t firstTriangle() const noexcept { return number * kClusterTriangles; }
   uint32_t triangles() const noexcept;
   const LatticeBox& box() const noexcept { return part.item->clusters->boxes[number]; }
-  /// Returns whether other geometry hid the cluster in the last frame of this instance.
+  /// Returns true if other geometry hid the cluster in the last frame of this instance.
   std::vector<bool>::reference hidden(size_t instance) const;
 };
 

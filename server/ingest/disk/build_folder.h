@@ -9,9 +9,9 @@
 namespace lode::ingest {
 
 /// Folder `.OUT.lode.building` beside the output. The folder contains a lock, the journal and the incomplete
-/// store, from which a later build can resume. It also contains the temporary files, unless the caller
-/// specifies another parent for them; they are then in a folder of that parent, named after the output. The
-/// destructor removes all files, journal and lock last, unless keep(true) was called.
+/// store, from which a later build can resume. It also contains the temporary files. If the caller names
+/// another parent for temporary files, they are in a folder of that parent instead, which is named after the
+/// output. Unless keep(true) was called, the destructor removes all files; journal and lock go last.
 class BuildFolder {
  public:
   /// Creates and locks the folder; keep() is true at first. @throws Error kIo if the folder cannot be created
@@ -29,7 +29,7 @@ class BuildFolder {
   void clear(const std::filesystem::path& temporary_parent);
   /// Opens the folder of temporary files. Creates the folder if it is missing.
   TemporaryFolder openFiles();
-  /// Removes all temporary files except those with the given names.
+  /// Removes all temporary files except the files with the given names.
   void removeFilesBut(std::span<const std::string_view> names) const;
   /// Syncs the entries of all folders to disk. @throws Error kIo.
   void syncFolders() const;

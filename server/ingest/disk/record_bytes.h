@@ -13,7 +13,7 @@
 
 namespace lode::ingest {
 
-/// Serializes values in native byte order, for files that only the same build or its resumption reads.
+/// Serializes values in native byte order. Only the same build, or a build that resumes it, reads the bytes.
 class RecordWriter {
  public:
   template <typename T>

@@ -11,7 +11,8 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kPieceRecords = 1 << 18;  ///< records sorted or written per progress report
+/// Number of records that are sorted or written between two progress reports.
+constexpr size_t kPieceRecords = 1 << 18;
 
 }  // namespace
 
@@ -165,7 +166,8 @@ std::optional<RecordSorter::Record> RecordSorter::nextOfMemory() {
 
 std::optional<RecordSorter::Record> RecordSorter::nextOfRuns() {
   const auto order = [this](uint32_t a, uint32_t b) { return later(a, b); };
-  // The run of the previous record is still on top, which kept that record valid until now.
+  // The run of the last returned record is still on top of the heap, so that the record stays valid until
+  // this call.
   if (top_given_) {
     std::pop_heap(heap_.begin(), heap_.end(), order);
     if (runs_[heap_.back()]->advance(record_bytes_)) {

@@ -45,7 +45,8 @@ class RecordSorter {
   void restore(RecordReader& record);
 
   /// Ends the input; next() then returns the records in order.
-  /// @param progress  receives the progress of sorting and writing the records in memory.
+  /// @param progress  function that receives the progress of sorting and of writing the records that are in
+  /// memory.
   void finish(const Progress& progress = {});
 
   struct Record {

@@ -9,22 +9,22 @@
 
 namespace lode::ingest {
 
-/// Path and lifetime of a temporary file.
+/// Path of a temporary file, and whether the file outlives its Spool.
 struct TemporaryFile {
   std::filesystem::path path;
-  bool lasts = false;  ///< whether the file outlives its Spool, so that a build can resume from the file
+  /// True if the file outlives its Spool, so that a later build can resume from the file.
+  bool lasts = false;
 };
 
-/// A temporary file to which bytes are appended and from which they are then read at any offset. The
-/// destructor removes the file unless TemporaryFile::lasts is set. Only one thread at a time can append or
-/// flush; readAt() is thread safe after flush(). All functions throw Error kIo, whose message names a full
-/// disk.
+/// A temporary file. Append bytes first, then read them at any offset. The destructor removes the file unless
+/// TemporaryFile::lasts is set. Only one thread at a time can append or flush; readAt() is thread safe after
+/// flush(). All functions throw Error kIo, whose message names a full disk.
 class Spool {
  public:
   /// Creates an empty file. Replaces an existing file.
   explicit Spool(TemporaryFile file);
-  /// Opens a file of an earlier build and truncates it to `size`; new bytes follow after these. @throws Error
-  /// kFormat if the file is shorter.
+  /// Opens a file of an earlier build and truncates the file to `size` bytes. New bytes are appended there.
+  /// @throws Error kFormat if the file is shorter.
   Spool(TemporaryFile file, uint64_t size);
   ~Spool();
   Spool(Spool&& other) noexcept;
@@ -41,7 +41,7 @@ class Spool {
 
   /// Returns the number of bytes appended so far.
   uint64_t size() const noexcept { return size_; }
-  /// Reads bytes from `offset` on, which must be flushed.
+  /// Reads bytes from `offset` on. The bytes must be flushed.
   void readAt(uint64_t offset, std::span<std::byte> bytes) const;
 
  private:
@@ -51,7 +51,7 @@ class Spool {
   bool lasts_ = false;
   int file_ = -1;
   uint64_t size_ = 0;
-  uint64_t written_ = 0;  ///< bytes in the file; the others are in the buffer
+  uint64_t written_ = 0;  ///< number of bytes in the file; the other bytes are in the buffer
   std::vector<std::byte> buffer_;
 };
 

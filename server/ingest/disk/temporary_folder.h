@@ -13,8 +13,8 @@ struct FolderUse {
   const char *what, *remedy;
 };
 
-/// Creates a folder that only this user can write to, or accepts an existing folder. Rejects links and
-/// folders of other users, because they could redirect the files. @throws Error kIo.
+/// Creates a folder to which only this user can write, or accepts an existing folder of this kind. Rejects
+/// links and folders of other users, because their owners could redirect the files. @throws Error kIo.
 void makeOwnFolder(const std::filesystem::path& path, const FolderUse& use);
 
 /// A folder for temporary files.
@@ -24,7 +24,7 @@ class TemporaryFolder {
   /// signal ends the process. @throws Error kIo.
   explicit TemporaryFolder(const std::filesystem::path& parent);
 
-  /// Creates or opens a folder at `path` that outlives this object, as do its lasting files. @throws Error
+  /// Creates or opens a folder at `path`. The folder and its lasting files outlive this object. @throws Error
   /// kIo, also if other users can write to the folder.
   static TemporaryFolder lasting(std::filesystem::path path);
 

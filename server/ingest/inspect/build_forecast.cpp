@@ -51,7 +51,7 @@ void writeStandIn(const ForecastInput& input, const std::filesystem::path& outpu
   writeSample(sample, output);
 }
 
-/// Returns whether the part's faces share about as many vertices as the whole model's faces.
+/// Returns true if the part's faces share about as many vertices as the whole model's faces.
 bool isCoherent(const TrialModel& part, const ForecastInput& input) {
   return static_cast<double>(part.vertices) * static_cast<double>(input.faces) <=
          kMostVerticesOfPart * static_cast<double>(input.vertices) * static_cast<double>(part.faces);

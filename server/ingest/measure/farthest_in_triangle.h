@@ -90,7 +90,7 @@ class FarthestInTriangle {
     std::array<float, 3> of_point, of_corners;
   };
 
-  /// Returns whether all corners are close to one corner's triangle. Computes the distances from one corner's
+  /// Returns true if all corners are close to one corner's triangle. Computes the distances from one corner's
   /// triangle after another, until one is close enough.
   bool isBoundedByOneTriangle(Part& part) const {
     const auto& [a, b, c] = part.corners;
@@ -173,7 +173,7 @@ class FarthestInTriangle {
     return high + kFromCorners * longest <= limit();
   }
 
-  /// Returns whether all corners are close to the triangle at corner `by`.
+  /// Returns true if all corners are close to the triangle at corner `by`.
   bool isNear(const Part& part, size_t by) const {
     return std::max({part.from[0][by], part.from[1][by], part.from[2][by]}) <= limit();
   }
@@ -183,7 +183,7 @@ class FarthestInTriangle {
            (part.cuts > 0 && (isBoundedBySize(part.corners) || isBoundedByChains(part.corners)));
   }
 
-  /// Returns whether a chain of the surface's triangles is close to the whole part. The chain leads from one
+  /// Returns true if a chain of the surface's triangles is close to the whole part. The chain leads from one
   /// corner's triangle to another's, past the third corner, and each edge of the chain is close to the two
   /// sides of the part that the edge crosses. Distance from a triangle is convex, so the points between two
   /// neighbouring edges are close too. No single chain covers a part that lies above a vertex of the surface.

@@ -242,7 +242,7 @@ class EdgeMeasurement {
     process(middle, to, cuts + 1);
   }
 
-  /// Returns whether all points between two points are close to the input. Either both ends are close to one
+  /// Returns true if all points between two points are close to the input. Either both ends are close to one
   /// triangle (the distance from a triangle is convex), or a chain of triangles connects the ends' triangles
   /// and each edge of the chain is close to the segment.
   bool isNear(const MeasuredPoint& from, const MeasuredPoint& to) const {

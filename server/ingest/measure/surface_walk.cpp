@@ -222,7 +222,7 @@ TriangleTree::Nearest SurfaceWalk::nearestOfAll(glm::vec3 point, TriangleTree::N
   return {best.squared, distance, best.triangle};
 }
 
-/// Returns whether the nearest point of a triangle is inside the triangle, so that its neighbours are farther
+/// Returns true if the nearest point of a triangle is inside the triangle, so that its neighbours are farther
 /// away.
 bool SurfaceWalk::isAbove(glm::vec3 point, uint32_t triangle) const noexcept {
   const std::array<Four, 3> corners = cornersOf(triangles_[triangle]);

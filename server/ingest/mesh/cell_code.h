@@ -11,7 +11,7 @@
 
 namespace lode::ingest {
 
-/// Spreads 21 bits, inserting two zeros after each bit.
+/// Spreads 21 bits: inserts two zeros after each bit.
 constexpr uint64_t spreadBits(uint64_t x) noexcept {
   x = (x | x << 32) & 0x001f00000000ffffULL;
   x = (x | x << 16) & 0x001f0000ff0000ffULL;
@@ -20,9 +20,9 @@ constexpr uint64_t spreadBits(uint64_t x) noexcept {
   return (x | x << 2) & 0x1249249249249249ULL;
 }
 
-/// Octree cells of triangles. The root cell is a cube with one corner at lattice point 0 and the model's
-/// longest extent as side, so the first split divides the model whatever the lattice step is. A triangle's
-/// code is the Morton code of the depth-20 cell that contains the triangle's centroid, computed in integers.
+/// Assigns triangles to octree cells. The root cell is a cube at lattice point 0 whose side is the model's
+/// longest extent, so that the first split divides the model for any lattice step. A triangle's code is the
+/// Morton code of the depth-20 cell that contains the triangle's centroid, computed in integers.
 class CellGrid {
  public:
   explicit CellGrid(glm::uvec3 extent) noexcept

@@ -19,7 +19,7 @@ class PackedTriangle {
         ab_{sides.ab.x, sides.ab.y, sides.ab.z, sides.ab_ac},
         ac_{sides.ac.x, sides.ac.y, sides.ac.z, sides.ac_ac} {}
 
-  /// See squaredDistanceToTriangle().
+  /// Returns the result of squaredDistanceToTriangle() for this triangle.
   float squaredDistance(glm::vec3 point) const noexcept {
     return squaredDistanceToTriangle(
         point - glm::vec3(a_[0], a_[1], a_[2]),
@@ -33,7 +33,7 @@ class PackedTriangle {
  private:
   friend class FourTriangles;
 
-  Four a_, ab_{}, ac_{};  ///< the last components hold the sides' dot products
+  Four a_, ab_{}, ac_{};  ///< the unused last components store the dot products of the sides
 };
 
 /// Four triangles for measuring distances with SIMD.

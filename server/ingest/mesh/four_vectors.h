@@ -12,7 +12,7 @@ using Four = float __attribute__((vector_size(16)));
 using FourTruths = int32_t __attribute__((vector_size(16)));
 
 inline Four fourOf(float value) noexcept { return Four{value, value, value, value}; }
-// Compilers do not always use the single instruction for a minimum or maximum.
+// Use intrinsics, because compilers do not always find the single instruction for a minimum or maximum.
 #ifdef __SSE__
 inline Four smaller(Four a, Four b) noexcept { return __builtin_ia32_minps(a, b); }
 inline Four larger(Four a, Four b) noexcept { return __builtin_ia32_maxps(a, b); }

@@ -8,7 +8,7 @@
 
 namespace lode::ingest {
 
-/// Union-find over numbers; a group's representative is its lowest number. Not thread safe.
+/// Union-find over numbers. The representative of a group is its lowest number. Not thread safe.
 class Groups {
  public:
   explicit Groups(size_t count) : towards_(count) { std::iota(towards_.begin(), towards_.end(), 0u); }
@@ -17,7 +17,7 @@ class Groups {
     while (towards_[i] != i) i = towards_[i] = towards_[towards_[i]];
     return i;
   }
-  /// Joins the groups of two numbers. @return whether these were two different groups.
+  /// Joins the groups of two numbers. @return true if the numbers were in different groups before.
   bool join(uint32_t a, uint32_t b) noexcept {
     a = find(a);
     b = find(b);

@@ -25,13 +25,14 @@ void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
       visit_side(std::min(c, a), std::max(c, a));
     }
   };
-  // Upper ends of all edges, grouped by lower end, and the first index of each group.
+  // `uppers` contains the upper ends of all edges, grouped by lower end; `begin` contains the first index of
+  // each group.
   std::vector<uint32_t> begin(mesh.positions.size() + 1), uppers(3 * mesh.triangles.size());
   forEachSide([&](uint32_t lower, uint32_t) { ++begin[lower]; });
   uint32_t end = 0;
   for (uint32_t& first : begin) first = end += first;
   forEachSide([&](uint32_t lower, uint32_t upper) { uppers[--begin[lower]] = upper; });
-  // Number of triangles for each upper end, with the current lower end.
+  // Number of triangles of each edge at the current lower end, indexed by upper end.
   std::vector<uint32_t> uses(mesh.positions.size());
   for (uint32_t lower = 0; lower < mesh.positions.size(); ++lower) {
     const auto ends = std::span(uppers).subspan(begin[lower], begin[lower + 1] - begin[lower]);
@@ -41,7 +42,7 @@ void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
   }
 }
 
-/// Sort order of edges: by first end, then by second end.
+/// Orders edges by their first end, then by their second end.
 inline bool isBefore(glm::u32vec2 e, glm::u32vec2 f) noexcept { return e.x != f.x ? e.x < f.x : e.y < f.y; }
 
 /// Returns the edges with an odd number of triangles, sorted.

@@ -14,10 +14,10 @@ namespace lode::ingest {
 /// memory. Not thread safe.
 class MeshWelder {
  public:
-  /// @param expected_positions  number of positions to reserve memory for; the mesh may have more.
+  /// @param expected_positions  number of positions for which memory is reserved; the mesh may have more.
   void begin(AttributeSet attributes, size_t expected_positions, size_t expected_triangles);
 
-  /// Adds a triangle's corner, or finds an equal wedge. @return the wedge's number.
+  /// Adds the wedge of a triangle's corner, unless an equal wedge exists. @return the wedge's number.
   uint32_t addCorner(PositionCode position, uint8_t lca_depth, const VertexAttributes& attributes);
   uint32_t positionOf(uint32_t wedge) const noexcept { return mesh_.wedge_position[wedge]; }
   /// Skips triangles with two corners at one position.
@@ -32,7 +32,8 @@ class MeshWelder {
   std::vector<uint32_t> next_wedge_;   ///< next wedge of the same position, or NumberTable::kAbsent
 };
 
-/// Welds the meshes of several nodes. If meshes lock a position at different depths, it gets the lower depth.
+/// Welds the meshes of several nodes. If the meshes lock a position at different depths, the result has the
+/// smaller depth.
 /// @param remap  receives for each mesh the numbers of its positions in the union. All positions must have
 /// wedges.
 NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<uint32_t>>& remap);

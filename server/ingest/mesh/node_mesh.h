@@ -13,11 +13,11 @@ constexpr uint8_t kNeverLocked = 255;
 struct NodeMesh {
   AttributeSet attributes;
   std::vector<PositionCode> positions;  ///< distinct positions of the mesh
-  /// For each position, the depth of the lowest common ancestor of the leaves that share it, or kNeverLocked;
-  /// nodes below that depth lock the position.
+  /// Depth of the lowest common ancestor of all leaves that share a position; one entry per position. Nodes
+  /// below that depth lock the position. kNeverLocked if one leaf alone has the position.
   std::vector<uint8_t> lca_depth;
   std::vector<uint32_t> wedge_position;  ///< position of each wedge
-  /// Attributes of each wedge; empty if the model has no attributes; wedges of one position have different
+  /// Attributes of each wedge. Wedges of one position have different attributes. Empty if the model has no
   /// attributes.
   std::vector<VertexAttributes> wedge_attributes;
   /// Wedges of each triangle's corners; the corners have three distinct positions.
@@ -29,9 +29,10 @@ constexpr uint32_t kVanished = ~0u;
 /// Result of simplification.
 struct SimplifiedMesh {
   NodeMesh mesh;
-  std::vector<uint32_t> remap;  ///< for each position of the input, the position of the mesh that it maps to,
-                                ///< or kVanished if that position has lost its last triangle
-  bool is_clustered = false;    ///< the mesh results from clustering, which may connect separate parts
+  std::vector<uint32_t> remap;  ///< maps each position of the input to a position of the mesh, or to
+                                ///< kVanished if the latter has lost its last triangle
+  /// True if clustering has made the mesh; clustering may connect separate parts.
+  bool is_clustered = false;
 };
 
 /// Returns for each position of a simplified mesh the nearest input position that maps to it.

@@ -15,8 +15,8 @@ class NumberTable {
  public:
   static constexpr uint32_t kAbsent = UINT32_MAX;
 
-  /// Clears the table. @param expected  number of keys to reserve memory for; the table grows if there are
-  /// more.
+  /// Clears the table. @param expected number of keys for which memory is reserved; the table grows if more
+  /// keys follow.
   void reset(size_t expected) {
     const size_t wanted = std::bit_ceil(std::max<size_t>(expected, 8) * 2);
     if (slots_.size() < wanted) slots_.resize(wanted);
@@ -34,7 +34,8 @@ class NumberTable {
     return number;
   }
 
-  /// Finalizer of MurmurHash3 (Appleby, public domain); full avalanche spreads neighbouring lattice points.
+  /// Finalizer of MurmurHash3 (Appleby, public domain). Every bit of the key affects every bit of the hash,
+  /// so that neighbouring lattice points get distant slots.
   static constexpr uint64_t hash(uint64_t x) noexcept {
     x = (x ^ x >> 33) * 0xff51afd7ed558ccdULL;
     x = (x ^ x >> 33) * 0xc4ceb9fe1a85ec53ULL;

@@ -19,14 +19,15 @@ struct TriangleSides {
   float ab_ab, ab_ac, ac_ac;
 };
 
-/// A point of a triangle as weights of ab and ac, and its squared distance from the measured point.
+/// A point of a triangle, given by the weights of ab and ac, and its squared distance from the measured
+/// point.
 struct PlaceInTriangle {
   glm::vec2 shares;
   float squared;
 };
 
-/// Returns the nearest point of a triangle: the point's projection if that lies inside the triangle, else the
-/// nearest point of an edge.
+/// Returns the point of a triangle that is nearest to a given point. This is the given point's projection if
+/// the projection lies inside the triangle, else the nearest point of an edge.
 /// @param ap  vector from corner a to the point.
 /// Source: Ericson, Real-Time Collision Detection, 2005, section 5.1.5, for the products that classify the
 /// point.

@@ -9,7 +9,7 @@
 
 namespace lode::ingest {
 
-/// A triangle with positions and, if the model has any, attributes at its corners.
+/// A triangle with the positions of its corners and, if the model has attributes, their attributes.
 struct SoupTriangle {
   PositionCode corners[3];
   VertexAttributes attributes[3];

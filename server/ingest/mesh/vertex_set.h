@@ -7,14 +7,15 @@
 
 namespace lode::ingest {
 
-/// Bitmap of vertex numbers with the rank of each member in ascending order, for at most 2^32 - 1 members.
-/// A caller that reads the members' data in one sweep can store them by rank without sorting. The set stores
-/// the rank of each word's first member, because reading a rank is faster than counting all bits before it.
+/// Set of vertex numbers, stored as a bitmap, with at most 2^32 - 1 members. A member's rank is the number of
+/// smaller members. A caller that reads the members' data in one sweep can store the data by rank, without
+/// sorting. The set stores the rank of the first member of each word, so that rank() counts the bits of one
+/// word only.
 class VertexSet {
  public:
   explicit VertexSet(uint64_t vertices) : words_((vertices + 63) / 64) {}
 
-  /// Adds a vertex. @return whether the vertex is new.
+  /// Adds a vertex. @return true if the vertex is new.
   bool add(uint64_t vertex) noexcept {
     uint64_t& word = words_[vertex / 64];
     const uint64_t bit = uint64_t{1} << vertex % 64;

@@ -45,7 +45,7 @@ class SimplifyLog {
 
   /// Moves out the nodes that a killed build had finished.
   std::vector<FinishedNode> takeFinished() { return std::move(before_.nodes); }
-  /// Returns whether a killed build kept the data that a node's parent needs. Thread safe.
+  /// Returns true if a killed build kept the data that a node's parent needs. Thread safe.
   bool hasRoot(NodeKey key) const { return before_.roots.contains(key); }
   /// Reads the data that a node's parent needs, as a killed build kept it. Thread safe. @throws Error kIo,
   /// kFormat.

@@ -15,7 +15,7 @@ struct CreaseAngle {
   /// @param degrees  angle from 0 to 180; at 180 no edge is sharp.
   explicit CreaseAngle(double degrees) noexcept;
 
-  /// Returns whether the edge between faces with two unit normals is smooth. An edge at a face with a zero
+  /// Returns true if the edge between faces with two unit normals is smooth. An edge at a face with a zero
   /// normal is sharp unless no edge is.
   bool isSmooth(glm::vec3 a, glm::vec3 b) const noexcept { return has_none || glm::dot(a, b) >= cosine; }
 

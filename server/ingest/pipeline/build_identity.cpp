@@ -21,7 +21,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kEndBytes = 256 << 10;  ///< bytes hashed at the head and at the tail
+constexpr uint64_t kEndBytes = 256 << 10;  ///< number of bytes that are hashed at each end of a file
 constexpr uint64_t kSamples = 64, kSampleBytes = 4096;
 
 void append(int file, uint64_t offset, uint64_t bytes, std::vector<std::byte>& to) {
@@ -88,8 +88,8 @@ std::string asGiven(const std::string& name, float value) {
   return name + text;
 }
 
-/// Returns the first option of `then` that differs in `now`, as on a command line. Returns an empty text if
-/// all options are equal.
+/// Returns the first option of `then` that differs in `now`, as the command line would give it. Returns an
+/// empty text if all options are equal.
 std::string changedOption(const ResultOptions& then, const ResultOptions& now) {
   std::string changed;
   forEachResultOption([&](const auto& option) {

@@ -10,7 +10,7 @@
 
 namespace lode::ingest {
 
-/// Identifies a file by its path, size, time and samples of its content. The rest of the file is not read.
+/// Identifies a file by its path, size, time of change and samples of its content. Only the samples are read.
 struct FileFingerprint {
   std::string path;  ///< absolute path
   uint64_t bytes = 0;

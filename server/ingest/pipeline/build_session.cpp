@@ -10,7 +10,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Measures a stage from construction to finish().
+/// Measures the time and CPU time of a stage, from construction to finish().
 class StageClock {
  public:
   StageClock(BuildReport& report, std::string name) : report_(report), name_(std::move(name)) {}

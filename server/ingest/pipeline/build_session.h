@@ -30,7 +30,7 @@ class BuildSession {
   BuildReport takeReport() { return std::move(report_); }
   /// Keeps the finished work so that a later build can resume. @return false if no work is finished.
   bool keep() noexcept;
-  /// Returns whether the build failed for lack of memory.
+  /// Returns true if the build failed for lack of memory.
   bool lacksMemory() const noexcept { return lacks_memory_; }
 
   // Functions that stages call.
@@ -41,7 +41,7 @@ class BuildSession {
   /// Returns the path of the store while the store is incomplete.
   std::filesystem::path store() const { return folder_.store(); }
   BuildFacts& facts() noexcept { return facts_; }
-  /// Returns the recorded work of the build to resume. Each stage moves its part of the work out.
+  /// Returns the recorded work of the build to resume. Each stage moves its own part out of the record.
   RecordedBuild& recorded() noexcept { return recorded_; }
   /// Sets the report's summary. The last stage calls this when the store is complete.
   void setSummary(ModelSummary summary) { report_.summary = std::move(summary); }

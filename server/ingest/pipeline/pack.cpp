@@ -8,7 +8,8 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kLargeTriangles = 1 << 19;
-constexpr float kFartherSibling = 2;  ///< ratio of the farthest sibling's distance to the nearest one's
+constexpr float kFartherSibling = 2;  ///< distance of the farthest sibling relative to the nearest sibling,
+                                      ///< in a view of a whole model
 
 }  // namespace
 
@@ -35,7 +36,7 @@ void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spoo
     levels = std::max(levels, levelCount(set.textures.back()));
   }
   std::vector<std::byte> bytes;
-  for (uint32_t rank = 0; rank < levels; ++rank)  // rank 0: coarsest level of every texture
+  for (uint32_t rank = 0; rank < levels; ++rank)  // rank 0 is the coarsest level of every texture
     for (size_t t = 0; t < set.textures.size(); ++t) {
       Texture& texture = set.textures[t];
       if (rank >= levelCount(texture)) continue;

@@ -15,14 +15,14 @@ void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spoo
                   store::Writer& writer);
 
 /// Removes redundant far LODs of a node, but never the coarsest LOD. A far LOD is redundant if its error
-/// exceeds the error of the parent's finest LOD. A view that accepts such an error shows the parent instead,
-/// unless a nearer sibling of the node forces the split. If the parent's finest LOD is large, the limit is
-/// twice the parent's error, because views of a whole model have such siblings.
+/// exceeds the error of the parent's finest LOD: a view that accepts so large an error shows the parent,
+/// unless a nearer sibling of the node needs more detail. If the parent's finest LOD is large, the limit is
+/// twice its error, because views of the whole model have such siblings.
 void removeRedundantFarLods(FinishedNode& finished, const Node& parent);
 
 /// Writes the payloads and the hierarchy to a store: coarse nodes first, siblings together, and the coarse
 /// LODs of each node first.
-/// @param writer   writer of the store, which can contain textures already.
+/// @param writer   writer of the store; the store can contain textures already.
 /// @param summary  see store::Writer::finish(). @param nodes  all nodes; pack() empties the spool.
 ModelSummary pack(store::Writer& writer, ModelSummary summary, NodeSpool& nodes, const PayloadSpool& payloads,
                   const BuildProgress& progress);

@@ -25,15 +25,16 @@ enum class BuildEntry : uint32_t {
   kSorting = 4,       ///< progress of dereference with its sorted runs; each entry replaces the previous one
   kDereferenced = 5,  ///< triangles are sorted; written only if they were sorted on disk
   kPartitioned = 6,
-  kNodes = 7,  ///< nodes finished since the previous kNodes entry
+  kNodes = 7,  ///< the nodes that were finished since the previous kNodes entry
   kSimplified = 8,
-  kPacked = 9,  ///< the store has its final name
+  kPacked = 9,  ///< the store is complete and has its final name
 };
 
-/// Facts about the model that a stage finds and later stages need.
+/// Facts about the model. A stage finds each fact, and later stages need it.
 struct BuildFacts {
-  LatticeChoice choice;          ///< scan sets this member and the next three
-  AttributeSet soup_attributes;  ///< attributes taken from the file; no normals if all have length zero
+  LatticeChoice choice;  ///< scan sets this member and the next three
+  /// Attributes taken from the file; without normals if all normals have length zero.
+  AttributeSet soup_attributes;
   UvGrid uv_grid;
   uint64_t dropped_triangles = 0;
   DereferenceCounts counts;  ///< dereference sets this member
@@ -56,7 +57,7 @@ struct RecordedBuild {
 
   /// Adds an entry. @throws Error kFormat, kLimit.
   void add(uint32_t kind, std::span<const std::byte> bytes);
-  /// Returns whether the given stage or a later stage is finished.
+  /// Returns true if the given stage or a later stage is finished.
   bool isPast(BuildEntry stage) const noexcept { return stages.lower_bound(stage) != stages.end(); }
 };
 

@@ -37,12 +37,12 @@ class Stage {
   virtual bool isNeeded() const { return true; }
   /// Does the work of the stage. @throws Error.
   virtual Work run() = 0;
-  /// Returns whether save() can record the result. Returns false if the result is only in memory.
+  /// Returns true if save() can record the result. Returns false if the result is only in memory.
   virtual bool isOnDisk() const { return true; }
-  /// Records everything that load() needs besides the files and BuildFacts.
+  /// Records all data that load() needs in addition to the files and BuildFacts.
   virtual void save(RecordWriter& record) const = 0;
-  /// Restores the result that save() recorded. @param is_used_up  whether the stages that need the result are
-  /// finished and the files of the result are removed. @throws Error kIo, kFormat.
+  /// Restores the result that save() recorded. @param is_used_up true if all stages that need the result are
+  /// finished, so that the result's files are removed. @throws Error kIo, kFormat.
   virtual void load(RecordReader& record, bool is_used_up) = 0;
 
  private:

@@ -21,8 +21,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Finds the images that an input names. Fails if an image is too large for the memory, because a store
-/// without this image would depend on --memory. @throws Error kLimit.
+/// Finds the images that an input names. Fails if an image is too large for the memory: if the build left the
+/// image out, the store would depend on --memory. @throws Error kLimit.
 std::vector<TextureImage> findImages(BuildSession& session, std::span<const std::string> names) {
   const BuildOptions& options = session.options();
   std::vector<TextureImage> images = surveyTextures(options.input, names, session.plan().image_bytes);
@@ -43,8 +43,7 @@ class SortLog {
 
   void beginBatch(const DereferencePoint& batch) { batch_ = batch; }
   void afterTriangle() {
-    // With much memory, the first run would be written late. Write a run now, so that a kill loses little
-    // work.
+    // Write a run when a checkpoint is due, even if memory is left. Otherwise a kill could lose much work.
     if (sorter_.size() % kTrianglesPerClockCheck == 0 &&
         CheckpointClock::Clock::now() - last_run_ > CheckpointClock::kLatest)
       sorter_.spill();
@@ -71,7 +70,7 @@ class SortLog {
   CheckpointClock clock_{last_run_};
 };
 
-constexpr double kRounding = 1.0001;  ///< factor by which a rounded error stays an upper bound
+constexpr double kRounding = 1.0001;  ///< factor that keeps an error an upper bound in spite of rounding
 
 /// Returns an upper bound on the number of triangles that the root's children pass to the root. The bound
 /// grows with the number of locked vertices.
@@ -207,8 +206,8 @@ void DereferenceStage::checkCounts() {
   if (lost.lost > 0) session_.warn(input + lost.inWords());
 }
 
-/// A resumed build continues at the batch of the last recorded run. It dereferences that batch again, but
-/// does not push triangles that are already in a run.
+/// Sorts the triangles. A resumed build continues at the batch of the last recorded run. It dereferences this
+/// batch again, but skips the triangles that are already in a run.
 void DereferenceStage::sortSoup(const PackedInput& input) {
   DereferencePoint begin;
   uint64_t sorted = 0;  // triangles of the batch that are already in runs
@@ -309,7 +308,7 @@ void SimplifyStage::warnOfSmallMemory() {
     session_.warn(budgetBelowInWords(root_bytes, "a root of up to " + std::to_string(root) + " triangles"));
 }
 
-/// Skips nodes that a killed build had finished.
+/// Builds all nodes, except those that an earlier, killed build had finished.
 Stage::Work SimplifyStage::run() {
   warnOfSmallMemory();
   FinishedNodes finished = std::exchange(session_.recorded().finished, {});

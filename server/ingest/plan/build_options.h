@@ -30,12 +30,12 @@ struct ResultOptions {
   uint32_t triangles_per_node = 16384;
   Simplifier simplifier = Simplifier::kCollapse;
   /// Crease angle. Computed normals are smooth across an edge if the faces at the edge meet at a smaller
-  /// angle. With the default, chamfers of 45 degrees stay sharp and bores of nine sides look round.
+  /// angle. With the default, chamfers of 45 degrees stay sharp, and bores with nine sides look round.
   float crease_angle_deg = 44;
   /// If set, the build drops faces and vertices with bad indices or coordinates, sets bad attributes to zero,
   /// and counts both. If not set, the build fails.
   bool skip_bad = false;
-  bool strict = false;  ///< whether warnings are errors
+  bool strict = false;  ///< true treats warnings as errors
 };
 
 /// Declaration of one result option.
@@ -71,8 +71,8 @@ struct BuildOptions : ResultOptions {
   std::filesystem::path temporary_folder;  ///< parent of the temporary files; empty: the output's folder
   uint64_t memory_bytes = 0;               ///< memory budget; 0: defaultMemoryBytes()
   unsigned threads = 0;                    ///< number of threads; 0: one per core
-  /// Whether to continue a killed or failed build of the same input, output and options. If this build fails
-  /// for a reason other than its input, the finished work is then kept.
+  /// True continues a killed or failed build of the same input, output and options. The build then also keeps
+  /// its own finished work if it fails for a reason other than its input.
   bool resume = false;
 };
 
@@ -86,9 +86,9 @@ struct BuildReport {
   };
   ModelSummary summary;
   std::vector<Stage> stages;  ///< stages that this run executed
-  std::string resumed_from;   ///< first stage that this run executed, if it resumed a build; else empty
+  std::string resumed_from;   ///< first stage that this run executed if this run resumed a build; else empty
   std::vector<std::string> warnings;
-  /// Images that an input with texture coordinates names, found or not.
+  /// Names of the images in an input with texture coordinates; an image need not exist.
   std::vector<std::string> texture_files;
   uint64_t peak_rss_bytes = 0;
   double seconds = 0, cpu_seconds = 0;

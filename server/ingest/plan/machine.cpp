@@ -16,8 +16,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Memory budget per heap of the allocator. With eight threads and a heap per thread, a small build would use
-/// half as much memory again.
+/// The allocator may use one heap per this part of the memory budget. If each of eight threads had its own
+/// heap, a small build would use half as much memory again.
 constexpr uint64_t kMemoryForEachHeap = 64 << 20;
 constexpr uint64_t kMostHeaps = 256;
 

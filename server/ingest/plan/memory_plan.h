@@ -10,34 +10,37 @@ namespace lode::ingest {
 /// Division of a build's memory (I7 in docs/architecture.md). The memory that a stage needs is proportional
 /// to the triangles per node; measurements gave the factors.
 struct MemoryPlan {
-  uint64_t sort_bytes = 0;  ///< memory for a sort, or for a batch of faces with their vertices
-  unsigned threads = 1;  ///< requested number, or fewer if the nodes that the threads simplify would not fit
+  uint64_t sort_bytes = 0;  ///< memory for one sort, or for one batch of faces with their vertices
+  /// Number of threads: as requested, or fewer if the nodes that they simplify would not fit.
+  unsigned threads = 1;
   /// Memory for one texture image: its file, its texels, and the buffers to decode and halve the texels. The
-  /// image gets all memory except that of the program and one tile encoder, but at least half of the memory.
+  /// image gets at least half of the budget, or all memory that the program and one tile encoder leave.
   uint64_t image_bytes = 0;
-  uint64_t node_bytes = 0;     ///< memory for nodes being simplified and for the records of all nodes
-  uint64_t minimum_bytes = 0;  ///< least budget for the nodes of one thread; small models need less
+  uint64_t node_bytes = 0;  ///< memory for nodes being simplified and for the records of all nodes
+  /// Least budget with which one thread can build its nodes; small models need less.
+  uint64_t minimum_bytes = 0;
 };
 
 MemoryPlan planMemory(uint64_t memory_bytes, unsigned threads, uint32_t triangles_per_node) noexcept;
 
 constexpr uint64_t kNodeRecordBytes = 96;  ///< memory per node of a tree that is being simplified
 
-/// Returns the memory to simplify and measure a node. @param triangles  triangles of the node's input mesh.
+/// Returns the memory that simplifying and measuring a node takes. @param triangles triangles of the node's
+/// input mesh.
 constexpr uint64_t memoryOfNode(uint64_t triangles) noexcept {
-  /// Memory for quadrics, queue, LODs and the search tree for errors.
+  /// Memory per triangle for quadrics, the queue, LODs and the tree that measures errors.
   constexpr uint64_t kTriangleBytes = 1024;
   return triangles * kTriangleBytes;
 }
 
-/// Returns a warning with the least budget that suffices if a build can exceed the memory budget, else an
-/// empty text. @param is_one_node  whether the whole model fits in one node, which needs little memory.
+/// Returns a warning that names the least sufficient budget if a build could exceed `memory_bytes`, else an
+/// empty text. @param is_one_node true if the whole model fits in one node, which needs little memory.
 std::string smallBudgetInWords(uint64_t memory_bytes, uint32_t triangles_per_node, bool is_one_node);
 /// Returns "--memory is less than the N needed for PURPOSE; ...".
 std::string budgetBelowInWords(uint64_t least_bytes, const std::string& purpose);
 
-/// Returns the budget to build one node whose triangles exceed the node capacity while no other node is
-/// built.
+/// Returns the memory budget that suffices to build one node with more triangles than the node capacity,
+/// while no other node is being built.
 uint64_t memoryForLargeNode(uint64_t triangles, AttributeSet attributes) noexcept;
 
 /// Returns the least memory budget with which an image can use `image_bytes`.
@@ -47,8 +50,8 @@ uint64_t budgetForImage(uint64_t image_bytes) noexcept;
 /// number, or fewer if their encoders and the image would not fit in memory.
 unsigned encoderThreads(uint64_t memory_bytes, uint64_t image_bytes, unsigned threads) noexcept;
 
-/// Forecasts the peak memory of a build. @param texture_bytes  memory of the stage "textures", without that
-/// of the program.
+/// Forecasts the peak memory of a build. @param texture_bytes memory of the stage "textures", without the
+/// memory of the program.
 uint64_t expectedPeakBytes(const MemoryPlan& plan, uint64_t vertices, uint64_t triangles, AttributeSet file,
                            uint32_t triangles_per_node, uint64_t texture_bytes) noexcept;
 

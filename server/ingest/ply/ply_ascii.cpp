@@ -13,8 +13,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Limit on the length of a number. (A double with all digits can need 1079 characters, but no program writes
-/// so many.)
+/// Limit on the length of a number. The exact digits of a double can take 1079 characters, but no program
+/// writes so many.
 constexpr size_t kMaxTokenBytes = 512;
 
 constexpr const char* kOneRowPerLine = ", with one row per line";
@@ -30,7 +30,8 @@ Parsed parseFloating(std::string_view token, double& value) {
   const char* const end = token.data() + token.size();
   const auto result = fast_float::from_chars(token.data(), end, parsed);
   value = static_cast<double>(parsed);
-  // Newer fast_float reports numbers out of range, but returns the same zero or infinity.
+  // Newer versions of fast_float report a number out of range, but also return zero or infinity, as older
+  // versions do.
   const bool is_number = result.ec == std::errc{} || result.ec == std::errc::result_out_of_range;
   if (is_number && result.ptr == end) return Parsed::kOk;
   // The C library of Windows writes 1.#INF, -1.#IND and 1.#QNAN.
@@ -126,7 +127,7 @@ class AsciiBody final : public PlyBody {
   }
 
   uint64_t leastRowBytes(const PlyElement& element) const noexcept override {
-    return 2 * element.properties.size();  // at least a digit and a separator per property
+    return 2 * element.properties.size();  // each property takes at least a digit and a separator
   }
 
  private:

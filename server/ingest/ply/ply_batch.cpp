@@ -55,7 +55,7 @@ void PlyVertexBatch::flush() {
   if (used_ == 0) return;
   if (has_normals_) countNormals();
   const uint64_t first = counts_.vertices;
-  // Reset before the sink can throw, so that vertices count once.
+  // Reset the count before the sink can throw, so that each vertex counts once.
   const size_t count = std::exchange(used_, 0);
   counts_.vertices += count;
   if (sink_) sink_(first, std::span<const PlyVertex>(rows_).first(count));

@@ -15,7 +15,7 @@ constexpr size_t kPlyBatchRows = 8192;
 /// Limit of corners per face. The time of ear clipping can grow with the square of the number of corners.
 constexpr uint64_t kMaxFaceCorners = 1u << 16;
 
-/// Set of skipped vertices. Needs no memory if empty, and at most about one bit per vertex.
+/// Set of skipped vertices. An empty set takes no memory; other sets take about one bit per vertex at most.
 class SkippedVertices {
  public:
   void add(uint64_t vertex);
@@ -35,7 +35,7 @@ class PlyVertexBatch {
   PlyVertexBatch(const VertexPlan& plan, const PlyReader::VertexSink& sink, PlyCounts& counts,
                  SkippedVertices& skipped);
 
-  /// Returns space for 1 to kPlyBatchRows vertices. Fill the first ones, then call commit().
+  /// Returns space for 1 to kPlyBatchRows vertices. Fill some from the start, then call commit().
   std::span<PlyVertex> room() noexcept { return std::span(rows_).subspan(used_); }
   void commit(size_t vertices);
   /// Counts a defect of the uncommitted vertex at room()[index].
@@ -100,7 +100,7 @@ class PlyFaceBatch {
   std::vector<int64_t> sorted_;
 };
 
-/// Cuts strips into triangles. Receives one index at a time; an index of -1 separates strips.
+/// Cuts triangle strips into triangles. The caller passes one index at a time; the index -1 separates strips.
 class StripCutter {
  public:
   explicit StripCutter(PlyFaceBatch& batch) : batch_(batch) {}

@@ -193,7 +193,8 @@ class BinaryBody final : public PlyBody {
     batch.commit(rows.size());
   }
 
-  /// Slow path, for a batch with a value that is NaN, infinite, out of float's range, or not a colour.
+  /// Converts a batch row by row. Slow; used only if a value is NaN, infinite, out of float's range, or not a
+  /// colour.
   void readVertexRowsOneByOne(const VertexPlan& plan, PlyVertexBatch& batch, std::span<PlyVertex> rows) {
     const uint64_t first_row = row_;
     VertexValues values{};

@@ -14,11 +14,12 @@ namespace lode::ingest {
 /// Position between two elements of the body.
 struct PlyPlace {
   uint64_t offset = 0;  ///< bytes from the start of the file
-  uint64_t line = 0;    ///< line number from 1, in ascii only
+  uint64_t line = 0;    ///< line number from 1; ascii files only
 };
 
-/// Reads the elements of a body in one encoding. All functions throw Error kInput, whose message contains the
-/// element's name, the row (from 0), and the byte or, in ascii, the line.
+/// Interface that reads the elements of a body. Each encoding of PLY files has an implementation. All
+/// functions throw Error kInput, whose message contains the element's name, the row (from 0), and the byte
+/// or, in ascii, the line.
 class PlyBody {
  public:
   virtual ~PlyBody() = default;
@@ -40,12 +41,12 @@ class PlyBody {
   /// Returns the position of the current row: "byte 12" or "line 3".
   virtual std::string where() const = 0;
   [[noreturn]] void fail(const std::string& what, const std::string& remedy) const;
-  /// Fails because the file is too short. @param how  addition to the remedy, after a comma.
+  /// Fails because the file is too short. @param how text that follows the remedy after a comma.
   [[noreturn]] void failTruncated(const std::string& how = {}) const;
 
   /// Reports a defect of the current row to options.on_defect.
   void reportDefect(bool is_bad, const std::string& what) const;
-  /// Handles a defect of the vertex at batch.room()[index]: counts the defect with skip_bad, else fails.
+  /// Handles a defect of the vertex at batch.room()[index]: counts the defect if skip_bad is set, else fails.
   void handleVertexDefect(VertexDefect defect, size_t index, PlyVertexBatch& batch) const;
   /// Adds the face in corners_ and texture_ to the batch.
   void addFace(int64_t texnumber, PlyFaceBatch& batch);
@@ -60,7 +61,7 @@ class PlyBody {
   std::vector<float> texture_;    ///< texture coordinates of the current face, two numbers per corner
 
  private:
-  /// Handles a corner whose vertex does not exist: reports the corner with skip_bad, else fails.
+  /// Handles a corner whose vertex does not exist: reports the corner if skip_bad is set, else fails.
   void handleBadIndex(int64_t index) const;
 };
 

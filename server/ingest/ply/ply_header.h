@@ -25,7 +25,7 @@ struct PlyProperty {
   std::string name;
   PlyType type = PlyType::kFloat32;  ///< type of the value, or of a list's items
   bool is_list = false;
-  PlyType count_type = PlyType::kUint8;  ///< type of a list's count, never floating
+  PlyType count_type = PlyType::kUint8;  ///< type of a list's count; never a floating type
 };
 
 struct PlyElement {
@@ -48,8 +48,8 @@ struct PlyHeader {
 };
 
 /// Reads the header of a PLY file with CR, LF, CRLF or mixed line ends. A binary body begins right after the
-/// line end of `end_header`. CR LF after `end_header` is one line end. But if all earlier lines end
-/// in CR without LF, the LF is the first byte of the body.
+/// line end of `end_header`. CR LF after `end_header` counts as one line end, unless all earlier lines end in
+/// CR alone; then LF is the first byte of the body.
 /// @throws Error kIo (no file, a directory) or kInput (problem, line, and remedy).
 PlyHeader readPlyHeader(const std::filesystem::path& path);
 

@@ -11,7 +11,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kShownName = 64;  ///< limit of bytes shown of a name
+constexpr size_t kShownName = 64;  ///< largest number of bytes that a message shows of a name
 
 using Names = std::initializer_list<std::pair<VertexField, std::string_view>>;
 

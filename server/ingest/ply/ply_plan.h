@@ -27,9 +27,10 @@ struct VertexPlan {
   const PlyElement* element = nullptr;
   std::vector<VertexField> fields;                ///< field of each property; kNone: the property is skipped
   std::array<PlyType, kVertexFields> types{};     ///< type of each field's property
-  std::array<bool, kVertexFields> has{};          ///< whether the file has each field
+  std::array<bool, kVertexFields> has{};          ///< true if the file has the field
   std::array<uint32_t, kVertexFields> offsets{};  ///< offset of each field in a binary row, if row_bytes > 0
-  uint32_t row_bytes = 0;                         ///< size of a binary row; 0 if rows with lists vary in size
+  uint32_t row_bytes = 0;                         ///< size of a binary row; 0 if the rows contain lists, so
+                                                  ///< that their sizes vary
   AttributeSet attributes;
 };
 
@@ -46,8 +47,8 @@ struct FacePlan {
 struct PlyPlan {
   VertexPlan vertices;
   std::vector<FacePlan> faces;  ///< plans of face and tristrips elements that have rows, in file order
-  bool corner_texture = false;  ///< whether a face element has texcoord
-  bool materials = false;       ///< whether a face element has texnumber
+  bool corner_texture = false;  ///< true if a face element has texcoord
+  bool materials = false;       ///< true if a face element has texnumber
   size_t textures = 0;          ///< number of textures that the header names
 
   AttributeSet attributes() const noexcept;
@@ -58,8 +59,8 @@ struct PlyPlan {
 /// @throws Error kInput if the file has no vertices or no faces, or if a required property is missing.
 PlyPlan planBody(const PlyHeader& header, const std::string& file);
 
-/// Lists the properties that are not read, in header order, as "element 'property'". If no property of an
-/// element is read, lists "all of 'element'" instead. Omits elements without rows.
+/// Lists the properties that the plan skips, in header order, as "element 'property'". If the plan skips a
+/// whole element, lists "all of 'element'" instead. Omits elements without rows.
 std::vector<std::string> skippedProperties(const PlyHeader& header, const PlyPlan& plan);
 
 /// Calls visit(std::type_identity<T>) with the C++ type of a PLY type.
@@ -101,7 +102,7 @@ uint8_t colourByte(T value) noexcept {
   }
 }
 
-/// Returns whether a value is within the range of colourByte(), with a tolerance for rounding. Returns false
+/// Returns true if a value is within the range of colourByte(), with a tolerance for rounding. Returns false
 /// for NaN.
 template <class T>
 bool isColour(T value) noexcept {
@@ -115,8 +116,8 @@ bool isColour(T value) noexcept {
   }
 }
 
-/// Worst defect of a vertex, in rising severity: none, a clamped colour, a NaN or infinite attribute, a NaN
-/// or infinite position.
+/// Worst defect of a vertex, in rising severity. kColour: a colour is out of range. kAttribute: an attribute
+/// is NaN or infinite. kPosition: the position is NaN or infinite.
 enum class VertexDefect { kNone, kColour, kAttribute, kPosition };
 
 /// Turns the values of one row into a vertex. Attributes that are NaN or infinite become zero.

@@ -17,7 +17,7 @@ namespace {
 
 /// Returns a message if the file is too short for the header's counts, else an empty text.
 std::string sizeProblem(const PlyHeader& header, const PlyBody& body, const PlyInput& input) {
-  uint64_t left = input.remaining() + 1;  // an ascii file can end without a line end
+  uint64_t left = input.remaining() + 1;  // count a missing line end at the end of an ascii file
   for (const PlyElement& element : header.elements) {
     const uint64_t row_bytes = body.leastRowBytes(element);
     if (row_bytes > 0 && element.count > left / row_bytes) {

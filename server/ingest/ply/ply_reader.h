@@ -22,8 +22,9 @@ struct PlyVertex {
   glm::vec2 texture{0};
 };
 
-/// Faces of the file, flattened. Strips are cut into triangles. Polygons are not cut, because triangulate.h
-/// needs positions to cut them. Every face has at least 3 corners, and no vertex twice.
+/// Faces of the file, as flat arrays. The reader cuts strips into triangles, but leaves polygons whole,
+/// because triangulate() needs positions to cut them. Every face has at least 3 corners, all at different
+/// vertices.
 struct PlyFaces {
   std::vector<uint32_t> corner_counts;  ///< number of corners of each face
   std::vector<uint64_t> corners;        ///< vertex numbers, all below the vertex element's count
@@ -37,36 +38,38 @@ struct PlyCounts {
   uint64_t vertices = 0;
   uint64_t faces = 0;          ///< rows of the face element, and strips
   uint64_t triangles = 0;      ///< sum of (corners - 2) over accepted faces
-  uint64_t dropped_faces = 0;  ///< faces with fewer than 3 corners or a repeated index; triangles of strips
-  uint64_t skipped_bad = 0;    ///< faces and vertices that skip_bad skips
-  uint64_t replaced_attributes = 0;  ///< vertices with an attribute that skip_bad sets to zero
+  uint64_t dropped_faces = 0;  ///< faces with fewer than 3 corners or a repeated index; in strips, triangles
+                               ///< with a repeated index
+  uint64_t skipped_bad = 0;    ///< faces and vertices that are skipped because skip_bad is set
+  uint64_t replaced_attributes = 0;  ///< vertices with an attribute that became zero because skip_bad is set
   uint64_t dropped_triangles = 0;    ///< triangles of dropped and skipped faces
   uint64_t clamped_colours = 0;      ///< vertices with a colour out of range, see clampedInWords()
-  uint64_t normals = 0;              ///< vertices with a normal, except skipped ones
+  uint64_t normals = 0;              ///< vertices with a normal, without skipped vertices
   uint64_t lengthless_normals = 0;   ///< normals that fail hasDirection(); the reader replaces them by zero
   /// Faces whose texnumber is neither -1 nor the number of a texture in the header. 0 if the header names no
   /// texture.
   uint64_t unknown_textures = 0;
-  uint64_t extra_tokens = 0;    ///< values after the properties of ascii rows, ignored
-  uint64_t trailing_bytes = 0;  ///< ignored bytes after the last element (in ascii, after white space)
+  uint64_t extra_tokens = 0;  ///< ignored values that follow the properties of ascii rows
+  /// Ignored bytes after the last element; in ascii files, white space does not count.
+  uint64_t trailing_bytes = 0;
 
   uint64_t trailing_from = 0;  ///< file offset of the trailing bytes
 
-  /// Returns whether the file has normals, but all have length zero.
+  /// Returns true if the file has normals, but all have length zero.
   bool hasOnlyLengthlessNormals() const noexcept { return normals > 0 && lengthless_normals == normals; }
 };
 
 /// A defect in the body that causes loss of geometry.
 struct PlyDefect {
-  bool is_bad = false;  ///< true: reading fails without skip_bad; false: a face is degenerate
+  bool is_bad = false;  ///< true if reading fails unless skip_bad is set; false for a degenerate face
   std::string text;     ///< element, row, byte or line, and the problem, without a remedy
 };
 
 struct PlyReadOptions {
-  /// If set, the reader continues after bad values. A vertex whose position is NaN or infinite becomes zero,
-  /// so that later vertices keep their numbers, and the reader skips faces that use the vertex. A NaN or
-  /// infinite attribute becomes zero. The reader skips a face with an index out of range or with bad texture
-  /// coordinates. Each such vertex or face counts once, as replaced or skipped.
+  /// If set, the reader continues after bad values. A NaN or infinite attribute becomes zero. A vertex whose
+  /// position is NaN or infinite becomes zero too, so that later vertices keep their numbers; faces that use
+  /// this vertex are skipped. Faces with an index out of range or with bad texture coordinates are also
+  /// skipped. Each vertex or face counts once, as replaced or as skipped.
   bool skip_bad = false;
   /// If set and the file is shorter than its header requires, the reader reads all existing rows before it
   /// fails.
@@ -75,8 +78,9 @@ struct PlyReadOptions {
   std::function<void(const PlyDefect&)> on_defect = {};
 };
 
-/// Streams the body of a PLY file in memory that does not depend on the counts in the header. Passes all
-/// vertices, then all faces, to the sinks in batches in file order, even if the faces are first in the file.
+/// Streams the body of a PLY file. The memory does not depend on the counts in the header. Passes first all
+/// vertices, then all faces to the sinks, in batches and in file order. The vertices come first even if the
+/// faces precede them in the file.
 class PlyReader {
  public:
   /// Opens a file and reads its header. @throws Error as readPlyHeader() does; kInput also if the file has no
@@ -86,9 +90,10 @@ class PlyReader {
   const PlyHeader& header() const noexcept { return header_; }
   /// Returns the attributes of the file, with alpha only if the header declares it.
   AttributeSet attributes() const noexcept { return attributes_; }
-  /// Returns whether faces have texture coordinates per corner, which override those of vertices.
+  /// Returns true if faces have texture coordinates per corner. These override the texture coordinates of
+  /// vertices.
   bool hasCornerTexture() const noexcept { return corner_texture_; }
-  /// Returns the properties that are not read; see skippedProperties() in ply_plan.h.
+  /// Returns the properties that the reader skips; see skippedProperties() in ply_plan.h.
   const std::vector<std::string>& skippedProperties() const noexcept { return skipped_properties_; }
 
   using VertexSink = std::function<void(uint64_t first, std::span<const PlyVertex>)>;
@@ -114,7 +119,7 @@ class PlyReader {
 
 // Texts of warnings.
 
-/// Lists the first few properties that are not read. Returns an empty text if all are read.
+/// Lists the first few skipped properties. Returns an empty text if the reader reads all properties.
 std::string skippedInWords(const std::vector<std::string>& skipped);
 
 std::string unknownTexturesInWords(uint64_t faces, size_t textures);

@@ -285,7 +285,7 @@ void Collapser::apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds) {
   if (folds) mesh_.removeFolds(keep);
 }
 
-// A merge turns two edges into the same edge, and the queue still contains both. Returns whether (u, v) has
+// A merge turns two edges into the same edge, and the queue still contains both. Returns true if (u, v) has
 // been queued again since its last change at changed_at. Sometimes returns false for such an edge, which only
 // costs time.
 bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {

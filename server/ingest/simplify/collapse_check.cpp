@@ -44,7 +44,7 @@ inline TwoVectors cross(const TwoVectors& a, const TwoVectors& b) noexcept {
   return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
 }
 
-/// Returns whether one of two triangles (a, b, from) turns or degenerates beyond the limits when its third
+/// Returns true if one of two triangles (a, b, from) turns or degenerates beyond the limits when its third
 /// corner moves to `to`.
 bool harms(const TwoVectors& a, const TwoVectors& b, const TwoVectors& from, const TwoVectors& to,
            const CollapseLimits& limits) {

@@ -237,7 +237,7 @@ void CollapseMesh::findPairs(uint32_t keep, uint32_t gone, std::vector<WedgeTabl
   }
 }
 
-// Returns whether some triangle has both positions as corners.
+// Returns true if some triangle has both positions as corners.
 bool CollapseMesh::share(uint32_t keep, uint32_t gone) const noexcept {
   return std::ranges::any_of(around(gone), [&](uint32_t corner) {
     return corner_position[next(corner)] == keep || corner_position[previous(corner)] == keep;

@@ -31,9 +31,9 @@ class WedgeQuadrics {
   /// @param weight  weight of attributes relative to geometry; 1: the default, 0: ignore attributes
   WedgeQuadrics(CollapseMesh& mesh, double diagonal, double weight);
 
-  /// Returns whether the mesh has no attributes that add errors.
+  /// Returns true if the mesh has no attributes that add errors.
   bool empty() const noexcept { return channels_.empty(); }
-  /// Returns whether setValues() sets every attribute of a wedge, so that merging need not mix any.
+  /// Returns true if setValues() sets every attribute of a wedge, so that merging need not mix any.
   bool coversAll() const noexcept { return covers_all_; }
   void prefetch(uint32_t wedge) const noexcept;
 

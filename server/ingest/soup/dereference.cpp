@@ -12,10 +12,11 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kVerticesAPiece = 16 * FaceBatch::kSweepVertices;
-constexpr uint64_t kShareOfFaces = 2, kShareOfHelpers = 4;  ///< shares of the memory, as divisors
+constexpr uint64_t kShareOfFaces = 2, kShareOfHelpers = 4;  ///< divisors of the memory: faces get 1/2 of it,
+                                                            ///< helper threads 1/4
 constexpr uint64_t kCursorBytes = 1 << 20;                  ///< size of a thread's read buffer
 
-/// Vertices of a batch of faces, by rank.
+/// The vertices of a batch of faces, indexed by rank.
 struct BatchVertices {
   std::vector<PositionCode> positions;
   std::vector<VertexAttributes> attributes;  ///< empty if the input's vertices have no attributes
@@ -109,7 +110,7 @@ class BlockDereference {
     for (const glm::u32vec3& t : cut_) add(face, face.first + t);
   }
 
-  /// Caches the normal of the face, because a polygon needs the normal at every corner.
+  /// Returns the code of the face's normal. Caches the code, because a polygon needs it at every corner.
   uint16_t normalOf(const Face& face) {
     if (normal_of_face_) return *normal_of_face_;
     const glm::dvec3 from = positionOf(face.first);
@@ -119,8 +120,8 @@ class BlockDereference {
     return normal_of_face_.emplace(encodeOctahedral(glm::vec3(front)));
   }
 
-  /// Returns whether a dropped triangle has distinct corners in the file. Reads the positions from disk,
-  /// which is rare.
+  /// Returns true if a dropped triangle has distinct corners in the file. Reads the positions from disk; such
+  /// triangles are rare.
   bool isLost(glm::u32vec3 corners) const {
     const glm::u32vec3 t(block_.corners[corners.x], block_.corners[corners.y], block_.corners[corners.z]);
     if (t.x == t.y || t.y == t.z || t.z == t.x) return false;

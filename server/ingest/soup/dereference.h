@@ -18,9 +18,9 @@ struct DereferenceCounts {
   double snap_error_steps = 0;  ///< largest distance by which snapping moved a vertex
 };
 
-/// Start of a batch of faces, and the counts before it.
+/// Start of a batch of faces, and the counts of the faces before the batch.
 struct DereferencePoint {
-  uint64_t face_offset = 0;  ///< offset of PackedInput::FaceCursor
+  uint64_t face_offset = 0;  ///< FaceCursor::offset() at the start of the batch
   uint64_t faces = 0;
   DereferenceCounts counts;
 };
@@ -34,17 +34,17 @@ struct DereferenceInput {
   uint64_t memory_bytes = 0;
   unsigned threads = 1;
   BuildProgress progress{};
-  DereferencePoint from{};  ///< point of an earlier on_batch() to continue from; the result's counts
-                            ///< include the triangles before the point
+  DereferencePoint from{};  ///< start: the argument of an earlier call of on_batch(); the counts include the
+                            ///< triangles before this point
   /// Called before the first triangle of each batch.
   std::function<void(const DereferencePoint&)> on_batch{};
 };
 
 /// Replaces vertex indices by lattice positions and attributes. Cuts polygons into triangles. If a vertex's
-/// normal has length zero, uses the normal of the face instead. Works in batches. A batch consists of as many
-/// faces as fit in half of the memory. One pass over the packed file, which skips unused ranges, reads the
-/// vertices of the batch; then the triangles are passed to the sink. Threads divide the pass by ranges of
-/// vertices, and the triangles by blocks of faces. The memory limits the number of threads.
+/// normal has length zero, uses the normal of the face instead. Works in batches of as many faces as fit in
+/// half of the memory. For each batch, one pass over the packed file reads the vertices and skips unused
+/// ranges; then the triangles go to the sink. Threads divide the pass by ranges of vertices, and the
+/// triangles by blocks of faces. The memory limits the number of threads.
 /// @param sink  receives the triangles, on the caller's thread.
 DereferenceCounts dereference(const DereferenceInput& input, const SoupSink& sink);
 

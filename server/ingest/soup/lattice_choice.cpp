@@ -17,13 +17,14 @@ namespace {
 
 constexpr uint64_t kSampledFaces = 1 << 17;
 constexpr double kStepsInShortEdge = 32;
-/// Least number of steps along the box's longest side. Snapping moves a corner by at most half a cell
-/// diagonal, which is 0.87 steps. This is less than a pixel if the side is 3840 pixels long on a screen.
+/// Least number of steps along the box's longest side. Snapping moves a corner by at most half the diagonal
+/// of a lattice cell, which is 0.87 steps. On a screen that shows this side with 3840 pixels, the corner
+/// moves by less than a pixel.
 constexpr double kLeastStepsInBox = 4096;
 constexpr double kMostStepsInBox = (1 << kLatticeBits) - 2;
 constexpr uint64_t kFacesForEachLost = 1'000'000;
 
-/// Vertices that faces use, and evenly sampled faces.
+/// The vertices that faces use, and an even sample of the faces.
 struct UsedAndSampled {
   VertexSet used;
   std::vector<SampledFace> faces;
@@ -51,9 +52,9 @@ double stepAtMost(double value) {
 }
 double powerOfTwoAtLeast(double value) { return std::exp2(std::ceil(std::log2(value))); }
 
-/// Returns the finest possible step, which is a power of two. Multiples of other steps have more bits. The
-/// factor of four times epsilon leaves room for these bits, also in the origin, which is the box's corner
-/// rounded down.
+/// Returns the finest step, a power of two, with which the box fits the lattice and double represents all
+/// coordinates exactly. Multiples of other steps have more bits; the factor of four times epsilon leaves room
+/// for these bits.
 double finestStep(glm::dvec3 box_min, glm::dvec3 box_max) {
   const glm::dvec3 size = box_max - box_min;
   const glm::dvec3 farthest = glm::max(glm::abs(box_min), glm::abs(box_max));

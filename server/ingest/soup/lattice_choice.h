@@ -13,9 +13,9 @@
 
 namespace lode::ingest {
 
-/// Chooses the step of a model's lattice: the largest isLatticeStep() that is at most 1/32 of the
-/// 5th-percentile edge and 1/4096 of the box's longest side, but coarse enough that the box fits in 21 bits
-/// and that double represents the coordinates exactly. See docs/store-format.md.
+/// Chooses the step of a model's lattice. The step is the largest isLatticeStep() that is at most 1/32 of the
+/// edges' 5th percentile and at most 1/4096 of the box's longest side. But it is never so fine that the box
+/// exceeds 21 bits or that double cannot represent the coordinates exactly. See docs/store-format.md.
 /// @param edges  lengths of sampled edges, in model units. The function ignores zeros and reorders the
 /// vector.
 double chooseStep(std::vector<double>& edges, glm::dvec3 box_min, glm::dvec3 box_max);
@@ -23,21 +23,22 @@ double chooseStep(std::vector<double>& edges, glm::dvec3 box_min, glm::dvec3 box
 /// First four corners of a sampled face. The fourth corner of a triangle repeats its first corner.
 using SampledFace = std::array<uint32_t, 4>;
 SampledFace sampledFace(std::span<const uint32_t> corners);
-/// Returns the stride between sampled faces, which is 1 below a quarter of a million faces.
+/// Returns the distance between two sampled faces. Models with less than a quarter of a million faces have
+/// the distance 1: all faces are sampled.
 uint64_t faceStride(uint64_t faces) noexcept;
 
 /// Returns the position of a vertex, in model units.
 using PositionOf = std::function<glm::dvec3(uint32_t vertex)>;
 
-/// Returns whether neighbouring corners of a face that are distinct in the file coincide on the lattice.
+/// Returns true if neighbouring corners of a face that are distinct in the file coincide on the lattice.
 bool isLost(std::span<const uint32_t> corners, const PositionOf& position_of, const Lattice& lattice);
 
-/// Halves chooseStep() until at most a millionth of the sampled faces is lost, or until a finer step keeps no
-/// more faces. The origin is a multiple of the step.
+/// Chooses the lattice. Starts with chooseStep() and halves the step until at most a millionth of the sampled
+/// faces is lost, or until a finer step does not save a face. The origin is a multiple of the step.
 Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& position_of, glm::dvec3 box_min,
                       glm::dvec3 box_max);
 
-/// Data of the vertices that faces use. The lattice is chosen from these data only, because unused vertices
+/// Data of the vertices that faces use. Only these vertices determine the lattice, because unused vertices
 /// must not reduce the precision.
 struct UsedVertices {
   uint64_t count = 0;
@@ -48,7 +49,7 @@ struct UsedVertices {
 };
 UsedVertices findUsedVertices(const PackedInput& input);
 
-/// A lattice, or the problem that prevents a lattice, with the remedy.
+/// A lattice, or the reason why no lattice is suitable, with the remedy.
 struct LatticeOrProblem {
   std::optional<Lattice> lattice;
   std::string_view problem;

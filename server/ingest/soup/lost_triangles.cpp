@@ -9,7 +9,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Share of lost triangles above which the model's box is too large for its details.
+/// Largest share of lost triangles. Above this share, the model's box is too large for its details.
 constexpr double kMostLostShare = 0.5;
 
 std::string inDigits(double value, int digits = 6) {

@@ -17,8 +17,7 @@ struct LostTriangles {
   double step = 0;            ///< step of the lattice
   glm::dvec3 min{0}, max{0};  ///< box of the model
 
-  /// Returns whether so many triangles are lost that the rest does not represent the model. A build then
-  /// fails.
+  /// Returns true if the remaining triangles no longer represent the model. A build then fails.
   bool areMost() const noexcept;
   /// Returns a message with the number of lost triangles, the reason and the remedy.
   std::string inWords() const;
@@ -37,7 +36,8 @@ class LostTriangleCounter {
   bool someMeet();
 
   const Lattice lattice_;
-  std::vector<PositionCode> snapped_, sorted_;  ///< data of the current face, like the next members
+  std::vector<PositionCode> snapped_, sorted_;  ///< corners of the current face; the next members also belong
+                                                ///< to this face
   std::vector<glm::dvec3> outline_;
   std::vector<glm::u32vec3> cut_;
 };

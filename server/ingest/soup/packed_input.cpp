@@ -130,7 +130,7 @@ UvRange PackedInput::usedUvRange() const {
   UvRange range;
   SpoolCursor cursor(vertex_spool_, 0, vertices_ * vertex_bytes_);
   for (uint64_t vertex = 0; vertex < vertices_; ++vertex) {
-    glm::vec2 uv;  // the last field of a packed vertex
+    glm::vec2 uv;  // texture coordinates are the last field of a packed vertex
     std::memcpy(&uv, cursor.take(vertex_bytes_).last(sizeof(uv)).data(), sizeof(uv));
     if (used.contains(vertex)) range.add(uv);
   }

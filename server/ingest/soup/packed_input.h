@@ -17,7 +17,7 @@
 
 namespace lode::ingest {
 
-/// Code of a normal of length zero, instead of an octahedral code.
+/// Code that replaces the octahedral code of a normal of length zero.
 constexpr uint16_t kNoNormal = 0xffff;
 
 /// Vertices and faces in temporary files, which later stages read instead of the PLY file. Vertices have a
@@ -29,11 +29,11 @@ class PackedInput {
   /// Names of the files, which outlive a killed build.
   static constexpr std::string_view kVertexFile = "vertices", kFaceFile = "faces";
 
-  /// @param corner_texture  whether corners of faces have texture coordinates instead of vertices.
+  /// @param corner_texture  true if faces have texture coordinates per corner; false if vertices have them.
   PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
               bool corner_texture = false);
 
-  /// Syncs a flushed input to disk and records its location.
+  /// Syncs a flushed input to disk and records all that load() needs.
   void save(RecordWriter& record) const;
   /// Opens the input that save() recorded. @throws Error kIo, kFormat.
   static PackedInput load(const TemporaryFolder& folder, RecordReader& record);
@@ -49,14 +49,14 @@ class PackedInput {
 
   /// Returns the range of all texture coordinates.
   const UvRange& uvRange() const noexcept { return uv_range_; }
-  /// Returns the range of the texture coordinates that faces use. Reads all faces and vertices if a vertex
-  /// has texture coordinates outside 0..1. The input must be flushed.
+  /// Returns the range of the texture coordinates that faces use. Reads all faces and vertices, unless all
+  /// texture coordinates lie within 0..1. The input must be flushed.
   UvRange usedUvRange() const;
   /// Sets the grid to which texture coordinates are snapped when vertices or faces are read.
   void setUvGrid(const UvGrid& grid) noexcept { uv_grid_ = grid; }
   const UvGrid& uvGrid() const noexcept { return uv_grid_; }
 
-  /// Returns whether vertices have attributes. Attributes of corners and faces do not count.
+  /// Returns true if vertices have attributes. Attributes of corners and faces do not count.
   bool hasVertexAttributes() const noexcept { return vertex_attributes_.bits != 0; }
   /// Passes vertices first..first+count to sink(number, position, attributes).
   template <typename Sink>
@@ -65,7 +65,7 @@ class PackedInput {
   /// Reads the position of one vertex from disk. The input must be flushed.
   glm::dvec3 positionOf(uint64_t vertex) const;
 
-  /// Polygons as flat arrays. All polygons are triangles if corner_counts is empty.
+  /// A block of polygons, as flat arrays. If corner_counts is empty, all polygons are triangles.
   struct FaceBlock {
     std::vector<uint32_t> corner_counts;
     std::vector<uint32_t> corners;

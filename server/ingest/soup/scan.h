@@ -11,10 +11,10 @@ namespace lode::ingest {
 struct ScannedModel {
   PackedInput input;
   PlyCounts counts;
-  std::vector<std::string> texture_files;  ///< names in the header
+  std::vector<std::string> texture_files;  ///< names of texture files in the header
 };
 
-/// Returns whether the file's positions need double precision.
+/// Returns true if the file's positions need double precision.
 bool hasDoublePositions(const PlyHeader& header);
 
 /// Returns the attributes that a build uses from a file. Omits normals if all have length zero.

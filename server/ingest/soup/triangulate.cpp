@@ -13,7 +13,7 @@ double cross(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// Rising tolerances for the acceptance of ears. Simple polygons need at most kFlat.
+/// Rules for accepting a corner as an ear, from strict to lax. Simple polygons need at most kFlat.
 enum Tolerance { kStrict, kTouching, kFlat, kConvex, kAny };
 
 /// A grid of square cells that contain about one point each.
@@ -38,7 +38,7 @@ class PointGrid {
     for (const uint32_t i : numbers) numbers_[next[cellOf(points[i])]++] = i;
   }
 
-  /// Returns whether the test is true for any point in the cells that a triangle's box touches. Subtracts the
+  /// Returns true if the test is true for any point in the cells that a triangle's box touches. Subtracts the
   /// number of tests from the budget.
   template <class Test>
   bool any(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, int64_t& budget, const Test& test) const {
@@ -86,8 +86,8 @@ class Outline {
       extent = std::max({extent, std::fabs(relative.x), std::fabs(relative.y), std::fabs(relative.z)});
     }
     if (!(extent > 0) || !std::isfinite(extent))
-      return;              // all points stay at 0, so that every corner is an ear
-    glm::dvec3 normal(0);  // Newell's method
+      return;              // leave all points at 0, so that every corner counts as an ear
+    glm::dvec3 normal(0);  // sum of the area vectors, by Newell's method
     glm::dvec3 last = (corners.back() - corners[0]) / extent;
     for (const glm::dvec3& corner : corners) {
       const glm::dvec3 here = (corner - corners[0]) / extent;
@@ -182,8 +182,8 @@ class Outline {
     return tolerance == kStrict ? least >= 0 : least > 0;
   }
 
-  /// Limit of tests of a corner against an ear. A polygon that exceeds the limit is not simple, and any
-  /// corner is then cut off as an ear.
+  /// Least limit on the number of tests of a corner against an ear. A polygon that needs more tests is not
+  /// simple; the function then cuts off any corner.
   static constexpr int64_t kLeastBudget = 100'000;
   static constexpr int64_t kBudgetPerCorner = 1024;
 
@@ -193,13 +193,13 @@ class Outline {
   std::vector<uint32_t> after_;
   std::vector<bool> removed_;
   std::deque<uint32_t> candidates_;
-  PointGrid reflex_;  ///< corners that are reflex at first; no other corner can lie in an ear
+  PointGrid reflex_;  ///< corners that are reflex in the uncut polygon; other corners cannot lie in an ear
   int64_t budget_ = 0;
 };
 
 /// Cuts a quad along a diagonal inside the quad. Chooses the shorter diagonal if both are inside.
 void cutQuad(std::span<const glm::dvec3> corners, std::vector<glm::u32vec3>& triangles) {
-  // Area vector of the quad; a triangle is inside if its area vector has the same direction.
+  // Area vector of the quad. A triangle lies inside the quad if its area vector points in the same direction.
   const glm::dvec3 normal = glm::cross(corners[2] - corners[0], corners[3] - corners[1]);
   const auto area = [&](int a, int b, int c) {
     return glm::dot(glm::cross(corners[b] - corners[a], corners[c] - corners[a]), normal);

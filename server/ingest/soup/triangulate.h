@@ -9,9 +9,10 @@
 namespace lode::ingest {
 
 /// Cuts a polygon, convex or not, into corners.size() - 2 triangles by ear clipping. Projects the polygon
-/// along the axis nearest to the normal of the best-fit plane, or a quad along the normal itself. Keeps the
-/// orientation. Includes triangles without area, so that every edge of the outline is used once. Cuts a
-/// polygon arbitrarily if it is not simple, has no area, or exceeds a limit of steps per corner.
+/// along the axis that is closest to the normal of its best-fit plane; projects a quad along the normal
+/// itself. Keeps the orientation. The result includes triangles without area, so that exactly one triangle
+/// uses each edge of the outline. Cuts a polygon arbitrarily if it is not simple, has no area, or exceeds a
+/// limit of steps per corner.
 /// @param corners    at least 3 positions, in order.
 /// @param triangles  receives corner indices; the function clears the vector first.
 /// Source: Meisters, Polygons Have Ears, 1975.

@@ -18,7 +18,7 @@ struct UvRange {
     max = glm::max(max, glm::dvec2(uv));
   }
   bool empty() const noexcept { return !(min.x <= max.x); }
-  /// Returns whether the range lies within 0..1 or is empty.
+  /// Returns true if the range lies within 0..1 or is empty.
   bool withinImage() const noexcept {
     return empty() || (glm::all(glm::greaterThanEqual(min, glm::dvec2(0))) &&
                        glm::all(glm::lessThanEqual(max, glm::dvec2(1))));

@@ -16,9 +16,10 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kTexelBytes = sizeof(glm::u8vec4);
-/// Memory per texel in addition to the image, for the next level or for a decoder's rows.
+/// Memory per texel in addition to the image. The next level or the decoder's rows need this memory.
 constexpr uint64_t kUsualTexelBytes = 2;
-/// Additional memory per texel for a JPEG with several scans, whose decoder stores coefficients in blocks.
+/// Additional memory per texel for a JPEG with several scans. Its decoder stores the coefficients of whole
+/// blocks.
 constexpr uint64_t kCoefficientBytes = 6, kJpegBlockPx = 32;
 /// Memory of the tables to decode lossless WebP or lossless alpha. This suffices for files of the reference
 /// encoder; a crafted file can need more.
@@ -49,7 +50,7 @@ void decodePng(std::span<const std::byte> file, Image& image) {
   png.version = PNG_IMAGE_VERSION;
   if (png_image_begin_read_from_memory(&png, file.data(), file.size()) != 0) {
     png.format = PNG_FORMAT_RGBA;
-    png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // 16 bits without a gamma are sRGB, as in other programs
+    png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // treat 16 bits without a gamma as sRGB, as other programs do
     if (png_image_finish_read(&png, nullptr, image.texels.data(), 0, nullptr) != 0) return;
   }
   refuse(std::string("is a damaged PNG: ") + png.message);

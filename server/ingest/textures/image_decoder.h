@@ -12,7 +12,8 @@ namespace lode::ingest {
 /// Header of an image file.
 struct ImageHeader {
   uint64_t width = 0, height = 0;  ///< size in pixels, at most kMaxTextureEdgePx each
-  /// Upper bound on the memory for the texels together with their decoder, or with the next coarser level.
+  /// Upper bound on the memory for the texels and their decoder, and for the texels and the next coarser
+  /// level.
   uint64_t working_bytes = 0;
 };
 

@@ -18,7 +18,7 @@ bool isInside(const std::filesystem::path& path, const std::filesystem::path& fo
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }
 
-/// Returns the problem of an image that is too large for the memory, and its remedy.
+/// Returns a text about an image that is too large for the memory, with the remedy.
 std::string tooLarge(uint64_t needed, uint64_t memory_bytes) {
   return "needs " + byteSizeAtLeast(needed) + " of memory, but an image may use only " +
          describeBytes(memory_bytes) + " of --memory; raise it to " +

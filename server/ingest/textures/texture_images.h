@@ -15,10 +15,11 @@ namespace lode::ingest {
 constexpr const char* kNoTextureFile =
     "has texture coordinates, but its header names no image; add a line: comment TextureFile NAME";
 
-/// Image of a `comment TextureFile`.
+/// The file that a `comment TextureFile` names.
 struct TextureFile {
   std::filesystem::path path;
-  std::string problem;  ///< reason why the image cannot be read, and remedy; else empty
+  /// Reason why the image cannot be read, with the remedy; empty if the image can be read.
+  std::string problem;
 };
 
 /// Finds an image in the PLY file's folder or below. If the image is not there and the PLY file is a link,
@@ -30,12 +31,13 @@ TextureFile findTexture(const std::filesystem::path& ply, const std::string& nam
 struct TextureImage {
   std::string name;            ///< name as written in the PLY file
   std::filesystem::path path;  ///< path of the image; empty if no file was found
-  std::string problem;         ///< reason why the image cannot be used, and remedy; else empty
-  bool needs_memory = false;   ///< whether more memory would solve the problem
+  std::string problem;         ///< reason why the image cannot be used, with the remedy; empty if the image
+                               ///< can be used
+  bool needs_memory = false;   ///< true if more memory would solve the problem
   uint64_t file_bytes = 0;
   ImageHeader header;  ///< header of the image; empty if the image has a problem
 
-  /// Returns the memory to decode the image and compute its levels.
+  /// Returns the memory that decoding the image and computing its levels takes.
   uint64_t memoryBytes() const noexcept { return file_bytes + header.working_bytes; }
 };
 

@@ -15,7 +15,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kTilesAtOnce = 8;  ///< tiles that a thread encodes before they are written
+constexpr size_t kTilesAtOnce = 8;  ///< number of tiles that a thread encodes before it writes them
 
 /// Changes a name so that it is valid in a texture set.
 std::string presentable(std::string name) {
@@ -129,7 +129,8 @@ class Stager {
   std::vector<std::string>& warnings_;
   const size_t textures_;
   size_t done_textures_ = 0;
-  unsigned threads_ = 1;  ///< threads for the current texture, to which the next two members also belong
+  /// Number of threads for the current texture; the next two members also belong to this texture.
+  unsigned threads_ = 1;
   TileCodec codec_ = TileCodec::kJpeg;
   size_t staged_tiles_ = 0;
   uint64_t all_tiles_ = 0;

@@ -17,8 +17,8 @@ namespace {
 constexpr int kQuality = 90;
 constexpr size_t kDrawingColours = 256;
 
-/// Encodes a tile as JPEG. Must not create an object with a destructor, because libjpeg reports errors by
-/// longjmp.
+/// Encodes a tile as JPEG. libjpeg reports errors by longjmp(), so this function must not create an object
+/// with a destructor.
 /// @param bytes  receives memory allocated with malloc.
 bool compressJpeg(const Image& tile, unsigned char*& bytes, unsigned long& size) {
   jpeg_compress_struct info{};
@@ -74,7 +74,7 @@ std::vector<std::byte> encodeWebp(const Image& tile, bool lossless) {
   if (WebPConfigPreset(&config, WEBP_PRESET_DEFAULT, kQuality) == 0 || WebPPictureInit(&picture) == 0)
     throw Error(ErrorCode::kInternal, "libwebp has another version than its headers");
   if (lossless) WebPConfigLosslessPreset(&config, 6);
-  config.exact = 1;  // keep colours of transparent texels, because filters mix them with neighbours
+  config.exact = 1;  // keep the colours of transparent texels, because filters mix them with their neighbours
   picture.use_argb = 1;
   picture.width = static_cast<int>(tile.size.x);
   picture.height = static_cast<int>(tile.size.y);

@@ -14,8 +14,8 @@ enum class TileCodec {
   kLossless,  ///< lossless WebP, for drawings of up to 256 colours
 };
 
-/// Chooses the format from the image's content. All tiles of an image have the same format, so that no tile
-/// looks different. Thread safe.
+/// Chooses the format from the image's content. All tiles of an image have the same format, so that their
+/// edges do not show. Thread safe.
 TileCodec chooseCodec(const Image& image);
 
 /// Encodes a tile. Equal tiles result in equal bytes. @throws Error kInternal. Thread safe.

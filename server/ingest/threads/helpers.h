@@ -8,7 +8,7 @@ namespace lode::ingest {
 class Helpers {
  public:
   virtual ~Helpers() = default;
-  /// Returns true if the caller can run one more thread until the caller calls release().
+  /// Requests one more thread. @return true if the caller can use the thread until it calls release().
   virtual bool take() = 0;
   virtual void release() = 0;
 };

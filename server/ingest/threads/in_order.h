@@ -143,7 +143,8 @@ class InOrder {
   std::deque<std::packaged_task<Result()>> waiting_;  ///< pieces that no thread has taken
   size_t called_ = 0, working_ = 0;                   ///< numbers of helpers called and working
   bool is_ending_ = false;
-  std::vector<std::jthread> threads_;  ///< last member, so that the destructor joins the threads first
+  /// Must be the last member, so that the destructor joins the threads first.
+  std::vector<std::jthread> threads_;
 };
 
 }  // namespace lode::ingest

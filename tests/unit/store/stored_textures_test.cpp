@@ -180,7 +180,7 @@ TEST_F(StoredTextures, areRejoinedBesideThePlyByExport) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "two words.png"));
 }
 
-/// Returns whether the file has an alpha channel.
+/// Returns true if the file has an alpha channel.
 bool hasAlphaChannel(const std::filesystem::path& path) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;

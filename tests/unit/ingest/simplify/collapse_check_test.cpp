@@ -32,7 +32,7 @@ TEST(CollapseCheck, findsTheSameOfAnEdgeWhateverItLookedAtBefore) {
   EXPECT_GT(allowed, 1000u);
 }
 
-/// Returns whether a triangle (a, b, from) keeps its shape within the limits when its third corner moves.
+/// Returns true if a triangle (a, b, from) keeps its shape within the limits when its third corner moves.
 bool keepsShape(glm::dvec3 a, glm::dvec3 b, glm::dvec3 from, glm::dvec3 to, const CollapseLimits& limits) {
   const auto shape = [&](glm::dvec3 c) {
     const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
