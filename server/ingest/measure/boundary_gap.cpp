@@ -16,12 +16,14 @@ namespace {
 
 constexpr float kMargin = 1.001f;  ///< factor that covers rounding errors
 constexpr float kBoundaryPrecision = 1.02f;
-constexpr float kNegligible = 0.25f;      ///< precision of float at large coordinates, in lattice steps
-constexpr float kShortestPart = 0.5f;     ///< length in lattice steps; shorter parts are not divided
-constexpr size_t kFewBoundaries = 16;     ///< number of boundaries up to which a search tests all of them
-constexpr size_t kManyBoundaries = 4096;  ///< number of boundaries that suffices to measure an edge
+constexpr float kNegligible = 0.25f;  ///< distances below this value do not matter, because floats are no
+                                      ///< more precise; in lattice steps
+/// Parts of an edge below this length are not divided; in lattice steps.
+constexpr float kShortestPart = 0.5f;
+constexpr size_t kFewBoundaries = 16;     ///< up to this number of boundaries, a search tests each of them
+constexpr size_t kManyBoundaries = 4096;  ///< number of boundaries that is enough to measure an edge
 
-/// A position of the simplified mesh, and a reference with an end that maps to it.
+/// A position of the simplified mesh, and a reference one end of which maps to this position.
 struct Meeting {
   uint32_t place, reference;
 };
@@ -43,7 +45,7 @@ float squaredBound(const Segment& part, std::span<const Segment> boundaries) noe
   return squared;
 }
 
-/// Bounds of the largest squared distance.
+/// Lower and upper bound of the largest squared distance.
 struct Farthest {
   float reached = 0;  ///< largest squared distance measured
   float at_most = 0;  ///< upper bound of the largest squared distance
@@ -64,7 +66,7 @@ size_t keepNear(const Segment& part, std::span<Segment> boundaries) {
 void measureSegment(const Segment& segment, std::span<Segment> boundaries, Farthest& farthest) {
   struct Part {
     Segment segment;
-    size_t near;  ///< number of leading boundaries to search
+    size_t near;  ///< number of boundaries to search, from the front of the list
   };
   std::vector<Part> parts{{segment, boundaries.size()}};
   for (const glm::vec3 end : {segment.from, segment.to})
@@ -88,7 +90,7 @@ void measureSegment(const Segment& segment, std::span<Segment> boundaries, Farth
   }
 }
 
-/// Finds references by the positions of the simplified mesh that the references' ends map to.
+/// Finds the references whose ends map to given positions of the simplified mesh.
 class MeetingBoundaries {
  public:
   MeetingBoundaries(const SimplifiedMesh& simplified, const LodInput& input)
@@ -103,7 +105,7 @@ class MeetingBoundaries {
     });
   }
 
-  /// Collects references at some positions, about kManyBoundaries at most.
+  /// Collects the references at some positions. Stops at about kManyBoundaries references.
   void gather(std::span<const uint32_t> places, std::vector<Segment>& boundaries) const {
     const auto pointOf = [](PositionCode position) { return glm::vec3(unpackPosition(position)); };
     boundaries.clear();
@@ -116,7 +118,7 @@ class MeetingBoundaries {
     }
   }
 
-  /// Returns both ends, followed by the positions that share a reference with one of them.
+  /// Returns both ends of an edge, then the positions that share a reference with one of the ends.
   std::vector<uint32_t> around(glm::u32vec2 ends) const {
     std::vector<uint32_t> places;
     for (const uint32_t end : {ends.x, ends.y}) {

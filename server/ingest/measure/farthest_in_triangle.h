@@ -17,18 +17,18 @@
 
 namespace lode::ingest {
 
-/// A point with its distance from a nearby triangle of a surface.
+/// A point and its distance from a nearby triangle of a surface.
 struct MeasuredPoint {
   glm::vec3 at;
   float distance;     ///< distance from the triangle; never less than the distance from the surface
   uint32_t triangle;  ///< number of the triangle in the surface
 };
 
-/// Measures the largest distance of a triangle's points from a surface, to 2 %. Divides the triangle until
-/// each part meets one of three conditions: one triangle of the surface is close to all corners of the part
-/// (then it is close to the whole part, because the distance from a triangle is convex), the part is so small
-/// that its size bounds the distance, or the part results from kMostCuts cuts. Cuts lie where the nearest
-/// triangle of the surface changes.
+/// Measures the largest distance of a triangle's points from a surface, to 2 %. Divides the triangle into
+/// parts, at points where the nearest triangle of the surface changes. A part needs no further cut if one of
+/// these conditions holds: one triangle of the surface is close to all corners of the part, and so to the
+/// whole part, because the distance from a triangle is convex; the part is so small that its size bounds the
+/// distance; or the part results from kMostCuts cuts.
 /// Source: Tang, Lee & Kim, Interactive Hausdorff Distance Computation for General Polygonal Models, 2009,
 /// for the bounds of a part.
 /// @tparam Surface  has `PackedTriangle triangle(uint32_t)` and `MeasuredPoint measure(glm::vec3, uint32_t
@@ -72,7 +72,8 @@ class FarthestInTriangle {
   float precision() const noexcept { return std::max(tolerance_, largest_); }
 
  private:
-  /// [i][k]: distance of corner i from the triangle nearest to corner k.
+  /// Distances between the corners of a part and triangles. Element [i][k] is the distance of corner i from
+  /// the triangle nearest to corner k.
   using Distances = std::array<std::array<float, 3>, 3>;
 
   using Corners = std::array<MeasuredPoint, 3>;
@@ -83,15 +84,15 @@ class FarthestInTriangle {
     int cuts;
   };
 
-  /// A new point, with its distances from the triangles at a part's corners, and the distances of these
-  /// corners from the new point's triangle.
+  /// A new point at which a part is cut. Contains the distances of the point from the triangles at the part's
+  /// corners, and the distances of these corners from the triangle at the point.
   struct Meeting {
     MeasuredPoint point;
     std::array<float, 3> of_point, of_corners;
   };
 
-  /// Returns true if all corners are close to one corner's triangle. Computes the distances from one corner's
-  /// triangle after another, until one is close enough.
+  /// Returns true if the triangle at one corner is close to all corners. Tests the triangles of the corners
+  /// one after another, and stops at the first success.
   bool isBoundedByOneTriangle(Part& part) const {
     const auto& [a, b, c] = part.corners;
     if (a.triangle == b.triangle && b.triangle == c.triangle) {
@@ -124,7 +125,8 @@ class FarthestInTriangle {
                                     surface_.triangle(c.triangle), of_point)
                           .squaredDistances({point.at, point.at, point.at, a.at});
     Meeting meeting{point, {}, {}};
-    size_t same = 3;  // number of the corner that has the same triangle as the point; 3: none
+    // Number of the corner that has the same triangle as the point; 3 if there is no such corner.
+    size_t same = 3;
     for (size_t by = 0; by < 3; ++by) {
       if (part.corners[by].triangle == point.triangle) same = by;
       meeting.of_point[by] = same == by ? point.distance : std::sqrt(some[by]);
@@ -173,7 +175,7 @@ class FarthestInTriangle {
     return high + kFromCorners * longest <= limit();
   }
 
-  /// Returns true if all corners are close to the triangle at corner `by`.
+  /// Returns true if the triangle at corner `by` is close to all corners.
   bool isNear(const Part& part, size_t by) const {
     return std::max({part.from[0][by], part.from[1][by], part.from[2][by]}) <= limit();
   }
@@ -183,11 +185,12 @@ class FarthestInTriangle {
            (part.cuts > 0 && (isBoundedBySize(part.corners) || isBoundedByChains(part.corners)));
   }
 
-  /// Returns true if a chain of the surface's triangles is close to the whole part. The chain leads from one
-  /// corner's triangle to another's, past the third corner, and each edge of the chain is close to the two
-  /// sides of the part that the edge crosses. Distance from a triangle is convex, so the points between two
-  /// neighbouring edges are close too. No single chain covers a part that lies above a vertex of the surface.
-  /// Then the function uses three chains, one along each side, which divide the part at one point.
+  /// Returns true if a chain of the surface's triangles is close to the whole part. The chain leads from the
+  /// triangle at one corner, past the third corner, to the triangle at another corner. Each edge of the chain
+  /// must be close to the two sides of the part that the edge crosses. The points between two neighbouring
+  /// edges are then close too, because the distance from a triangle is convex. If a part lies above a vertex
+  /// of the surface, no single chain covers the part. The function then uses three chains, one along each
+  /// side, which divide the part at one point.
   bool isBoundedByChains(const Corners& corners) const {
     const size_t first = firstSide(corners);
     std::array<TriangleChain, 3> along;
@@ -243,8 +246,8 @@ class FarthestInTriangle {
     return 0;
   }
 
-  /// Walks along a chain of triangles until it reaches the point's triangle or one close to the point.
-  /// Returns the number of edges crossed; more than edge_count if the chain has no such triangle.
+  /// Walks along a chain of triangles, up to the point's triangle or a triangle close to the point. Returns
+  /// the number of crossed edges. If the chain has no such triangle, returns a number above edge_count.
   size_t edgesBefore(const TriangleChain& chain, const MeasuredPoint& point, float limit_squared) const {
     for (size_t i = 0; i <= chain.edge_count; ++i)
       if (chain.triangles[i] == point.triangle) return i;
@@ -272,7 +275,7 @@ class FarthestInTriangle {
     return true;
   }
 
-  /// Chooses the edge whose two ends have the most different triangles.
+  /// Chooses the edge whose ends are nearest to the most different triangles.
   static size_t edgeToCut(const Distances& from) {
     const auto parting = [&](size_t k) { return from[k][(k + 1) % 3] + from[(k + 1) % 3][k]; };
     size_t most = 0;
@@ -281,7 +284,8 @@ class FarthestInTriangle {
     return most;
   }
 
-  /// Point on an edge that is equally far from both ends' triangles, if distances are linear.
+  /// Returns the position on an edge that is equally far from the triangles at both ends, if distances were
+  /// linear.
   static float whereToCut(const Distances& from, size_t k) {
     const size_t to = (k + 1) % 3;
     const float of_from = from[k][to] - from[k][k], of_to = from[to][k] - from[to][to];
@@ -294,7 +298,7 @@ class FarthestInTriangle {
   static constexpr float kPrecision = 1.02f;
   /// Largest distance of a point from its nearest corner, relative to the longest edge.
   static constexpr float kFromCorners = 0.5773503f;
-  static constexpr float kLeastShare = 0.125f;  ///< smallest part of an edge that is cut off
+  static constexpr float kLeastShare = 0.125f;  ///< a cut keeps at least this share of an edge on each side
 
   const Surface& surface_;
   const float tolerance_;

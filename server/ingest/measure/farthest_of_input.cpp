@@ -10,7 +10,7 @@
 namespace lode::ingest {
 namespace {
 
-// Triangles with an estimated distance below this share of the largest distance so far are skipped.
+// A triangle is skipped if its estimated distance is below this share of the largest distance so far.
 constexpr float kRefineAboveInInput = 0.7f;
 
 /// Plane of a triangle; the normal is 0 if the triangle has no area.
@@ -34,9 +34,8 @@ std::vector<Plane> planesOf(const NodeMesh& mesh) {
   return planes;
 }
 
-/// Estimates the largest distance between a triangle and an LOD. The estimate is usually too large. It uses
-/// only the LOD's planes at the triangle's corners: for each side, the height of one end over the plane at
-/// the other end.
+/// Estimates the largest distance between a triangle and an LOD. The estimate is usually too large. It
+/// compares each end of a side with the LOD's plane at the other end of the side.
 float triangleDistance(const std::array<MeasuredPoint, 3>& corners, std::span<const Plane> lod_planes) {
   float most = 0;
   for (size_t k = 0; k < 3; ++k) {
@@ -75,11 +74,12 @@ FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input
   const std::vector<MeasuredPoint> beside = measurePositions(lod, input, surface, places, lower_bound);
   const std::vector<Plane> lod_planes = planesOf(lod.mesh);
   FarthestInTriangle farthest(surface, lower_bound, lower_bound);
-  uint32_t corner = 0;  // corner of the triangle with the farthest point
+  uint32_t corner = 0;  // corner that belongs to the triangle with the farthest point
   for (const glm::u32vec3& t : input.triangles) {
     const MeasuredPoint &a = beside[input.wedge_position[t.x]], &b = beside[input.wedge_position[t.y]],
                         &c = beside[input.wedge_position[t.z]];
-    if (a.triangle == b.triangle && b.triangle == c.triangle) continue;  // the farthest point is a corner
+    // Skip the triangle: its farthest point is a corner.
+    if (a.triangle == b.triangle && b.triangle == c.triangle) continue;
     const std::array<MeasuredPoint, 3> corners{a, b, c};
     if (triangleDistance(corners, lod_planes) <= kRefineAboveInInput * farthest.precision()) continue;
     const float before = farthest.largest();

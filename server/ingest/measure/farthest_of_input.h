@@ -16,10 +16,10 @@ struct FarthestOfInput {
   std::optional<SurfaceSample> inside;
 };
 
-/// Returns the largest distance of an input mesh from an LOD made of it, in lattice steps, to 2 %. Measures
-/// only triangles that may contain the farthest point, according to the distances of their corners and the
-/// planes of the LOD near the corners. (LodCheck measures all triangles; boundaryGap() covers points that are
-/// far along a boundary.)
+/// Returns the largest distance of an input mesh from an LOD that was made from it, in lattice steps, to 2 %.
+/// Measures only triangles that may contain the farthest point, according to the distances of their corners
+/// and the planes of the LOD near the corners. (LodCheck measures all triangles; boundaryGap() covers points
+/// that are far along a boundary.)
 /// @param surface  the LOD's surface.
 /// @param places  for each position of the input, its place on the LOD; see placesOn().
 /// @param lower_bound  the function ignores smaller distances. @return at least lower_bound.

@@ -10,19 +10,19 @@
 namespace lode::ingest {
 namespace {
 
-/// Share of the largest distance so far; triangles with a larger distance are sampled finely.
+/// A triangle whose distance exceeds this share of the largest distance so far is sampled finely.
 constexpr float kRefineAboveInLod = 0.8f;
-// Steps per edge in the first pass. A small LOD gets more steps, because its large triangles may hide larger
-// distances and the LOD has few triangles to sample.
+// LODs up to these sizes are sampled with more steps per edge in the first pass. Such an LOD has large
+// triangles, which may hide larger distances, and few of them, so that more steps cost little.
 constexpr size_t kVeryFewTriangles = 256, kFewTriangles = 1024;
 constexpr uint32_t stepsAtFirst(size_t triangles) {
   return triangles <= kVeryFewTriangles ? 8 : triangles <= kFewTriangles ? 4 : 2;
 }
-constexpr float kManySteps = 1.5f;  ///< number of steps along an LOD edge per length of an input edge
+constexpr float kManySteps = 1.5f;  ///< number of steps per length of an input edge
 constexpr uint32_t kMostSteps = 24;
 constexpr uint32_t kMostStarts = 64;
 
-/// Input positions on each triangle of an LOD.
+/// Lists the input positions that lie on each triangle of an LOD.
 class PositionsOnTriangles {
  public:
   PositionsOnTriangles(const SimplifiedMesh& lod, std::span<const SurfaceWalk::Place> places)
@@ -182,11 +182,11 @@ class Measurement {
   float largest_;
   int searches_ = 0;
   std::vector<float> of_vertex_, of_edge_;
-  NumberTable edges_;  ///< index into of_edge_
+  NumberTable edges_;  ///< maps an edge to an index in of_edge_
 };
 
 constexpr float kEdgePrecision = 1.02f;
-constexpr int kMostCuts = 12;  ///< nested bisections of an edge
+constexpr int kMostCuts = 12;  ///< largest number of nested bisections of an edge
 
 class EdgeMeasurement {
  public:
@@ -242,9 +242,10 @@ class EdgeMeasurement {
     process(middle, to, cuts + 1);
   }
 
-  /// Returns true if all points between two points are close to the input. Either both ends are close to one
-  /// triangle (the distance from a triangle is convex), or a chain of triangles connects the ends' triangles
-  /// and each edge of the chain is close to the segment.
+  /// Returns true if all points between two points are close to the input. One of two conditions suffices.
+  /// One triangle is close to both ends, and so to all points between, because the distance from a triangle
+  /// is convex. Or a chain of triangles connects the triangles at both ends, and each edge of the chain is
+  /// close to the segment.
   bool isNear(const MeasuredPoint& from, const MeasuredPoint& to) const {
     const float squared = limit() * limit();
     const SurfaceWalk& walk = input_.walk();

@@ -17,9 +17,9 @@ float farthestOfLod(const SimplifiedMesh& lod, const LodInput& input,
                     std::span<const SurfaceWalk::Place> places, std::span<const uint32_t> sources,
                     float lower_bound);
 
-/// Returns the largest distance of any point of an LOD's edges from the LOD's input, with a
-/// precision of 2 %, in lattice steps. (Clustering may create edges across a notch of the boundary or between
-/// sheets. At every point that farthestOfLod() samples, such an edge may be close to the input.)
+/// Returns the largest distance of any point of an LOD's edges from the LOD's input, to 2 %, in lattice
+/// steps. Clustering may create edges across a notch of the boundary or between sheets. Call this function
+/// for a clustered LOD, because farthestOfLod() may sample such an edge only where it is close to the input.
 /// @param sources  see sourcesOf(). @param lower_bound  smaller distances do not matter. @return at least
 /// lower_bound.
 float farthestAlongEdges(const SimplifiedMesh& lod, const LodInput& input, std::span<const uint32_t> sources,

@@ -9,11 +9,12 @@
 namespace lode::ingest {
 namespace {
 
-// Safety factors. kPrecision covers skipped triangles. kPointMargin covers points of the LOD between sampled
-// points, and an LOD that deviates in the same direction as its input. kSampleMargin covers samples that were
-// dropped. docs/benchmarks.md (Errors) has the resulting ratios of stored to measured errors.
+// Safety factors. kPrecision covers skipped triangles. kPointMargin covers points between the sampled points
+// of an LOD, and LODs that deviate in the same direction as their input. kSampleMargin covers dropped
+// samples. docs/benchmarks.md (Errors) has the resulting ratios of stored to measured errors.
 constexpr float kPrecision = 1.021f, kPointMargin = 1.12f, kSampleMargin = 1.1f;
-// In LODs up to the first size, samples are not trusted. From the second size on, they are fully trusted.
+// Samples do not count in LODs of up to kUntrustedTriangles triangles. From kTrustedTriangles on, they count
+// fully.
 constexpr float kUntrustedTriangles = 4096, kTrustedTriangles = 16384;
 constexpr float kTrustedSampleMargin = 1.3f;
 

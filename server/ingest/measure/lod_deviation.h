@@ -13,7 +13,7 @@
 
 namespace lode::ingest {
 
-/// Data for measuring an LOD; see placesOn(), sourcesOf().
+/// Places of positions that measuring an LOD needs; see placesOn() and sourcesOf().
 struct LodPlaces {
   const LodSurface& surface;
   std::span<const SurfaceWalk::Place> of_input;
@@ -27,18 +27,18 @@ struct LodDeviation {
   std::optional<SurfaceSample> farthest;
 };
 
-/// Returns the largest distance between an LOD and the original, in lattice steps, usually overestimated.
-/// Measures the distance between the LOD and its input in both directions. If the input is not the original,
-/// deviationOfReduced() combines this distance with the input's own deviation.
+/// Returns the largest distance between an LOD and the original, in lattice steps. The result is usually too
+/// large. Measures the distance between the LOD and its input in both directions. If the input is not the
+/// original, deviationOfReduced() combines this distance with the input's own deviation.
 /// @param farthest_sample  largest distance of a sample from the LOD.
 LodDeviation lodDeviation(const SimplifiedMesh& lod, const LodInput& input, const LodPlaces& places,
                           float farthest_sample);
 
-/// Deviation of an LOD whose input is already reduced. Adds the input's deviation as an independent error,
-/// because a plain sum would be 2 to 5 times too large. Over many levels even the combined value is too
-/// large, because an LOD cancels some of its input's deviation. For a large LOD the function therefore trusts
-/// the distances of samples of the original: the LOD has many places that are nearly as bad as its worst, and
-/// samples do not miss all of them.
+/// Returns the deviation of an LOD whose input is already reduced. Adds the input's deviation as an
+/// independent error, because a plain sum would be 2 to 5 times too large. Over many levels even this value
+/// becomes too large, because an LOD cancels some of its input's deviation. For a large LOD, the function
+/// therefore relies on samples of the original. A large LOD deviates nearly as much as its worst place at
+/// many places, and samples do not miss all of these.
 /// @param from_input  distance between the LOD and its input. @param off  deviation of the input from the
 /// original.
 /// @param triangles  number of triangles in the LOD. @return at least each of the three distances.

@@ -18,19 +18,22 @@ namespace lode::ingest {
 /// A boundary edge of the original, kept as a reference for the boundaries of coarser meshes.
 struct ReferenceBoundary {
   PositionCode from, to;
-  glm::u32vec2 near;  ///< positions of the current mesh that the edge's ends map to, or kVanished
+  glm::u32vec2 near;  ///< positions of the current mesh to which the ends of the edge map, or kVanished
 };
 
-/// References of a mesh's boundary edges. A boundary edge that no reference maps to is its own reference.
+/// References of a mesh's boundary edges. If no reference maps to a boundary edge, the edge is its own
+/// reference.
 struct ReferenceBoundaries {
   std::vector<ReferenceBoundary> boundaries;
-  /// Upper bound on the distance from these boundaries to the original boundary, in lattice steps.
+  /// Upper bound on the distance from these references to the original boundary, in lattice steps.
   float gap_steps = 0;
 };
 
-constexpr int kMostSearchesOfInput = 32;  ///< exhaustive searches before building a tree pays
+/// Number of exhaustive searches that cost as much as building a tree.
+constexpr int kMostSearchesOfInput = 32;
 
-/// Input that a node's LODs are made of and measured against. Const functions are thread safe.
+/// The mesh from which a node's LODs are made, and to which they are compared. Const functions are thread
+/// safe.
 class LodInput {
  public:
   /// @param depth  depth of the node; positions that are locked at this depth lie on the node's borders.
@@ -43,9 +46,10 @@ class LodInput {
   const SurfaceWalk& walk() const noexcept { return walk_; }
   bool isOriginal() const noexcept { return !off_steps_; }
   float offSteps() const noexcept { return off_steps_.value_or(0); }
-  /// Open edges, except those on the node's borders; each is a pair of positions.
+  /// Open edges, each a pair of positions, except open edges on the node's borders.
   const std::vector<glm::u32vec2>& boundaries() const noexcept { return boundaries_; }
-  /// Number of references: first the given references, then the boundary edges that are their own reference.
+  /// Number of references. The given references come first, then the boundary edges that are their own
+  /// reference.
   uint32_t referenceCount() const noexcept {
     return static_cast<uint32_t>(references_.boundaries.size()) + own_;
   }
@@ -68,8 +72,8 @@ class LodInput {
 /// Maps both ends of a boundary edge.
 glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> remap) noexcept;
 
-/// Returns the references of an LOD that replaces its input. These are the input's references, without
-/// vanished ones; if that would be more than `most`, the LOD's own boundary edges replace them.
+/// Returns the references of an LOD that replaces its input. These are the input's references, except
+/// vanished references. If they number more than `most`, the LOD's own boundary edges replace them.
 /// @param boundary_gap_steps  gap of the LOD's boundaries; see boundaryGap()
 ReferenceBoundaries referencesIn(const LodInput& input, std::span<const uint32_t> remap,
                                  float boundary_gap_steps, size_t most);

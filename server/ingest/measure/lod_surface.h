@@ -8,16 +8,16 @@
 
 namespace lode::ingest {
 
-/// Distances from an LOD's surface: by walking if a nearby triangle is known. Otherwise the distance is
-/// exact: the first searches test all triangles, later searches use a tree (building a tree costs about as
-/// much as fifty searches). Not thread safe.
+/// Finds distances from an LOD's surface. If a nearby triangle is known, walks from there. Otherwise searches
+/// exactly: the first searches test all triangles, later searches use a tree. Building a tree costs about as
+/// much as fifty searches. Not thread safe.
 class LodSurface {
  public:
   /// @param lod  a mesh with triangles; must outlive this object.
   explicit LodSurface(const NodeMesh& lod) : lod_(lod), walk_(lod) {}
 
   const SurfaceWalk& walk() const noexcept { return walk_; }
-  /// See TriangleTree::nearest().
+  /// Returns the nearest triangle; see TriangleTree::nearest().
   TriangleTree::Nearest nearest(glm::vec3 point, float tolerance = 0,
                                 TriangleTree::Nearest bound = TriangleTree::kNothing) const;
 

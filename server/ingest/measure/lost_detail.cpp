@@ -11,11 +11,13 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kColourThreshold = 8;  ///< difference in any channel, of 255
-/// Length of the difference of two normals at an angle of about 20 degrees.
+constexpr float kColourThreshold = 8;  ///< difference of colours that counts as lost detail, in any channel
+                                       ///< from 0 to 255
+/// Difference of normals that counts as lost detail: the distance between two unit vectors at about 20
+/// degrees.
 constexpr float kNormalThreshold = 0.3473f;
-constexpr float kComputedThreshold = 0.684f;  ///< the same length for computed normals, at about 40 degrees
-constexpr double kIgnoredArea = 1.0 / 1024;   ///< ignored area, relative to the LOD's area
+constexpr float kComputedThreshold = 0.684f;  ///< the same for computed normals, at about 40 degrees
+constexpr double kIgnoredArea = 1.0 / 1024;   ///< share of the LOD's area that is ignored
 
 /// Attributes of a point as floats.
 struct Value {
@@ -24,7 +26,7 @@ struct Value {
   glm::vec2 texture{0};
 };
 
-/// Compares the attributes of the input's positions with the LOD triangles that the positions lie on.
+/// Compares the attributes of the input's positions with the attributes of the LOD at the same places.
 class DetailMeter {
  public:
   DetailMeter(const SimplifiedMesh& lod, const NodeMesh& input)
@@ -51,7 +53,7 @@ class DetailMeter {
  private:
   /// Differences found on a triangle.
   struct Found {
-    glm::vec4 colour{0};  ///< sums of differences
+    glm::vec4 colour{0};  ///< sum of the colour differences
     glm::vec3 normal{0};
     float count = 0;
     float slide = 0;  ///< largest texture offset, in steps of the texture grid

@@ -7,13 +7,13 @@
 
 namespace lode::ingest {
 
-/// Size of the detail in colours, normals and texture coordinates that an LOD has lost against its input, in
-/// lattice steps. The LOD looks right where this size is below one pixel.
+/// Returns the size of the colour, normal and texture detail that an LOD has lost against its input, in
+/// lattice steps. The LOD looks right if this size is below one pixel.
 ///
-/// For colours and normals, the size is the square root of the area of a triangle over which the input's mean
-/// differs from the LOD's by more than 8 of 255, or by about 20 degrees (computed normals: 40). For texture
-/// coordinates, the size is the distance by which the texture slides over the surface. The worst thousandth
-/// of the area is ignored, so that no single stray point decides. See
+/// For colours and normals, a triangle counts if the means of the input and of the LOD differ by more than 8
+/// of 255, or by about 20 degrees (40 for computed normals). The size is the square root of the triangle's
+/// area. For texture coordinates, the size is the distance by which the texture slides over the surface. The
+/// worst thousandth of the area is ignored, so that no single point decides. See
 /// docs/decisions/0024-appearance-error.md.
 /// @param places  for each position of the input, its place on the LOD; see placesOn().
 float lostDetail(const SimplifiedMesh& lod, const NodeMesh& input,

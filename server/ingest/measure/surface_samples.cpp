@@ -9,7 +9,7 @@
 namespace lode::ingest {
 namespace {
 
-// Deviations below this share of the largest deviation only rank samples, so they need not be exact.
+// Deviations below this share of the largest deviation need not be exact, because they only rank the samples.
 constexpr float kRanks = 0.25f;
 constexpr uint32_t kMostPointsInside = 64;  ///< largest number of inner points per triangle
 
@@ -27,7 +27,7 @@ glm::vec2 sharesOf(uint32_t n) noexcept {
   return square.x + square.y > 1 ? 1.f - square : square;
 }
 
-/// Returns the number of mean triangle areas per inner point, for a mesh with this number of triangles.
+/// Returns the area per inner point, in units of the mesh's mean triangle area.
 double meansPerPoint(size_t triangles) noexcept { return triangles <= 1024 ? 0.5 : 2; }
 
 /// Replaces distances from walks by exact distances until the largest distance is exact.
@@ -116,7 +116,7 @@ std::vector<Deviation> deviationsFrom(const SimplifiedMesh& lod, const NodeMesh&
   float largest = 0;
   for (const SurfaceSample& sample : samples) {
     uint32_t near = sample.near == kVanished ? kVanished : lod.remap[sample.near];
-    if (near == kVanished) {  // the triangles around the position have vanished, so use the nearest remaining
+    if (near == kVanished) {  // the triangles around the position have vanished: use the nearest remaining
                               // triangle
       const TriangleTree::Nearest found = surface.nearest(pointOf(sample), kRanks * largest);
       near = lod.mesh.wedge_position[lod.mesh.triangles[found.triangle].x];

@@ -11,27 +11,28 @@
 
 namespace lode::ingest {
 
-/// A point of the original surface that is passed up the tree, with its distance from the current mesh in
-/// lattice steps.
+/// A point of the original surface that each node passes to its parent, with its distance from the current
+/// mesh in lattice steps.
 struct SurfaceSample {
   PositionCode position;
-  float deviation = 0;  ///< distance; too large by at most a quarter of the largest deviation of the mesh
-  uint32_t near = kVanished;  ///< position of the current mesh that the point maps to; if its triangles have
-                              ///< vanished, a nearby position
+  /// Distance from the current mesh; too large by at most a quarter of the mesh's largest deviation.
+  float deviation = 0;
+  uint32_t near = kVanished;  ///< position of the current mesh to which the point maps, or a nearby position
+                              ///< if the latter has no triangles
 };
 
-/// Thins out samples to `capacity`, without changing their order. For each position keeps the sample with the
-/// largest deviation among those near it, so that every piece of the mesh has a sample; then keeps the
-/// samples with the largest deviations among the rest.
+/// Thins out samples to `capacity`, without changing their order. For each position, keeps the sample with
+/// the largest deviation among the samples near it, so that every piece of the mesh has a sample. Fills the
+/// remaining capacity with the other samples of the largest deviations.
 /// @param positions  number of positions in the mesh.
 void selectSamples(std::vector<SurfaceSample>& samples, size_t positions, size_t capacity);
 
-/// Adds the positions that are locked in a node's coarsest mesh: these have never moved, so they are points
-/// of the original, even if all samples near them were dropped. @param depth  depth of the node.
+/// Adds the positions that are locked in a node's coarsest mesh. Locked positions have never moved, so they
+/// are points of the original, even if all samples near them were dropped. @param depth depth of the node.
 void addLockedPositions(std::vector<SurfaceSample>& samples, const NodeMesh& mesh, int depth);
 
-/// Removes duplicates: of samples with equal position and `near`, keeps the one with the largest deviation.
-/// Sorts by position.
+/// Removes duplicates: keeps one of several samples with equal position and `near`, the one with the largest
+/// deviation. Sorts the samples by position.
 void dropDuplicates(std::vector<SurfaceSample>& samples);
 
 /// Maps each position of an LOD's input to its place on the LOD; undefined for vanished positions.
@@ -42,7 +43,7 @@ std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& lod, const NodeMe
 /// Distance of a sample from an LOD, in lattice steps.
 struct Deviation {
   float steps;
-  uint32_t near;  ///< position of the LOD; see SurfaceSample::near
+  uint32_t near;  ///< position of the LOD to which the sample maps; see SurfaceSample::near
 };
 
 /// Measures the distances of samples from an LOD. The largest distance is exact; the others are upper bounds.
@@ -52,8 +53,8 @@ std::vector<Deviation> deviationsFrom(const SimplifiedMesh& lod, const NodeMesh&
                                       const LodSurface& surface, std::span<const SurfaceWalk::Place> places,
                                       std::span<const SurfaceSample> samples);
 
-/// Returns points inside a mesh's large triangles, because vertices alone would miss deviations there: one
-/// point per two mean triangle areas, in a small mesh one per half of the mean area.
+/// Returns points inside a mesh's large triangles, because vertices alone would miss deviations there. The
+/// mesh gets one point per two mean triangle areas; a small mesh gets one point per half of the mean area.
 std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh);
 
 }  // namespace lode::ingest

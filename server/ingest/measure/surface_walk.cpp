@@ -15,7 +15,8 @@ float squaredLength(glm::vec3 v) noexcept { return glm::dot(v, v); }
 
 glm::vec3 vectorOf(Four four) noexcept { return {four[0], four[1], four[2]}; }
 
-/// Returns a triangle's corners exactly, because positions are whole lattice steps in float.
+/// Returns the corners of a triangle. The corners are exact, because positions are whole lattice steps in
+/// float.
 std::array<Four, 3> cornersOf(const PackedTriangle& t) noexcept {
   return {t.a(), t.a() + t.ab(), t.a() + t.ac()};
 }
@@ -32,9 +33,9 @@ class TriangleOutline {
 
   Four corner(size_t k) const noexcept { return corners_[k % 3]; }
 
-  /// Returns the edge that a point is farthest outside of; -1 if the point is inside. Branchless if the point
-  /// is outside of only one edge, because the processor could not predict the branch. @param passed_over edge
-  /// to ignore, or -1
+  /// Returns the edge beyond which a point lies farthest; -1 if the point lies inside all edges. Uses no
+  /// branch in the usual case of a point beyond one edge, because the processor could not predict the branch.
+  /// @param passed_over edge to ignore, or -1
   int edgeTowards(glm::vec3 point, int passed_over) const noexcept {
     const Four heights = dot(outwards_, FourVectors(point) - starts_);
     const FourTruths is_beyond = heights > 0;
@@ -55,7 +56,7 @@ class TriangleOutline {
   std::array<Four, 3> corners_;
   FourVectors starts_, sides_;
   Four squared_lengths_;
-  /// Outward direction of each edge, scaled with the lengths of the edge and the normal.
+  /// Outward direction of each edge, scaled by the lengths of the edge and of the normal.
   FourVectors outwards_;
 };
 
@@ -118,8 +119,8 @@ SurfaceWalk::Place SurfaceWalk::placeAt(uint32_t position) const noexcept {
   return {first, glm::vec3(glm::equal(corners_[first], glm::u32vec3(position))), 0};
 }
 
-/// Most points project into a triangle around the start, and that triangle usually is the nearest. It need
-/// not be the nearest if triangles around the start face in opposite directions, as at the boundary of a
+/// Most points project into a triangle around the start, and this triangle usually is the nearest. Another
+/// triangle may be nearer if triangles around the start face in opposite directions, as at the boundary of a
 /// plate.
 std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
                                                            uint32_t position) const noexcept {
@@ -137,7 +138,8 @@ std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
                all = dot(normals, normals), of_a = all - of_b - of_c;
     const auto is_above = (of_b > 0) & (of_c > 0) & (of_a > 0);
     if (!anyOf(is_above)) continue;
-    // Distances from the foot point. Distances along the normal would be mostly rounding noise in slivers.
+    // Measure the distance from the foot point: in slivers, a distance along the normal would be mostly
+    // rounding noise.
     const FourVectors away = ap - (of_b * four.ab() + of_c * four.ac()) / all;
     const Four squared = dot(away, away);
     for (uint32_t k = 0; k < 4; ++k) {
@@ -173,7 +175,7 @@ SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start,
 uint32_t SurfaceWalk::acrossEdge(uint32_t triangle, uint32_t from, uint32_t to) const noexcept {
   uint32_t found = triangle;
   for (uint32_t i = begin_[from + 1];
-       i-- > begin_[from];) {  // backwards, so that the first match wins without a branch
+       i-- > begin_[from];) {  // runs backwards, so that the first match wins without a branch
     const uint32_t other = around_[i];
     const glm::u32vec3& t = corners_[other];
     const uint32_t has_both = (t.x == to) | (t.y == to) | (t.z == to);
@@ -247,8 +249,8 @@ void SurfaceWalk::visitAround(glm::vec3 point, uint32_t position, float toleranc
   }
 }
 
-/// Finds a triangle around a position that the point projects into within the tolerance. Most walks end in
-/// this function, which is three times as fast as computing full distances.
+/// Finds a triangle around a position into which the point projects within the tolerance. Most walks end in
+/// this function, which takes a third of the time of full distances.
 void SurfaceWalk::visitAbove(glm::vec3 point, uint32_t position, float tolerance_squared,
                              Nearest& best) const noexcept {
   const FourVectors points(point);

@@ -30,11 +30,11 @@ struct TriangleChain {
   size_t edge_count = 0;
 };
 
-/// Distance from points to a mesh, in lattice steps, by walking from the triangles around a position to the
-/// triangles around the next, as long as the distance falls. The result is never smaller than the true
-/// distance. It is larger if every path to the nearest triangle first leads away from the point, or if the
-/// nearest triangle is on another piece of the mesh. Much faster than TriangleTree if a position near the
-/// point is known. Const functions are thread safe.
+/// Finds the distance from a point to a mesh, in lattice steps, by a walk. The walk goes from the triangles
+/// around one position to the triangles around the next, as long as the distance falls. The result is never
+/// smaller than the true distance. It is larger if every path to the nearest triangle first leads away from
+/// the point, or if the nearest triangle is on another piece of the mesh. If a position near the point is
+/// known, a walk is much faster than a TriangleTree. Const functions are thread safe.
 class SurfaceWalk {
  public:
   /// @param mesh  the mesh to walk on.
@@ -47,12 +47,12 @@ class SurfaceWalk {
   /// Like distance(), but sets `start` to the position at which the walk ends, a better start for points
   /// nearby.
   float distanceAndAdvance(glm::vec3 point, uint32_t& start, float tolerance) const noexcept;
-  /// Squared distance from one triangle.
+  /// Returns the squared distance of a point from one triangle.
   float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept {
     return triangles_[triangle].squaredDistance(point);
   }
   const PackedTriangle& triangle(uint32_t number) const noexcept { return triangles_[number]; }
-  /// Like distance(), but starts at `triangle` and sets it to the triangle at which the walk ends.
+  /// Like distance(), but starts at `triangle`, and sets `triangle` to the triangle at which the walk ends.
   float distanceFrom(glm::vec3 point, uint32_t& triangle, float tolerance) const noexcept;
   /// A point on the mesh.
   struct Place {
@@ -60,19 +60,19 @@ class SurfaceWalk {
     glm::vec3 shares{0};    ///< barycentric weights of the triangle's corners
     float distance = 0;     ///< distance from the measured point; see distance()
   };
-  /// Returns the projection of `point` into a triangle around `start`; if there is no such triangle, the
-  /// place at which a walk from `start` ends.
+  /// Returns the projection of `point` into a triangle around `start`. If the point projects into no such
+  /// triangle, returns the place at which a walk from `start` ends.
   /// @param start  a position that is a corner of some triangle.
   Place placeOf(glm::vec3 point, uint32_t start) const noexcept;
   /// Returns the place of a position that is a corner of some triangle.
   Place placeAt(uint32_t position) const noexcept;
-  /// Finds the triangles below a segment, from the triangle below the segment's first end to the triangle
-  /// below its last end, or to another triangle that is close to the last end and that the last end projects
-  /// into.
+  /// Finds the triangles below a segment. The chain leads from the triangle below the segment's first end to
+  /// the triangle below the last end. It can also end at another triangle close to the last end, if the last
+  /// end projects into this triangle.
   /// @return false if no such chain exists, or if the direct way does not find one.
   bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
                   TriangleChain& chain) const noexcept;
-  /// Exact search over all triangles. @param bound  the result if no triangle is nearer.
+  /// Searches all triangles for the nearest one. @param bound the result if no triangle is nearer.
   TriangleTree::Nearest nearestOfAll(glm::vec3 point, TriangleTree::Nearest bound) const noexcept;
 
  private:

@@ -7,8 +7,9 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kMostHalvings = 32;                        ///< triangle numbers have 32 bits
-constexpr size_t kMostWaiting = 3 * kMostHalvings / 2 + 1;  ///< each fork halves twice and adds three entries
+constexpr size_t kMostHalvings = 32;  ///< triangle numbers have 32 bits
+/// A fork halves its triangles twice and adds three entries.
+constexpr size_t kMostWaiting = 3 * kMostHalvings / 2 + 1;
 
 /// Returns the estimated number of forks, if every fork divides its triangles into quarters.
 size_t forksOver(size_t triangles) {
@@ -123,7 +124,8 @@ TriangleTree::Nearest TriangleTree::nearest(glm::vec3 point, float tolerance, Ne
     uint32_t inside;
     float squared;
   };
-  // Stack of entries; those of one fork are in descending order of distance, so the nearest leaves first.
+  // Stack of forks and leaves. The entries of one fork are in descending order of distance, so that the
+  // nearest is taken first.
   std::array<Waiting, kMostWaiting> waiting;
   size_t count = 0;
   const float tolerance_squared = tolerance * tolerance;

@@ -13,7 +13,7 @@
 
 namespace lode::ingest {
 
-/// Distance from points to a mesh, in lattice steps, found with a bounding volume tree of the mesh's
+/// Finds the distance from a point to a mesh, in lattice steps, by a tree of boxes around the mesh's
 /// triangles. Each step of the construction halves a set of triangles at the median along the longest side of
 /// the box around their centroids. A search tests four boxes or four triangles at once. Unlike a grid, the
 /// tree costs nothing for empty space around a point. Const functions are thread safe.
@@ -25,7 +25,7 @@ class TriangleTree {
   static constexpr float kInfinity = std::numeric_limits<float>::infinity();
   struct Nearest {
     float squared;   ///< squared distance
-    float distance;  ///< infinity if the mesh has no triangles
+    float distance;  ///< distance of the triangle; infinity if the mesh has no triangles
     uint32_t triangle;
   };
   static constexpr Nearest kNothing{kInfinity, kInfinity, 0};
@@ -44,8 +44,8 @@ class TriangleTree {
   /// Boxes of up to four forks or leaves; unused boxes are infinitely far.
   struct Fork {
     FourVectors min, max;
-    std::array<uint32_t, 4> inside{};  ///< index in forks_ of the fork inside each box; with the bit kIsLeaf,
-                                       ///< index in triangles_ of the leaf's first triangle
+    std::array<uint32_t, 4> inside{};  ///< content of each box: an index in forks_ or, with the bit kIsLeaf,
+                                       ///< the index in triangles_ of a leaf's first triangle
 
     Four squaredDistances(const FourVectors& points) const noexcept;
   };
@@ -68,7 +68,7 @@ class TriangleTree {
   static constexpr uint32_t kIsLeaf = 1u << 31;
 
   std::vector<Fork> forks_;
-  /// Four triangles per leaf; a leaf with fewer is padded with empty triangles.
+  /// Four triangles per leaf; empty triangles fill a leaf that has fewer.
   std::vector<PackedTriangle> triangles_;
   std::vector<uint32_t> number_;  ///< for each entry of triangles_, the triangle's number in the mesh
   std::vector<uint32_t> place_;   ///< for each triangle of the mesh, its index in triangles_

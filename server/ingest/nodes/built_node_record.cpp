@@ -15,7 +15,7 @@ struct LodRecord {
 };
 
 void putMesh(RecordWriter& record, const NodeMesh& mesh) {
-  // Names all members, so that this code does not compile if a member is added.
+  // Name all members, so that this code does not compile after a member is added.
   const auto& [attributes, positions, lca_depth, wedge_position, wedge_attributes, triangles] = mesh;
   record.put(attributes);
   record.putAll(positions);

@@ -15,7 +15,7 @@ void putFinishedNode(RecordWriter& record, const Node& node, std::span<const Pay
 /// @throws Error kFormat, kLimit.
 FinishedNode getFinishedNode(RecordReader& record);
 
-/// Writes everything that a node's parent needs as a record.
+/// Writes a record of all data that a node's parent needs.
 void putBuiltNode(RecordWriter& record, const BuiltNode& built);
 /// @throws Error kFormat, kLimit.
 BuiltNode getBuiltNode(RecordReader& record);

@@ -15,8 +15,9 @@ constexpr uint32_t kNoNormal = ~0u;
 constexpr float kShortest = 1e-3f;    ///< smallest usable length of a sum of normals
 constexpr float kLeastShare = 1e-3f;  ///< smallest usable sum of a corner's weights
 
-/// Distinct normals of a mesh by position; wedges that differ only in other attributes share a normal. The
-/// first normal of a position has the position's number; further normals have numbers after all positions.
+/// The distinct normals of a mesh, numbered by position. Wedges that differ only in other attributes share a
+/// normal. The first normal of a position has the position's number; the numbers of further normals follow
+/// after all positions.
 struct NormalsByPosition {
   explicit NormalsByPosition(const NodeMesh& mesh)
       : codes(mesh.positions.size()), next(codes.size(), kNoNormal), of_wedge(mesh.wedge_position) {
@@ -41,7 +42,7 @@ struct NormalsByPosition {
   }
 
   bool hasSeveral(uint32_t position) const noexcept { return next[position] != kNoNormal; }
-  /// Returns the position's normal that is most similar to a direction.
+  /// Returns the number of that normal of a position that is most similar to a direction.
   uint32_t mostAlike(uint32_t position, glm::vec3 direction) const noexcept {
     uint32_t best = position;
     for (uint32_t i = next[position]; i != kNoNormal; i = next[i])
@@ -65,8 +66,7 @@ bool hasCreases(const NodeMesh& mesh) {
   return false;
 }
 
-/// Returns for each position of an LOD whether the position is unchanged from the input and may be shared
-/// between leaves.
+/// Marks the positions of an LOD that several leaves may share and that are unchanged from the input.
 std::vector<bool> positionsThatKeep(const NodeMesh& lod, const NodeMesh& mesh,
                                     std::span<const uint32_t> sources) {
   std::vector<bool> keep(sources.size());
@@ -75,7 +75,7 @@ std::vector<bool> positionsThatKeep(const NodeMesh& lod, const NodeMesh& mesh,
   return keep;
 }
 
-/// Merges the normals on both sides of a crease whose faces now meet below the crease angle. Otherwise
+/// Merges the normals on both sides of a crease if its faces now meet below the crease angle. Otherwise
 /// creases that are only noise would divide all coarser LODs.
 void joinSmoothed(NodeMesh& lod, const std::vector<bool>& keep, const CreaseAngle& crease) {
   const NormalsByPosition own(lod);
@@ -93,8 +93,8 @@ void joinSmoothed(NodeMesh& lod, const std::vector<bool>& keep, const CreaseAngl
     lod.wedge_attributes[wedge].normal = own.codes[same.find(own.of_wedge[wedge])];
 }
 
-/// Returns for each normal of the LOD the mean of the input's normals that map to it; without such normals,
-/// the source position's normal.
+/// Returns one direction per normal of the LOD: the mean of all input normals that map to the LOD's normal,
+/// or the source position's normal if no input normal does.
 std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& lod, const NormalsByPosition& own,
                                      const NormalsByPosition& given, std::span<const uint32_t> sources) {
   std::vector<glm::vec3> means(own.codes.size(), glm::vec3(0));
@@ -116,14 +116,14 @@ std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& lod, const NormalsByP
   return means;
 }
 
-/// Moves an LOD's normals so that their interpolation over its triangles comes nearer to the given normals of
-/// the input's positions: one Jacobi step for the least-squares problem, with row sums instead of the
-/// diagonal. Means alone would be smoothed twice, by averaging and by interpolation; further steps gain
-/// nothing.
+/// Moves an LOD's normals, so that their interpolation over the LOD's triangles comes nearer to the normals
+/// of the input's positions. Computes one Jacobi step of the least-squares problem, with row sums instead of
+/// the diagonal; more steps would gain nothing. Without this step the shading would be smoothed twice, by the
+/// mean and by the interpolation.
 std::vector<glm::vec3> sharpened(const SimplifiedMesh& lod, const NormalsByPosition& own,
                                  std::span<const glm::vec3> means, const NormalsByPosition& given,
                                  std::span<const SurfaceWalk::Place> places) {
-  std::vector<glm::vec4> sums(means.size(), glm::vec4(0));  // residuals and weights
+  std::vector<glm::vec4> sums(means.size(), glm::vec4(0));  // sum of residuals (xyz) and of weights (w)
   for (uint32_t i = 0; i < lod.remap.size(); ++i) {
     if (lod.remap[i] == kVanished) continue;
     const glm::u32vec3& t = lod.mesh.triangles[places[i].triangle];
@@ -138,7 +138,7 @@ std::vector<glm::vec3> sharpened(const SimplifiedMesh& lod, const NormalsByPosit
   return normals;
 }
 
-/// Returns for each normal of the LOD the sum of areaNormal() over the normal's triangles.
+/// Returns one sum per normal of the LOD: areaNormal() added over the normal's triangles.
 std::vector<glm::i64vec3> sumsOfSurface(const NodeMesh& lod, const NormalsByPosition& own) {
   std::vector<glm::i64vec3> sums(own.codes.size(), glm::i64vec3(0));
   for (const glm::u32vec3& t : lod.triangles) {
@@ -208,7 +208,7 @@ void giveLeafNormals(NodeMesh& mesh, std::span<const BorderVertex> border, const
   const std::vector<uint16_t> normals = normalsOfFans(mesh, fans, border);
   mesh.wedge_attributes.resize(mesh.wedge_position.size());
   std::vector<char> is_given(mesh.wedge_position.size());
-  std::vector<uint32_t> next(mesh.wedge_position.size(), kNoWedge);  // the same wedge with another normal
+  std::vector<uint32_t> next(mesh.wedge_position.size(), kNoWedge);  // copy of a wedge with another normal
   for (size_t c = 0; c < fans.of_corner.size(); ++c) {
     const uint16_t normal = normals[fans.of_corner[c]];
     uint32_t& wedge = mesh.triangles[c / 3][static_cast<int>(c % 3)];

@@ -10,20 +10,22 @@ namespace lode::ingest {
 namespace {
 
 constexpr int kFineStepDepth = 2;
-constexpr uint64_t kFineStepNodes = 16;  ///< least number of node capacities below a node with fine steps
+/// A node gets fine steps if at least this many node capacities of triangles lie below it.
+constexpr uint64_t kFineStepNodes = 16;
 constexpr size_t kTrianglesPerLocked = 8;
 constexpr size_t kTrianglesPerLockedBelowRoot = 12;
-// Nodes above these sizes, in node capacities or triangles, get fewer triangles per locked vertex, which
-// bounds the size of their parent. The root has the largest input and takes the most memory.
+// Limits above which a node keeps fewer triangles per locked vertex. They bound the input of the parent, most
+// of all the root's, which takes the most memory. kLargeNodes is in node capacities.
 constexpr size_t kLargeNodes = 8;
 constexpr size_t kLargeTriangles = 1 << 17;
-/// Lower bound of the limit in nodes that are not children of the root.
+/// Least limit for nodes that are not children of the root, in triangles.
 constexpr size_t kLeastLargeTriangles = 1 << 14;
 constexpr size_t kTrianglesPerLockedOfLarge = 4;
-/// Share of the step's factor that a step leaves at least to triangles of unlocked vertices.
+/// Of the triangles at unlocked vertices, a step keeps at least its factor times this share.
 constexpr double kInnerFactor = 2.0 / 3;
-constexpr uint64_t kFarLodNodes = 8;  ///< least number of node capacities below a node with far LODs
-constexpr size_t kFarLodShare = 4;    ///< far LODs end at the node capacity divided by this number
+/// A node gets far LODs if at least this many node capacities of triangles lie below it.
+constexpr uint64_t kFarLodNodes = 8;
+constexpr size_t kFarLodShare = 4;  ///< far LODs end at the node capacity divided by this number
 /// Far LODs end at this number of triangles per locked vertex.
 constexpr size_t kFarLodTrianglesPerLocked = 2;
 
@@ -31,8 +33,8 @@ bool hasMuchBelow(const LodRule& rule) {
   return rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
 }
 
-/// Returns the next triangle count below `target`. Of the `target` triangles, `locked` belong to locked
-/// vertices.
+/// Returns the triangle count that follows `target`. @param locked number of the triangles at locked
+/// vertices, among `target`.
 double stepFrom(double target, double locked, double factor) {
   return std::max(factor * target, locked + factor * kInnerFactor * (target - locked));
 }

@@ -22,10 +22,14 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kReferencesPerTriangle = 2;  ///< number of references per triangle of the node capacity
-/// Number of triangles of the node capacity per sample, except in the lowest inner nodes.
+/// Largest number of references, per triangle of the node capacity.
+constexpr size_t kReferencesPerTriangle = 2;
+/// A node passes up one sample per this number of triangles of the node capacity, but at least the number
+/// below.
 constexpr uint32_t kTrianglesPerSample = 2;
-constexpr uint32_t kSamplesOfSmallNode = 8192, kSamplesPerTriangle = 16;  ///< the smaller one is the minimum
+/// Least number of samples of a node: kSamplesPerTriangle per triangle of the node capacity, but at most
+/// kSamplesOfSmallNode.
+constexpr uint32_t kSamplesOfSmallNode = 8192, kSamplesPerTriangle = 16;
 
 }  // namespace
 
@@ -170,7 +174,7 @@ LodSpool NodeBuilder::spoolLods(NodeMesh mesh, NodeKey key, std::span<const size
 }
 
 /// Adds a node's reduced LODs, all from one sequence of collapses.
-/// @param is_original  whether the mesh consists of the model's own triangles.
+/// @param is_original  true if the mesh consists of original triangles.
 void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room room) {
   const int depth = built.node.key.depth();
   const auto locked = static_cast<size_t>(
@@ -259,7 +263,7 @@ LodError NodeBuilder::errorOf(const BuiltNode& built, const FinishedLod& lod) co
 }
 
 LodError NodeBuilder::errorOf(const Lod& lod) const noexcept {
-  // Rounds up, because an error that becomes smaller in model units would break I3.
+  // Round up, because an error that becomes smaller in model units would violate I3.
   const auto inSteps = [&](float model) {
     const auto steps = static_cast<float>(model / settings_.lattice.step);
     const bool is_less = static_cast<float>(steps * settings_.lattice.step) < model;

@@ -22,17 +22,18 @@
 
 namespace lode::ingest {
 
-/// An LOD with its payload, its errors relative to its input, and the gap between its boundaries and the
-/// original's. Lengths are in lattice steps.
+/// An LOD with its payload, its errors, and the gap between its boundaries and the boundaries of the
+/// original. Lengths are in lattice steps.
 struct FinishedLod {
   SimplifiedMesh simplified;
   EncodedPayload payload;
   std::vector<Deviation> deviations;      ///< one deviation per sample; see deviationsFrom()
   float deviation_steps = 0;              ///< deviation from the original; see lodDeviation()
-  std::optional<SurfaceSample> farthest;  ///< farthest point of the original, as in LodDeviation, except that
-                                          ///< `near` is a position of the LOD
-  float boundary_gap_steps = 0;  ///< gap between the LOD's boundaries and the original's; see boundaryGap()
-  float lost_detail_steps = 0;   ///< size of lost detail; see lostDetail()
+  std::optional<SurfaceSample> farthest;  ///< farthest point of the original, as in LodDeviation, but `near`
+                                          ///< is a position of the LOD
+  /// Gap between the boundaries of the LOD and of the original; see boundaryGap().
+  float boundary_gap_steps = 0;
+  float lost_detail_steps = 0;  ///< size of lost detail; see lostDetail()
 };
 
 /// Measures and encodes a simplified mesh, after computing its normals unless they come from the file. Thread
@@ -58,7 +59,7 @@ struct BuiltNode {
   LodError inherited;               ///< largest error of the children's source LODs
   ReferenceBoundaries references;   ///< references whose `near` are positions of `coarsest`
   std::vector<SurfaceSample> samples;  ///< samples whose `near` are positions of `coarsest`; empty in a leaf,
-                                       ///< because a leaf's vertices serve as samples
+                                       ///< whose vertices serve as samples
 };
 
 /// Builds single nodes: simplifies, measures and encodes. Use one builder per thread; the data that builders
@@ -68,7 +69,7 @@ class NodeBuilder {
   struct Settings {
     Lattice lattice;
     glm::uvec3 extent{0};
-    /// Attributes in payloads: the file's, plus computed normals if the file has none.
+    /// Attributes in payloads: the attributes of the file, and computed normals if the file has no normals.
     AttributeSet attributes;
     uint32_t triangles_per_node = 0;
     Simplifier simplifier = Simplifier::kCollapse;
@@ -77,8 +78,9 @@ class NodeBuilder {
   };
   /// Resources for building a node.
   struct Room {
-    Helpers& helpers;       ///< threads that measure and encode LODs besides the builder's own thread
-    bool is_tight = false;  ///< the node is large, so its LODs wait on disk until all are simplified
+    Helpers& helpers;  ///< threads that measure and encode LODs besides the builder's own thread
+    /// True if the node is large, so that its LODs wait on disk until all are simplified.
+    bool is_tight = false;
   };
   /// @param folder  folder for LODs on disk.
   NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads,

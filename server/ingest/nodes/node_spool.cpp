@@ -7,7 +7,7 @@
 namespace lode::ingest {
 
 void LodSpool::put(const SimplifiedMesh& lod) {
-  // Names all members, so that this code does not compile if a member is added.
+  // Name all members, so that this code does not compile after a member is added.
   const auto& [mesh, remap, is_clustered] = lod;
   const auto& [attributes, positions, lca_depth, wedge_position, wedge_attributes, triangles] = mesh;
   places_.push_back({spool_.size(), attributes, positions.size(), wedge_position.size(),

@@ -15,8 +15,8 @@
 
 namespace lode::ingest {
 
-/// A node's LODs on disk between simplification and measurement: a large node's LODs do not fit into memory
-/// beside the data of either step. Not thread safe. All functions throw Error kIo.
+/// Stores the LODs of a large node on disk between simplification and measurement, because they do not fit
+/// into memory beside the data of either step. Not thread safe. All functions throw Error kIo.
 class LodSpool {
  public:
   explicit LodSpool(TemporaryFile file) : spool_(std::move(file)) {}
@@ -55,7 +55,7 @@ class PayloadSpool {
 
   Place append(std::span<const std::byte> payload);
   void flush() { spool_.flush(); }
-  /// Flushes everything appended to the disk (fsync). @return the file's size.
+  /// Writes all appended bytes to the disk (fsync). @return the file's size.
   uint64_t sync();
   std::vector<std::byte> read(Place place) const;
   uint64_t size() const noexcept { return spool_.size(); }
@@ -84,7 +84,7 @@ class NodeSpool {
     uint32_t bytes = 0;
   };
   Place append(const Node& node, std::span<const PayloadSpool::Place> payloads);
-  /// Reads a node's record, as putFinishedNode() wrote it.
+  /// Reads the record of a node that putFinishedNode() wrote.
   std::vector<std::byte> read(const Place& place);
   /// Returns all nodes in key order. Must be the last call.
   std::vector<Place> takeSorted();

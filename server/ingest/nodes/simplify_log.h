@@ -13,15 +13,15 @@
 
 namespace lode::ingest {
 
-/// Nodes that a killed build had finished, according to its journal. With each node, all nodes below are
-/// included. Either the node's parent is included too, or the node's mesh is kept, so that the parent can be
+/// The nodes that a killed build had finished, according to its journal. All nodes below a finished node are
+/// finished too. If a node's parent is not finished, the node's mesh is kept, so that the parent can be
 /// built.
 struct FinishedNodes {
   struct Place {
     uint64_t offset = 0, bytes = 0, checksum = 0;
   };
   std::vector<FinishedNode> nodes;
-  /// For each root of a finished subtree, the place of the data that the root's parent needs.
+  /// Roots of the finished subtrees, with the place of the data that the root's parent needs.
   std::map<NodeKey, Place> roots;
   uint64_t payload_bytes = 0;  ///< size of the payload file
   uint64_t root_bytes = 0;     ///< size of the root file
@@ -34,8 +34,7 @@ struct FinishedNodes {
 /// Not thread safe, except the functions that are marked as thread safe.
 class SimplifyLog {
  public:
-  /// File with the data of finished subtrees' roots that their parents need; the file survives a killed
-  /// build.
+  /// File with the data that parents of finished subtrees need; the file outlives a killed build.
   static constexpr std::string_view kRootFile = "subtrees";
   using Append = std::function<void(std::span<const std::byte>)>;
 
@@ -47,16 +46,15 @@ class SimplifyLog {
   std::vector<FinishedNode> takeFinished() { return std::move(before_.nodes); }
   /// Returns true if a killed build kept the data that a node's parent needs. Thread safe.
   bool hasRoot(NodeKey key) const { return before_.roots.contains(key); }
-  /// Reads the data that a node's parent needs, as a killed build kept it. Thread safe. @throws Error kIo,
-  /// kFormat.
+  /// Reads the data that a killed build kept for a node's parent. Thread safe. @throws Error kIo, kFormat.
   BuiltNode readRoot(NodeKey key) const;
 
   bool isDue() const noexcept { return clock_.isDue(CheckpointClock::Clock::now()); }
   /// @param record  record of a finished node, as written by putFinishedNode().
   void addFinished(std::span<const std::byte> record);
-  /// Adds a finished node that its parent has not used yet.
+  /// Adds a finished node whose parent is not built yet.
   void addRoot(const BuiltNode& built);
-  /// Writes the entry. Returns when everything added since the last entry is on the disk.
+  /// Writes the entry. Returns when the entry and the data that it describes are on the disk.
   void write();
 
  private:
@@ -65,7 +63,7 @@ class SimplifyLog {
   const Append append_;
   Spool roots_;
   CheckpointClock clock_;
-  CheckpointClock::Clock::time_point began_{};  ///< start of the current entry
+  CheckpointClock::Clock::time_point began_{};  ///< time at which the current entry began
   uint32_t finished_count_ = 0;
   RecordWriter finished_;
   std::vector<std::pair<NodeKey, FinishedNodes::Place>> new_roots_;

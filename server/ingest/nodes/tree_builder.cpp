@@ -80,7 +80,7 @@ class Scheduler {
     }
   }
 
-  /// Returns when all nodes are built, or when a worker or `progress` has thrown. Reports progress at least
+  /// Waits until all nodes are built, or until a worker or `progress` has thrown. Reports progress at least
   /// once.
   void waitUntilDone(const BuildProgress& progress) {
     std::unique_lock lock(mutex_);
@@ -107,7 +107,7 @@ class Scheduler {
     uint32_t number = 0;
     NodeSpool::Place place;
   };
-  /// Idle workers that help with a node, as far as memory allows.
+  /// Lends idle workers to a node, as far as memory allows.
   class IdleWorkers final : public Helpers {
    public:
     IdleWorkers(Scheduler& scheduler, uint64_t bytes) : scheduler_(scheduler), bytes_(bytes) {}
@@ -137,13 +137,13 @@ class Scheduler {
     if (failure && !failure_) failure_ = failure;
   }
 
-  /// Waits for a node that fits into memory, and returns it; nothing if all nodes are built or a worker has
-  /// failed.
+  /// Waits for a node that fits into memory, and returns the node. Returns nothing if all nodes are built or
+  /// a worker has failed.
   std::optional<Taken> take() {
     std::unique_lock lock(mutex_);
     ++idle_;
     while (!failure_ && done_ < plan_.size()) {
-      if (idle_ > 0) {  // otherwise all waiting workers, this one too, are lent
+      if (idle_ > 0) {  // if no worker is idle, all waiting workers, also this one, are lent to other nodes
         if (const std::optional<Taken> next = nextWithRoom()) return next;
       }
       changed_.wait(lock);
@@ -151,7 +151,7 @@ class Scheduler {
     return std::nullopt;
   }
 
-  /// Prefers inner nodes, because they free memory.
+  /// Chooses the next node that fits into memory. Prefers inner nodes, because building them frees memory.
   std::optional<Taken> nextWithRoom() {
     if (!ready_.empty()) {
       const uint32_t number = ready_.top();
@@ -166,7 +166,7 @@ class Scheduler {
     return started(next_leaf_++, leaf_bytes_);
   }
 
-  /// A node may exceed the memory if it is built alone.
+  /// Returns true if a node fits into memory. A node that is built alone may exceed the memory.
   bool hasRoomFor(uint64_t bytes) const noexcept {
     return taken_ == done_ || held_bytes_ + bytes <= memory_bytes_;
   }
@@ -246,8 +246,8 @@ class Scheduler {
     throw Error(ErrorCode::kFormat, "the build journal belongs to another tree; build without --resume");
   }
 
-  /// Logs the nodes from which another build can continue: nodes whose parent is logged, and inner nodes that
-  /// their parent has not used yet, with the data that the parent needs. Does not log leaves, because a
+  /// Logs the nodes from which another build can continue. These are all nodes below a logged node, and inner
+  /// nodes whose parent is not built yet, with the data that the parent needs. Does not log leaves, because a
   /// continued build rebuilds them. Workers wait for the disk only if they need the node that is being
   /// written.
   void writeLog() {
@@ -257,7 +257,11 @@ class Scheduler {
       finished.swap(finished_);
     }
     std::sort(finished.begin(), finished.end(),
-              [](const Finished& a, const Finished& b) { return a.number > b.number; });  // parents first
+              [](const Finished& a, const Finished& b) { return a.number > b.number; });  // highest number
+                                                                                          // first, so that
+                                                                                          // parents come
+                                                                                          // before their
+                                                                                          // children
     std::vector<Finished> left;
     for (const Finished& node : finished) {
       if (tryToLogBelowParent(node.number) || tryToLogRoot(node.number)) {
@@ -325,14 +329,14 @@ class Scheduler {
   std::condition_variable changed_;
   std::vector<std::unique_ptr<BuiltNode>> built_;  ///< built nodes that their parents have not used yet
   std::vector<Finished> finished_;                 ///< built nodes that are not logged yet
-  std::vector<bool> logged_;                       ///< for each node, whether the log contains it
+  std::vector<bool> logged_;                       ///< true for each node that the log contains
   uint32_t being_logged_ = kNoNode;        ///< node that the log writes now, temporarily moved out of built_
   std::vector<uint32_t> input_triangles_;  ///< triangles of the children built so far
-  std::vector<uint8_t> waiting_for_;       ///< number of children that are not built yet, for each node
+  std::vector<uint8_t> waiting_for_;       ///< number of children of each node that are not built yet
   std::priority_queue<uint32_t, std::vector<uint32_t>, std::greater<>> ready_;
   uint32_t next_leaf_ = 0;
   size_t leaves_left_ = 0, taken_ = 0, done_ = 0;
-  size_t idle_ = 0;          ///< number of workers that wait for a node and are not lent
+  size_t idle_ = 0;          ///< number of workers that wait for a node and help no other node
   uint64_t held_bytes_ = 0;  ///< estimated memory of the nodes being built and of the nodes in built_
   std::exception_ptr failure_;
 };

@@ -8,8 +8,8 @@
 
 namespace lode::ingest {
 
-/// The tree above given leaves, numbered in post-order: children come before parents, the root is last. Const
-/// functions are thread safe.
+/// The tree above given leaves. Nodes are numbered in post-order: children come before their parent, and the
+/// root is last. Const functions are thread safe.
 class TreePlan {
  public:
   /// @param leaves  all leaves of one tree, in Morton order.
@@ -21,7 +21,7 @@ class TreePlan {
   /// @pre the node is not the root.
   uint32_t parent(uint32_t number) const noexcept { return entries_[number].parent; }
   bool isLeaf(uint32_t number) const noexcept { return entries_[number].first == number; }
-  /// Returns the index of a leaf in the leaves that the constructor got.
+  /// Returns the index of a leaf in the list that the constructor received.
   uint32_t leaf(uint32_t number) const noexcept { return entries_[number].leaf; }
   /// Returns the numbers of a node's children, in octant order.
   std::vector<uint32_t> children(uint32_t number) const;

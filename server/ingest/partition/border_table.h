@@ -16,22 +16,23 @@
 
 namespace lode::ingest {
 
-/// A fan at a vertex of a leaf, if other leaves share the vertex.
+/// A fan of a leaf, at a vertex that the leaf shares with other leaves.
 struct BorderVertex {
   PositionCode position;
   uint8_t lca_depth = 0;  ///< depth of the lowest common ancestor of all leaves that share the
                           ///< vertex; the vertex is locked in deeper nodes
-  uint16_t normal = 0;    ///< octahedral normal of the fan, joined over all leaves that share the vertex
+  uint16_t normal = 0;    ///< octahedral normal of the fan; fans of several leaves that continue each other
+                          ///< have one normal
   uint16_t fan = 0;       ///< index of the fan among the leaf's fans at this position; see NormalFans
 };
 
 /// Returns the entries at a position, one per fan. @param border  entries sorted by position.
 std::span<const BorderVertex> sharedAt(std::span<const BorderVertex> border, PositionCode position) noexcept;
 
-/// Finds the vertices that several leaves share. Collects the border vertices of all leaves, joins those at
-/// the same position, and returns the shared vertices of each leaf with lock depths and common normals. A
-/// border vertex of a single leaf is on the model's boundary and is not locked. Call add() and join() from
-/// one thread; read() is thread safe.
+/// Finds the vertices that several leaves share. Collects the border vertices of all leaves and joins
+/// vertices at the same position. Returns the shared vertices of each leaf, with lock depths and common
+/// normals. A border vertex of a single leaf is on the model's boundary and is not locked. Call add() and
+/// join() from one thread; read() is thread safe.
 class BorderTable {
  public:
   /// Name of the joined table's file, which outlives a killed build.
@@ -47,11 +48,11 @@ class BorderTable {
 
   /// Joins the fans of all leaves. read() works after this call.
   /// @param leaves    key of each leaf, by leaf number.
-  /// @param progress  receives progress; every added fan counts twice.
+  /// @param progress  function that receives the progress; each added fan counts twice.
   void join(std::span<const NodeKey> leaves, const CreaseAngle& crease,
             const RecordSorter::Progress& progress = {});
 
-  /// Syncs the joined table to disk and records its location.
+  /// Syncs the joined table to disk and records all that the loading constructor needs.
   void save(RecordWriter& record) const;
 
   /// Number of leaves in the joined table.

@@ -19,7 +19,7 @@ void LeafCutter::push(uint64_t code, std::span<const std::byte> record) {
   while (codes_.size() - begin_ > max_triangles_) {
     const size_t before = begin_;
     cutOne();
-    if (begin_ == before) break;  // a cell of depth 20 whose end is not read yet
+    if (begin_ == before) break;  // the leaf is a cell of depth 20 whose last triangle is not read yet
   }
   if (begin_ > 4 * static_cast<size_t>(max_triangles_)) {
     codes_.erase(codes_.begin(), codes_.begin() + static_cast<ptrdiff_t>(begin_));
@@ -33,8 +33,8 @@ void LeafCutter::finish() {
   while (begin_ < codes_.size()) cutOne();
 }
 
-/// The leaf at begin_ is the largest cell that contains neither the triangle before begin_ (else the previous
-/// leaf would contain both) nor the triangle that would exceed the maximum.
+/// Cuts off the leaf at begin_. The leaf is the largest cell that excludes two triangles: the triangle before
+/// begin_, which belongs to the previous leaf, and the first triangle that would exceed the maximum.
 void LeafCutter::cutOne() {
   const uint64_t first = codes_[begin_];
   int depth = any_cut_ ? commonDepth(last_cut_, first) + 1 : 0;

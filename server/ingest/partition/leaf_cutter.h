@@ -9,11 +9,12 @@
 
 namespace lode::ingest {
 
-/// Cuts a stream of triangles, sorted by cell code, into the leaves of the adaptive octree: the largest cells
-/// with at most a given number of triangles. Reads ahead by one leaf, so its memory is bounded.
+/// Cuts a stream of triangles, sorted by cell code, into the leaves of the adaptive octree. Leaves are the
+/// largest cells with at most a given number of triangles. The cutter reads ahead by one leaf, so that its
+/// memory is bounded.
 class LeafCutter {
  public:
-  /// Receives a leaf and the records of its triangles, in the order of push().
+  /// A function that receives a leaf and the records of its triangles, in the order of push().
   using Sink = std::function<void(NodeKey leaf, std::span<const std::byte> records, uint32_t triangles)>;
 
   /// @param max_triangles  limit per leaf; leaves of depth 20 can have up to kMaxLodTriangles.
@@ -32,7 +33,7 @@ class LeafCutter {
   const Sink sink_;
   std::vector<uint64_t> codes_;
   std::vector<std::byte> records_;
-  size_t begin_ = 0;  ///< first triangle that is in no leaf yet
+  size_t begin_ = 0;  ///< index of the first triangle that is in no leaf yet
   bool any_cut_ = false;
   uint64_t last_cut_ = 0;  ///< code of the triangle before begin_
   bool finished_ = false;

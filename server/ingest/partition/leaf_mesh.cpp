@@ -24,7 +24,7 @@ NodeMesh weldSoup(std::span<const std::byte> records, AttributeSet attributes, M
   return welder.finish();
 }
 
-// Without attributes wedges equal positions and are not written.
+// Omits the wedges of a mesh without attributes, because each position has one wedge.
 void putLeaf(RecordWriter& record, const NodeMesh& mesh) {
   record.putAll(mesh.positions);
   record.putAll(mesh.triangles);

@@ -14,12 +14,12 @@
 
 namespace lode::ingest {
 
-/// Welds the triangles of each leaf to a mesh and adds the border vertices of the leaf, with their normal
-/// fans, to a border table. A border vertex is on an edge that the leaf does not use exactly twice. No other
-/// code can use the table until finish() returns.
+/// Welds the triangles of each leaf to a mesh. Adds the leaf's border vertices, with their normal fans, to a
+/// border table. A border vertex lies on an edge that has one triangle of the leaf, or more than two. Do not
+/// use the table elsewhere until finish() has returned.
 class LeafWelder {
  public:
-  /// Receives each leaf's mesh as putLeaf() wrote it, in the order of add().
+  /// A function that receives each leaf's mesh as putLeaf() wrote it, in the order of add().
   using Sink = std::function<void(std::span<const std::byte> mesh)>;
 
   /// @param helpers  threads that weld in parallel with the caller. @param sink  add() and finish() call the
@@ -31,7 +31,7 @@ class LeafWelder {
   /// @param leaf     number of the leaf, in rising order.
   /// @param records  triangles of the leaf; add() copies the records.
   void add(uint32_t leaf, std::span<const std::byte> records);
-  /// Returns when all leaves are in the table. Rethrows exceptions of welding, like add().
+  /// Waits until all leaves are in the table. Like add(), rethrows exceptions of welding.
   void finish() { welded_.finish(); }
 
  private:
@@ -39,7 +39,7 @@ class LeafWelder {
     uint32_t leaf = 0;
     RecordWriter mesh;
     std::vector<PositionCode> border;
-    std::vector<std::vector<ListedFan>> fans;  ///< one list per border position
+    std::vector<std::vector<ListedFan>> fans;  ///< fans of the leaf, one list per border position
   };
   Welded weld(uint32_t leaf, std::span<const std::byte> records);
   NodeMesh weld(std::span<const std::byte> records);

@@ -12,9 +12,10 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kRounding = 1e-4f;  ///< margin of cosines, so that all pairs pass if the quick test passes
-/// Limit of fans per position of a leaf. A position with more fans gets a single fan, because its creases are
-/// noise.
+/// Margin for rounding: if the quick test passes, all pairs pass the exact test.
+constexpr float kRounding = 1e-4f;
+/// Largest number of fans per position of a leaf. A position with more fans gets a single fan, because so
+/// many creases are noise.
 constexpr size_t kMostFans = 32;
 
 glm::vec3 directionOf(glm::i64vec3 cross) noexcept {
@@ -23,7 +24,7 @@ glm::vec3 directionOf(glm::i64vec3 cross) noexcept {
   return length > 0 ? glm::vec3(exact / length) : glm::vec3(0);
 }
 
-/// Corners of triangles by position, for some positions of a mesh.
+/// Lists the triangle corners at some positions of a mesh.
 class CornersAt {
  public:
   CornersAt(const NodeMesh& mesh, const std::vector<bool>& wanted) : begin_(wanted.size() + 1) {
@@ -47,7 +48,7 @@ class CornersAt {
   std::vector<uint32_t> begin_, corners_;
 };
 
-/// An edge at a position with one of its faces.
+/// An edge at a position, together with one of the edge's faces.
 struct Side {
   uint32_t other;  ///< position at the edge's far end
   uint32_t index;  ///< index of the face among the corners at the position
@@ -71,7 +72,7 @@ glm::i64vec3 crossOf(const NodeMesh& mesh, const glm::u32vec3& t) {
   return areaNormal(at(t.x), at(t.y), at(t.z));
 }
 
-/// Joins groups whose normals sum to zero to the group with the longest sum.
+/// Joins each group whose normals sum to zero to the group with the longest sum.
 void joinDirectionless(Groups& groups, std::span<const glm::i64vec3> sums) {
   std::vector<glm::i64vec3> totals(sums.size(), glm::i64vec3(0));
   for (uint32_t i = 0; i < sums.size(); ++i) totals[groups.find(i)] += sums[i];
@@ -87,7 +88,8 @@ void joinDirectionless(Groups& groups, std::span<const glm::i64vec3> sums) {
     if (groups.find(i) == i && totals[i] == glm::i64vec3(0)) groups.join(i, longest);
 }
 
-/// Numbers the fans of a position's corners by first corner. @return number of fans.
+/// Groups the corners at a position into fans, and numbers the fans in the order of their first corners.
+/// @return number of fans.
 uint32_t groupCorners(const NodeMesh& mesh, std::span<const glm::vec3> directions,
                       std::span<const uint32_t> corners, const CreaseAngle& crease,
                       std::vector<uint32_t>& numbers) {
@@ -126,7 +128,7 @@ NormalFans findFans(const NodeMesh& mesh, const CreaseAngle& crease) {
   std::vector<glm::vec3> directions;
   std::vector<bool> may_part(positions);
   if (!crease.has_none) {
-    // Faces within half the angle of an axis are within the angle of each other.
+    // Quick test: two faces meet within the crease angle if both are within half of this angle of one axis.
     std::vector<glm::vec3> axes;
     for (const glm::i64vec3& sum : whole) axes.push_back(directionOf(sum));
     for (const glm::u32vec3& t : mesh.triangles) directions.push_back(directionOf(crossOf(mesh, t)));
@@ -205,7 +207,9 @@ std::vector<uint16_t> joinFans(std::span<const ListedFan> listed, const CreaseAn
   Groups groups(listed.size());
   std::vector<End> ends;
   std::vector<glm::i64vec3> sums;
-  uint32_t first = 0;  // first entry of the leaf; the leaf's fans follow in order, then additional entries
+  // Index of the leaf's first entry. The first entries of all its fans come first, in order; additional
+  // entries follow.
+  uint32_t first = 0;
   for (uint32_t i = 0; i < listed.size(); ++i) {
     const ListedFan& fan = listed[i];
     if (fan.leaf != listed[first].leaf) first = i;

@@ -10,13 +10,13 @@
 
 namespace lode::ingest {
 
-/// Angle beyond which an edge between two faces is shaded as sharp.
+/// The crease angle. An edge is shaded as sharp if its two faces meet at a larger angle.
 struct CreaseAngle {
   /// @param degrees  angle from 0 to 180; at 180 no edge is sharp.
   explicit CreaseAngle(double degrees) noexcept;
 
-  /// Returns true if the edge between faces with two unit normals is smooth. An edge at a face with a zero
-  /// normal is sharp unless no edge is.
+  /// Returns true if the edge between faces with two unit normals is smooth. An edge of a face with a zero
+  /// normal is sharp, unless the angle makes no edge sharp.
   bool isSmooth(glm::vec3 a, glm::vec3 b) const noexcept { return has_none || glm::dot(a, b) >= cosine; }
 
   bool has_none;
@@ -27,14 +27,15 @@ struct CreaseAngle {
 /// at the position are in one fan unless the edge is sharp. A single sharp edge that ends at the position
 /// does not split the fan.
 struct NormalFans {
-  std::vector<uint32_t> first;      ///< index of each position's first fan, then the number of fans
+  /// Index of each position's first fan; the last element is the number of fans.
+  std::vector<uint32_t> first;
   std::vector<uint32_t> of_corner;  ///< fan of each corner; three per triangle
   std::vector<glm::i64vec3> sums;   ///< sum of cross products of each fan, see sumNormals()
 };
 NormalFans findFans(const NodeMesh& mesh, const CreaseAngle& crease);
 
-/// A leaf's fan at a border position, with the sum of its cross products and with its ends. At an end, which
-/// is a face, the fan can continue in another leaf. A fan with more than two ends has several entries, and
+/// A fan of a leaf at a border position, with the sum of its cross products and with its ends. An end is a
+/// face at which the fan can continue in another leaf. A fan with more than two ends has several entries;
 /// only the first entry has the sum.
 struct ListedFan {
   static constexpr uint16_t kMaxEnds = 2;
@@ -43,13 +44,13 @@ struct ListedFan {
   uint16_t fan = 0;  ///< index among the leaf's fans at this position
   uint16_t ends = 0;
   glm::i64vec3 sum{0};
-  PositionCode other[kMaxEnds];     ///< far vertex of the end's edge
-  glm::vec3 direction[kMaxEnds]{};  ///< unit normal of the end's face
+  PositionCode other[kMaxEnds];     ///< far vertices of the edges at the ends
+  glm::vec3 direction[kMaxEnds]{};  ///< unit normals of the faces at the ends
 };
 static_assert(sizeof(ListedFan) == 72);
 
-/// Lists the fans of some positions. @param positions  positions in rising order. @return one list per
-/// position, in which `leaf` is not set.
+/// Lists the fans of some positions. @param positions positions in rising order. @return one list per
+/// position; `leaf` is not set.
 std::vector<std::vector<ListedFan>> listFans(const NodeMesh& mesh, const NormalFans& fans,
                                              std::span<const uint32_t> positions);
 

@@ -21,14 +21,15 @@ struct Partition {
 
   AttributeSet attributes;      ///< attributes taken from the file
   std::vector<NodeKey> leaves;  ///< keys of the leaves, in Morton order
-  std::vector<uint64_t> begin;  ///< offset of each leaf in `meshes`, then the end of the last leaf
+  /// Offset of each leaf in `meshes`; the last element is the end of the last leaf.
+  std::vector<uint64_t> begin;
   uint64_t triangles = 0;
   Spool meshes;  ///< meshes as putLeaf() writes them
   BorderTable border;
 
   /// Reads a leaf's mesh, without locked vertices. @throws Error kFormat, kIo. Thread safe.
   NodeMesh readLeaf(uint32_t leaf) const;
-  /// Syncs the partition to disk and records its location.
+  /// Syncs the partition to disk and records all that load() needs.
   void save(RecordWriter& record) const;
   /// Opens the partition that save() recorded. @throws Error kIo, kFormat.
   static Partition load(const TemporaryFolder& folder, AttributeSet attributes, RecordReader& record);
