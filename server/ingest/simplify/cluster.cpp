@@ -16,29 +16,30 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kNone = ClusterTree::kNone;
-constexpr double kStay = 1e-4;  // weight of the cell's mean position, relative to the quadric's trace;
-                                // decides if the surface is flat
+constexpr double kStay = 1e-4;  // weight of the cell's mean position, relative to the quadric's trace; makes
+                                // the optimum unique on flat surfaces
 
-/// Merged position of a cell.
+/// State of a cell, for the position into which its positions merge.
 struct CellState {
-  Quadric quadric;    // sum of the positions' quadrics, without the error that optimal attributes avoid
+  Quadric quadric;    // sum of the positions' quadrics; the error that optimal attributes avoid is subtracted
   glm::dvec3 sum{0};  // sum of the positions
   uint32_t count = 0;
-  uint32_t deaths = 0;  // number of triangles that collapse with this cell but with no smaller cell inside
+  uint32_t deaths = 0;  // number of triangles that disappear when this cell merges, but not when a smaller
+                        // cell inside merges
   glm::dvec3 point{0};
   double cost = 0;
   bool merged = false;
 };
 
-/// Finds pairs of opposite triangles in one pass.
+/// Finds pairs of triangles with the same corners and opposite orientation, in one pass.
 class FoldFinder {
  public:
   explicit FoldFinder(size_t triangles) : first_(std::bit_ceil(triangles + 1), kNone), before_(triangles) {
     entries_.reserve(triangles);
   }
 
-  /// Returns an earlier unpaired triangle with the same corners and the opposite orientation, and pairs both;
-  /// otherwise records this triangle and returns kNone.
+  /// Pairs the triangle with an earlier unpaired triangle of opposite orientation, and returns that triangle.
+  /// If there is none, records this triangle and returns kNone.
   uint32_t partnerOf(glm::u32vec3 t, uint32_t number) {
     while (t.x > t.y || t.x > t.z) t = {t.y, t.z, t.x};
     const bool turned = t.y > t.z;
@@ -64,12 +65,12 @@ class FoldFinder {
   struct Entry {
     glm::u32vec3 corners;  // sorted by number
     uint32_t next;         // next entry in the bucket
-    uint32_t last;         // last unpaired triangle; before_ links to the earlier unpaired triangles
+    uint32_t last;         // last unpaired triangle; before_ links it to earlier unpaired triangles
     bool turned;           // orientation of all unpaired triangles
   };
   std::vector<uint32_t> first_;  // first entry of each bucket
   std::vector<Entry> entries_;
-  std::vector<uint32_t> before_;  // for each triangle, the previous unpaired triangle with the same corners
+  std::vector<uint32_t> before_;  // previous unpaired triangle with the same corners, indexed by triangle
 };
 
 class Clusterer {
@@ -160,7 +161,7 @@ void Clusterer::addUpCells() {
 void Clusterer::place(uint32_t number) {
   const ClusterTree::Cell& cell = tree_.cells()[number];
   CellState& state = states_[number];
-  if (state.count == 0) {  // the cell contains only positions without triangles
+  if (state.count == 0) {  // all positions of the cell are without triangles
     state.point = mesh_.point(cell.a_position);
     return;
   }
@@ -177,7 +178,7 @@ void Clusterer::place(uint32_t number) {
   state.cost = std::max(state.cost, state.quadric.at(point));
 }
 
-/// Maps each position to itself, or to (number of positions + number of the merged cell).
+/// Maps each position: to its own number, or to the number of positions plus the number of the merged cell.
 std::vector<uint32_t> Clusterer::destinations() const {
   const uint32_t count = static_cast<uint32_t>(mesh_.positions.size());
   std::vector<uint32_t> top(states_.size(), kNone);
@@ -249,7 +250,8 @@ SimplifiedMesh Clusterer::snapshot() {
   NodeMesh result;
   result.attributes = mesh_.attributes;
   std::vector<uint32_t> new_position(count + states_.size(), kNone), new_wedge(mesh_.wedges.size(), kNone);
-  // The last wedge of each new position, and for each new wedge, the previous wedge of the same position.
+  // `last_wedge` contains the last wedge of each new position; `wedge_before` links each new wedge to the
+  // previous wedge of its position.
   std::vector<uint32_t> last_wedge, wedge_before;
   const auto positionAt = [&](uint32_t place) {
     uint32_t& position = new_position[place];
@@ -262,7 +264,8 @@ SimplifiedMesh Clusterer::snapshot() {
     if (!mesh_.hasWedges()) result.wedge_position.push_back(position);
     return position;
   };
-  const auto wedgeAt = [&](uint32_t position, uint32_t old) {  // merges equal wedges
+  const auto wedgeAt = [&](uint32_t position, uint32_t old) {  // returns an equal wedge of the position if
+                                                               // there is one
     uint32_t& wedge = new_wedge[wedges_.find(old)];
     if (wedge != kNone) return wedge;
     const VertexAttributes code = values_.code(wedges_.find(old));

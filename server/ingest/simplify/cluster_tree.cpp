@@ -9,7 +9,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint32_t kAbove = 64;  // larger than any cell's level
+constexpr uint32_t kAbove = 64;  // a level above the levels of all cells
 
 // Returns the level of the smallest cell that contains both codes.
 uint32_t commonLevel(uint64_t a, uint64_t b) noexcept {
@@ -42,8 +42,9 @@ ClusterTree::ClusterTree(const CollapseMesh& mesh)
   }
 }
 
-// `open` is a stack of nested open cells. The common level of two neighbours in Morton order tells which open
-// cells end between the neighbours.
+// Builds the cells in one pass over the positions in Morton order. `open` is a stack of nested cells that
+// have not ended. The common level of two neighbouring positions tells which of these cells end between the
+// two.
 void ClusterTree::build(const std::vector<Entry>& entries) {
   std::vector<uint32_t> open;
   for (size_t i = 0; i < entries.size(); ++i) {
@@ -98,7 +99,7 @@ ClusterWedges::ClusterWedges(const CollapseMesh& mesh, const ClusterTree& tree)
     : first_(tree.cells().size() + 1), root_(mesh.wedges.size()) {
   reset();
   if (!mesh.hasWedges()) return;
-  // For each corner, the cell of the edge that starts at the corner.
+  // Smallest cell that contains the edge that starts at a corner, indexed by corner.
   std::vector<uint32_t> cells(mesh.corner_position.size(), ClusterTree::kNone);
   for (uint32_t c = 0; c < cells.size(); ++c) {
     if ((c & 3) == 3) continue;

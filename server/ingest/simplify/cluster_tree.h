@@ -9,8 +9,8 @@
 
 namespace lode::ingest {
 
-/// Octree over a mesh's unlocked positions, without trivial cells: every cell contains at least two
-/// positions, which lie in at least two of its octants.
+/// Octree over a mesh's unlocked positions. It has only cells with positions in at least two of their
+/// octants.
 class ClusterTree {
  public:
   static constexpr uint32_t kNone = ~0u;
@@ -44,7 +44,7 @@ class ClusterTree {
 
   std::vector<Cell> cells_;
   std::vector<uint32_t> order_;
-  std::vector<uint32_t> cell_of_;  ///< for each position, the smallest cell that contains it
+  std::vector<uint32_t> cell_of_;  ///< smallest cell that contains a position, indexed by position
   std::vector<uint64_t> codes_;    ///< Morton code of each position
 };
 
@@ -53,7 +53,7 @@ class ClusterTree {
 class ClusterWedges {
  public:
   struct Link {
-    uint32_t a, b;  ///< wedges at both ends of an edge
+    uint32_t a, b;  ///< wedges at the two ends of an edge
   };
 
   ClusterWedges(const CollapseMesh& mesh, const ClusterTree& tree);
@@ -78,8 +78,8 @@ class ClusterWedges {
 
  private:
   std::vector<Link> links_;      ///< sorted by cell
-  std::vector<uint32_t> first_;  ///< index of each cell's first link, then the number of links
-  /// Union-find parent of each wedge; a parent's number is never higher than the wedge's.
+  std::vector<uint32_t> first_;  ///< index of each cell's first link; the last element is the number of links
+  /// Union-find parent of each wedge. The number of a parent is never higher than the number of the wedge.
   std::vector<uint32_t> root_;
 };
 

@@ -21,7 +21,8 @@ namespace lode::ingest {
 
 namespace {
 
-// Each level allows more collapses than the previous level. Most meshes need only the first level.
+// Levels of limits. Each level allows more collapses than the previous level. Most meshes need only the first
+// level.
 constexpr std::array<CollapseLimits, 3> kLimits{{
     {.least_cosine = 0.3, .least_shape = 0.05, .link_condition = true, .most_triangles = 256},
     {.least_cosine = 0.0, .least_shape = 0.0, .link_condition = false, .most_triangles = 4096},
@@ -29,13 +30,14 @@ constexpr std::array<CollapseLimits, 3> kLimits{{
 }};
 // Factor by which an edge's cost grows each time its collapse is not possible.
 constexpr double kPostponed = 4;
-constexpr uint32_t kMostPostponements = 6;  // after so many times, the edge waits for the next round
-constexpr double kBreaksFeature = 8;        // cost factor of a collapse that moves a position off its seam
-constexpr double kLeastArea = 1e-6;         // replaces a zero area; in square lattice steps
+// After this number of postponements, an edge waits for the next round.
+constexpr uint32_t kMostPostponements = 6;
+constexpr double kBreaksFeature = 8;  // cost factor of a collapse that moves a position off its seam
+constexpr double kLeastArea = 1e-6;   // area that replaces zero, in square lattice steps
 // The next level begins after a round that collapses less than 1 in 32 of its edges.
 constexpr size_t kProgress = 32;
 
-/// How far a collapse may move an end of an edge.
+/// Freedom of an edge's end in a collapse: the end may move, may move at a higher cost, or must stay.
 enum class Freedom { kFree, kPenalised, kFixed };
 
 /// Kind of a merged position until the next round reclassifies it.
@@ -63,9 +65,9 @@ class Collapser {
   struct Candidate {
     Placement placement;
     bool possible = false;
-    double breadth = 1;  ///< see breadth()
+    double breadth = 1;  ///< result of breadth()
   };
-  /// A re-evaluated edge; see alreadyQueued().
+  /// An edge that was evaluated again; see alreadyQueued().
   struct Seen {
     uint32_t u = 0, v = 0, changed_at = 0;
   };
@@ -74,7 +76,7 @@ class Collapser {
   bool collapseNext();
   void postpone(Record record, const Candidate& candidate);
   void collapseEdge(Record record, const Candidate& candidate);
-  /// Summed quadric of both ends of an edge.
+  /// Returns the sum of the quadrics at both ends of an edge.
   Quadric quadricOf(uint32_t u, uint32_t v) {
     Quadric q = mesh_.quadrics[u] + mesh_.quadrics[v];
     if (!attributes_.empty()) reduceWedges(q, u, v);
@@ -102,10 +104,11 @@ class Collapser {
   EdgeQueue<Record> queue_;
   LatticePlaces places_;
   std::vector<Seen> seen_;
-  Quadric quadric_;                      ///< summed quadric of the edge evaluated last
-  std::vector<WedgeTable::Pair> pairs_;  ///< scratch
-  std::vector<uint32_t> forward_;  ///< for each position, the position that it has merged into; a remaining
-                                   ///< position refers to itself
+  /// Sum of the quadrics at both ends of the edge that was evaluated last.
+  Quadric quadric_;
+  std::vector<WedgeTable::Pair> pairs_;  ///< memory that is reused between calls
+  std::vector<uint32_t> forward_;  ///< position into which a position has merged, indexed by position; a
+                                   ///< remaining position refers to itself
   uint32_t clock_ = 0;             ///< number of collapses so far
   size_t level_ = 0;
 };
@@ -158,9 +161,9 @@ void Collapser::put(Record record, double cost) {
   queue_.push(record, keyOf(cost));
 }
 
-// Fills the queue and returns the number of edges in it. Evaluation needs the kinds of all positions, which
-// are known only after a pass over all edges. So all edges first go to the lowest bucket, before evaluated
-// edges.
+// Fills the queue and returns its number of edges. The cost of an edge depends on the kinds of all positions,
+// which are known only after a pass over all edges. So this pass puts all edges into the lowest bucket; they
+// are evaluated when they leave it.
 size_t Collapser::startRound(bool is_first) {
   queue_.clear();
   queue_.reserve(mesh_.live_triangles * 3 / 2);
@@ -197,7 +200,7 @@ Freedom Collapser::freedom(const CollapsePosition& position, EdgeKind edge) cons
   return Freedom::kPenalised;
 }
 
-// Subtracts from the summed quadric the error that vanishes if the merged wedges have optimal attributes.
+// Subtracts from `q` the error that vanishes if the merged wedges have optimal attributes.
 void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
   const uint32_t wedge_u = mesh_.only_wedge[u], wedge_v = mesh_.only_wedge[v];
   if (wedge_u != kManyWedges && wedge_v != kManyWedges) return attributes_.reduce(q, wedge_u, wedge_v);
@@ -217,10 +220,10 @@ void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
   });
 }
 
-/// Returns the side of a square with about the area of the triangles around both ends; never 0. Uses the
-/// geometric mean of this area and the weight of all planes, which is larger than the area if boundary or
-/// seam edges end there. With the weight alone, boundaries would be too cheap; with the area alone, they
-/// would use up triangles that the rest of the mesh needs.
+/// Returns the side of a square with about the area of the triangles around both ends; never 0. The area is
+/// the geometric mean of two values: the true area, and the weight of all planes, which is larger if boundary
+/// or seam edges end there. With the weight alone, collapses at boundaries would be too cheap. With the area
+/// alone, boundaries would keep triangles that the rest of the mesh needs.
 double Collapser::breadth(uint32_t u, uint32_t v) const noexcept {
   const double area = mesh_.areas[u] + mesh_.areas[v];
   const double weight = mesh_.quadrics[u].weight() + mesh_.quadrics[v].weight();
@@ -231,7 +234,7 @@ double Collapser::breadth(uint32_t u, uint32_t v) const noexcept {
 /// breadth(). This cost is a compromise between the integral, which minimises the mean distance per triangle,
 /// and the integral divided by the area, which minimises the largest distance.
 Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) {
-  // Computed first, because square roots are slow and place() does not wait for their result.
+  // Compute the breadth first: square roots are slow, and place() does not need their result.
   const double across = breadth(u, v);
   Candidate candidate = place(u, v);
   candidate.breadth = across;
@@ -285,9 +288,9 @@ void Collapser::apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds) {
   if (folds) mesh_.removeFolds(keep);
 }
 
-// A merge turns two edges into the same edge, and the queue still contains both. Returns true if (u, v) has
-// been queued again since its last change at changed_at. Sometimes returns false for such an edge, which only
-// costs time.
+// Returns true if the edge (u, v) has been queued again since its last change at changed_at. A merge turns
+// two edges into one, and the queue still contains both. The function may return false for an edge that was
+// queued again; this costs only time.
 bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
   Seen& seen = seenPlace(u, v);
   if (seen.u == u && seen.v == v && seen.changed_at == changed_at) return true;
@@ -295,9 +298,9 @@ bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
   return false;
 }
 
-// Processes the next edge of the queue; returns false if the queue is empty. Adding quadrics rarely lowers
-// costs, so the key of a changed edge is nearly always a lower bound. Therefore the function evaluates a
-// changed edge again only when the edge leaves the queue.
+// Processes the next edge of the queue; returns false if the queue is empty. Evaluates an edge that has
+// changed only now, when the edge leaves the queue. Until then its old key is nearly always a lower bound,
+// because adding quadrics rarely lowers a cost.
 bool Collapser::collapseNext() {
   Record record;
   if (!queue_.pop(record, [this](Record& soon) { prefetch(soon); })) return false;
@@ -341,7 +344,7 @@ void Collapser::collapseEdge(Record record, const Candidate& candidate) {
                                        mesh_.point(record.u), mesh_.point(record.v));
   const CollapseFinding finding = check_.check(around_, to, limits);
   if (!finding.allowed) return postpone(record, candidate);
-  if (finding.folds) {  // a piece or a fin vanishes, so the cost is the size of the piece or fin
+  if (finding.folds) {  // a piece or a fin of the mesh vanishes, so its size is the cost
     const glm::dvec3 along = mesh_.point(record.u) - mesh_.point(record.v);
     const double lost = finding.folded_area * glm::dot(along, along) / candidate.breadth;
     if (EdgeQueue<Record>::bucketOf(keyOf(lost)) > queue_.current()) {

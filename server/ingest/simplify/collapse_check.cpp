@@ -8,7 +8,7 @@ namespace lode::ingest {
 
 namespace {
 
-/// A SIMD pair of doubles; see Four.
+/// Two doubles for SIMD; see Four.
 using Two = double __attribute__((vector_size(16)));
 /// Comparison result of two pairs.
 using TwoTruths = int64_t __attribute__((vector_size(16)));
@@ -20,7 +20,7 @@ inline bool anyOf(TwoTruths truths) noexcept { return (truths[0] | truths[1]) !=
 struct TwoVectors {
   TwoVectors(Two of_x, Two of_y, Two of_z) noexcept : x(of_x), y(of_y), z(of_z) {}
   TwoVectors(glm::dvec3 a, glm::dvec3 b) noexcept : x{a.x, b.x}, y{a.y, b.y}, z{a.z, b.z} {}
-  /// Makes a pair from the first or the last two of four vectors.
+  /// Converts the first two or the last two of four vectors.
   TwoVectors(const FourVectors& four, bool last) noexcept
       : x(half(four.x, last)), y(half(four.y, last)), z(half(four.z, last)) {}
 
@@ -44,8 +44,8 @@ inline TwoVectors cross(const TwoVectors& a, const TwoVectors& b) noexcept {
   return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
 }
 
-/// Returns true if one of two triangles (a, b, from) turns or degenerates beyond the limits when its third
-/// corner moves to `to`.
+/// Returns true if one of two triangles (a, b, from) turns too far or becomes too thin when its third corner
+/// moves to `to`.
 bool harms(const TwoVectors& a, const TwoVectors& b, const TwoVectors& from, const TwoVectors& to,
            const CollapseLimits& limits) {
   const TwoVectors side = b - a, old_side = from - a, new_side = to - a;

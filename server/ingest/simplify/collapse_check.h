@@ -10,12 +10,12 @@
 
 namespace lode::ingest {
 
-/// Limits on the damage of a collapse to the surrounding mesh. A watertight mesh stays watertight at every
-/// level.
+/// Limits on the harm that a collapse may do to the surrounding mesh. With any limits, a watertight mesh
+/// stays watertight.
 struct CollapseLimits {
   double least_cosine = 0;     ///< least cosine between the old and the new normal of a triangle
-  double least_shape = 0;      ///< least ratio of height to longest side, for triangles that become thinner
-  bool link_condition = true;  ///< reject collapses that make a manifold surface non-manifold
+  double least_shape = 0;      ///< least ratio of height to longest side of a triangle that becomes thinner
+  bool link_condition = true;  ///< true rejects collapses that make a manifold surface non-manifold
   uint32_t most_triangles = ~0u;  ///< largest number of triangles around both ends
 };
 
@@ -23,28 +23,28 @@ struct CollapseLimits {
 struct CollapseFinding {
   bool allowed = false;    ///< the collapse is within the limits
   bool folds = false;      ///< the collapse leaves two identical triangles of opposite orientation
-  double folded_area = 0;  ///< twice the area of one triangle of each such pair, in all
+  double folded_area = 0;  ///< sum over these pairs of twice the area of one triangle
 };
 
-/// Checks edge collapses of a mesh without changing it.
+/// Checks edge collapses of a mesh. Does not change the mesh.
 class CollapseCheck {
  public:
   explicit CollapseCheck(const CollapseMesh& mesh) : mesh_(mesh), marks_(mesh.positions.size(), 0) {}
 
-  /// Checks a collapse that moves both ends of an edge to `to`, which may be one of them.
+  /// Checks a collapse that moves both ends of an edge to the point `to`.
   CollapseFinding check(const EdgeSurroundings& around, glm::dvec3 to, const CollapseLimits& limits);
 
  private:
   bool keepsShapes(const EdgeSurroundings& around, glm::dvec3 to, const CollapseLimits& limits) const;
   double areaOf(uint32_t u, uint32_t a, uint32_t b) const;
 
-  /// Offset from stamp_ that marks an apex of the edge instead of a plain neighbour of u.
+  /// Added to stamp_ in the mark of an apex of the edge; the mark of any other neighbour of u is stamp_.
   static constexpr uint32_t kApex = 1;
   static constexpr uint32_t kMarks = 2;
 
   const CollapseMesh& mesh_;
   std::vector<uint32_t> marks_;
-  uint32_t stamp_ = 0;  ///< smallest mark of the current check; lower marks are from earlier checks
+  uint32_t stamp_ = 0;  ///< smallest mark of the current check; lower marks belong to earlier checks
 };
 
 }  // namespace lode::ingest

@@ -11,12 +11,12 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kNoIndex = ~0u;
-constexpr uint32_t kSlack = 4;  // number of spare slots that a corner list gets when it moves
-// Number of removed triangles from which each corner list is scanned once for all of them.
+constexpr uint32_t kSlack = 4;  // number of spare slots of a corner list after the list has moved
+// From this number of removed triangles on, each affected corner list is scanned once for all of them.
 constexpr size_t kMany = 64;
 
-// Weights in quadrics. The plane of a triangle has the triangle's area as weight.
-// Weight of a corner's own point, relative to the area; makes the optimum unique on flat surfaces.
+// Weights in quadrics. The plane of a triangle has the triangle's area as weight. Weight of a corner's own
+// point, relative to the area. This point makes the optimum unique on flat surfaces.
 constexpr double kPointWeight = 1e-6;
 // Weight of the plane through a boundary edge, relative to the edge's squared length.
 constexpr double kBoundaryWeight = 2;
@@ -61,7 +61,7 @@ CollapseMesh::CollapseMesh(NodeMesh&& mesh, int node_depth)
     }
   }
   wedges = WedgeTable(attributes, std::move(mesh.wedge_attributes));
-  mesh = {};  // frees the input's memory before simplification
+  mesh = {};  // free the input's memory before simplification
   gatherCorners();
   if (has_wedges) {
     only_wedge.resize(positions.size());
@@ -244,8 +244,8 @@ bool CollapseMesh::share(uint32_t keep, uint32_t gone) const noexcept {
   });
 }
 
-// Merges a wedge of `gone` into a wedge of `keep` if both are corners of the same triangle of the collapsing
-// edge. Other wedges of `gone` remain separate. Wedges of a locked position never merge with each other.
+// Merges a wedge of `gone` into a wedge of `keep` if one triangle of the collapsing edge has both. Other
+// wedges of `gone` remain separate. Wedges of a locked position never merge with each other.
 void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) {
   const uint32_t wedge_keep = only_wedge[keep], wedge_gone = only_wedge[gone];
   if (wedge_keep != kManyWedges && wedge_gone != kManyWedges && share(keep, gone)) {
@@ -271,8 +271,8 @@ void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) 
 }
 
 void CollapseMesh::removeFolds(uint32_t position) {
-  // Positions of the two other corners, lower one first; whether the triangle lists the lower one first; the
-  // corner at `position`.
+  // A triangle at `position`: the lower and the higher of its other positions, whether the triangle lists the
+  // lower position first, and the corner at `position`.
   using Side = std::tuple<uint32_t, uint32_t, bool, uint32_t>;
   std::vector<Side> sides;
   for (const uint32_t corner : around(position)) {
@@ -318,7 +318,7 @@ NodeMesh CollapseMesh::compact(std::vector<uint32_t>& new_position) const {
     }
     return result;
   }
-  // Merge wedges of a position whose attributes have become equal.
+  // Merge the wedges of a position if their attributes have become equal.
   std::vector<uint32_t> new_wedge(wedges.size(), kNoIndex);
   for (uint32_t i = 0; i < positions.size(); ++i) {
     const size_t first = result.wedge_position.size();
@@ -350,8 +350,8 @@ void addPlanes(CollapseMesh& mesh) {
     const double length = glm::length(normal);
     if (length == 0) continue;
     Quadric plane;
-    plane.addPlane(normal, -glm::dot(normal, mesh.point(t[0])),
-                   0.5 / length);  // dividing by the length leaves a unit normal times the area
+    // The weight turns the square of the cross product into the unit normal's square times the area.
+    plane.addPlane(normal, -glm::dot(normal, mesh.point(t[0])), 0.5 / length);
     for (const uint32_t i : t) {
       mesh.quadrics[i] += plane;
       areas[i] += 0.5 * length;

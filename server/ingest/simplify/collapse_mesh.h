@@ -21,7 +21,8 @@ enum class EdgeKind : uint8_t {
   kBoundary,  ///< edge with one triangle, or with more than two
 };
 
-/// Kind of a position by the feature edges (seams and boundaries) that end there.
+/// Kind of a position. The kind follows from the feature edges (seams and boundaries) that end at the
+/// position.
 enum class PositionKind : uint8_t {
   kSmooth,          ///< position without feature edges
   kSeam,            ///< position on a seam: two seam edges and no boundary edge end there
@@ -34,15 +35,16 @@ constexpr uint32_t kManyWedges = ~0u;
 
 /// State of a position during simplification, except its point and quadric.
 struct CollapsePosition {
-  uint32_t first = 0, count = 0, capacity = 0;  ///< the position's corner list in CollapseMesh::pool
-  uint32_t merged_at = 0;                       ///< time of the last merge into this position
+  uint32_t first = 0, count = 0, capacity = 0;  ///< range of the position's corner list in CollapseMesh::pool
+  uint32_t merged_at = 0;                       ///< number of the last collapse into this position; 0: none
   PositionKind kind = PositionKind::kSmooth;
   bool locked = false;
   uint8_t lca_depth = kNeverLocked;
 };
 
-/// A node's mesh during simplification: triangles by position and by wedge, and the triangles around each
-/// position. A corner is numbered 4 * triangle + 0..2; no position lists a removed triangle.
+/// A node's mesh during simplification. Stores the position and wedge of each triangle's corners, and the
+/// triangles around each position. The corners of a triangle have the numbers 4 * triangle + 0..2. No
+/// position lists a removed triangle.
 struct CollapseMesh {
   /// @param node_depth  see CollapseOptions
   CollapseMesh(NodeMesh&& mesh, int node_depth);
@@ -64,7 +66,7 @@ struct CollapseMesh {
   uint32_t at(uint32_t corner) const noexcept { return corner_position[corner]; }
   glm::dvec3 point(uint32_t position) const noexcept { return glm::dvec3(points[position]); }
 
-  /// An edge, with the wedges of the first triangle found there.
+  /// An edge, with the wedges of the first triangle that was found at the edge.
   struct Edge {
     uint32_t u, v;
     uint32_t uses;
@@ -76,7 +78,7 @@ struct CollapseMesh {
       return uses != 2 ? EdgeKind::kBoundary : seam ? EdgeKind::kSeam : EdgeKind::kSmooth;
     }
   };
-  /// Returns kSmooth also if no triangle has the edge.
+  /// Returns the kind of an edge; kSmooth if no triangle has the edge.
   EdgeKind edgeKind(uint32_t u, uint32_t v) const noexcept;
   /// Calls visit(edge) once for every edge, u < v, by ascending u. Does not build a list of all edges,
   /// because such a list would take a sixth of a large node's memory.
@@ -101,13 +103,13 @@ struct CollapseMesh {
     classify(features);
   }
 
-  /// Moves `keep` to `point` and merges `gone` into it; triangles with both ends are removed.
-  /// @param gone_share  position of `point` between `keep` (0) and `gone` (1); also the weight of gone's
-  /// attributes
+  /// Moves `keep` to `point`, merges `gone` into `keep` and removes the triangles that have both.
+  /// @param gone_share  position of `point` between `keep` (0) and `gone` (1); also the weight of the
+  /// attributes of `gone`
   void merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double gone_share);
   /// Returns the pairs of wedges that the last merge() joined.
   std::span<const WedgeTable::Pair> joined() const noexcept { return pairs_; }
-  /// Fills `pairs` with the wedges of `gone` and the wedges of `keep` that a merge would join them to.
+  /// Fills `pairs` with the wedges that a merge would join: each a wedge of `gone` and a wedge of `keep`.
   void findPairs(uint32_t keep, uint32_t gone, std::vector<WedgeTable::Pair>& pairs) const;
   /// Calls visit(wedge) once for each wedge at a position.
   template <typename Visit>
@@ -129,19 +131,21 @@ struct CollapseMesh {
 
   AttributeSet attributes;
   glm::dvec3 origin{0};  ///< origin of `points`, in whole lattice steps
-  /// Points of the positions, in whole lattice steps from `origin`. A separate array, because a check of a
-  /// triangle reads three points and nothing else of the positions. The fourth component is unused.
+  /// Points of the positions, in whole lattice steps from `origin`. The points have an array of their own,
+  /// because a check of a triangle reads three points and nothing else of the positions. The fourth component
+  /// is unused.
   std::vector<glm::ivec4> points;
   std::vector<CollapsePosition> positions;
   std::vector<Quadric> quadrics;  ///< quadric of each position
   std::vector<float> areas;       ///< total area of the triangles in each position's quadric
-  /// Position of each corner; four entries per triangle, the last one unused.
+  /// Position of each corner. A triangle has four entries; the last of them is unused.
   std::vector<uint32_t> corner_position;
   std::vector<uint32_t> corner_wedge;  ///< wedge of each corner, in the same layout; empty without attributes
-  std::vector<uint32_t> only_wedge;  ///< each position's only wedge, or kManyWedges; empty without attributes
-  std::vector<uint32_t> pool;        ///< corner lists of the positions
+  std::vector<uint32_t> only_wedge;    ///< the only wedge of each position, or kManyWedges if it has several;
+                                       ///< empty without attributes
+  std::vector<uint32_t> pool;          ///< corner lists of the positions
   WedgeTable wedges;
-  bool mixes_values = true;  ///< merge() mixes the attributes of joined wedges
+  bool mixes_values = true;  ///< true if merge() mixes the attributes of joined wedges
   size_t live_triangles = 0;
 
  private:
@@ -151,8 +155,8 @@ struct CollapseMesh {
   };
 
   void gatherCorners();
-  /// Fills `edges` with the edges from u to higher positions. @param places  index into `edges` by position;
-  /// entries that do not match are ignored
+  /// Fills `edges` with the edges from u to higher positions. @param places index in `edges`, by position;
+  /// the function ignores entries from earlier calls
   void findEdges(uint32_t u, std::vector<Edge>& edges, std::vector<uint32_t>& places) const;
   static void count(const Edge& edge, std::vector<Features>& features) {
     const EdgeKind kind = edge.kind();
@@ -165,20 +169,22 @@ struct CollapseMesh {
   void classify(const std::vector<Features>& features);
   /// Removes a corner from its position's list.
   void unlist(uint32_t corner);
-  /// Removes the triangle of a corner. @param is_listed  whether the corner itself is in its position's list
+  /// Removes the triangle of a corner. @param is_listed true if the list of the corner's position contains
+  /// the corner
   void kill(uint32_t corner, bool is_listed);
-  /// Calls kill() for each corner, in time linear in the corners and the lists that hold them.
+  /// Calls kill() for each corner. The time is proportional to the number of corners and to the lengths of
+  /// the lists that contain them.
   void killAll(std::span<const uint32_t> corners, bool are_listed);
   uint32_t findOnlyWedge(uint32_t position) const noexcept;
   bool share(uint32_t keep, uint32_t gone) const noexcept;
   void mergeWedges(uint32_t keep, uint32_t gone, double gone_share);
 
-  std::vector<uint32_t> dying_;          // scratch: corners
+  std::vector<uint32_t> dying_;          // corners to remove; memory that is reused between calls
   std::vector<WedgeTable::Pair> pairs_;  // scratch
 };
 
-/// Adds to each position's quadric the planes of the position's triangles, weighted by area, and with a small
-/// weight the position's own point.
+/// Adds two terms to the quadric of each position: the planes of the position's triangles, weighted by area,
+/// and the position's own point, with a small weight.
 void addPlanes(CollapseMesh& mesh);
 /// Adds to both ends of a boundary or seam edge a plane perpendicular to the surface, which keeps the edge in
 /// place. Does nothing for other edges.

@@ -9,9 +9,9 @@
 
 namespace lode::ingest {
 
-/// Priority queue with buckets: the exponent and the four highest fraction bits of a key choose the bucket,
-/// and items of a bucket (keys within 1/16) leave first in, first out. A bucket is a chain of small blocks,
-/// so the queue reads items sequentially and can prefetch them.
+/// Priority queue with buckets. The exponent and the four highest fraction bits of a key choose the bucket,
+/// so that the keys of a bucket differ by at most 1/16. Items leave a bucket in the order of their arrival. A
+/// bucket is a chain of small blocks, so that the queue reads items sequentially and can prefetch them.
 template <typename Item>
 class EdgeQueue {
  public:
@@ -51,9 +51,9 @@ class EdgeQueue {
     current_ = std::min(current_, bucket);
   }
 
-  /// Takes an item of the lowest occupied bucket; returns false if the queue is empty.
-  /// @param soon  the function calls soon(item) with an item that will leave the queue a few calls later;
-  /// `soon` may change the item
+  /// Takes an item from the lowest bucket that has one. Returns false if the queue is empty.
+  /// @param soon  the function calls soon(item) with an item that leaves the queue a few calls later; `soon`
+  /// may change the item
   template <typename Soon>
   bool pop(Item& item, Soon&& soon) noexcept {
     if (chains_[current_].first == kNone && !advance()) return false;
@@ -83,9 +83,9 @@ class EdgeQueue {
 
  private:
   static constexpr uint32_t kNone = ~0u;
-  // Number of fraction bits, of 23 in a float, that do not affect the bucket.
+  // Number of low fraction bits that do not affect the bucket; a float has 23.
   static constexpr uint32_t kDroppedBits = 19;
-  static constexpr size_t kBuckets = 1u << (31 - kDroppedBits);  // no sign bit
+  static constexpr size_t kBuckets = 1u << (31 - kDroppedBits);  // 31, because keys have no sign bit
   static constexpr size_t kWords = kBuckets / 64;
   static constexpr uint32_t kBlock = 30;
   static constexpr size_t kUsualBuckets = 512;  // typical number of occupied buckets
@@ -96,8 +96,9 @@ class EdgeQueue {
     uint32_t next;
   };
   struct Chain {
-    uint32_t first = kNone, last = kNone;  // blocks
-    uint32_t begin = 0, end = 0;  // begin of the items in the first block, and their end in the last block
+    uint32_t first = kNone, last = kNone;  // first and last block of the bucket
+    // Index of the first item in the first block, and end of the items in the last block.
+    uint32_t begin = 0, end = 0;
   };
 
   bool advance() noexcept {

@@ -12,8 +12,8 @@
 
 namespace lode::ingest {
 
-/// The triangles around an edge (u, v), gathered once for all checks of the edge's collapse: first the
-/// triangles with u only, then the triangles with v only. For a triangle with both ends, only the third
+/// The triangles around an edge (u, v), gathered once for all checks of the edge's collapse. The triangles
+/// with u only come first, then the triangles with v only. Of a triangle with both ends, only the third
 /// corner is stored.
 class EdgeSurroundings {
  public:
@@ -21,7 +21,7 @@ class EdgeSurroundings {
   struct Side {
     uint32_t a, b;
   };
-  /// Points of the sides of four triangles. The last group is padded with the last triangle.
+  /// Points of the sides of four triangles. In the last group, the last triangle is repeated.
   struct FourSides {
     FourVectors a, b;
   };
@@ -40,8 +40,8 @@ class EdgeSurroundings {
   std::span<const FourSides> places() const noexcept { return {places_.data(), (of_u_ + of_v_ + 3) / 4}; }
 
  private:
-  /// Appends the triangles at `end` to sides_; if a triangle also has `other`, appends its third corner to
-  /// apexes_ instead.
+  /// Appends the triangles at `end` to sides_. If a triangle also has `other`, appends the triangle's third
+  /// corner to apexes_ instead.
   void gatherEnd(uint32_t end, uint32_t other, size_t& sides, size_t& apexes);
   FourVectors four(uint32_t a, uint32_t b, uint32_t c, uint32_t d) const noexcept;
 

@@ -11,10 +11,10 @@
 
 namespace lode::ingest {
 
-/// Points of the original mesh that simplification has moved away from: each merged position keeps up to four
-/// such points, those farthest from the triangles around the position. Quadrics measure distance to infinite
-/// planes, so they do not notice when the surface becomes shorter: the tip of a needle is close to the planes
-/// of all its sides, even after the needle is cut short.
+/// Points of the original mesh from which simplification has moved away. Each merged position keeps the four
+/// points that are farthest from the triangles around the position. Quadrics alone do not notice when a
+/// surface becomes shorter, because they measure distances to infinite planes: the tip of a needle is close
+/// to the planes of its sides even after the needle is cut short.
 class FarPoints {
  public:
   explicit FarPoints(const CollapseMesh& mesh) : mesh_(mesh), kept_(mesh.positions.size()) {}
@@ -31,7 +31,7 @@ class FarPoints {
   /// edge collapses to `to`.
   /// @return the largest squared distance in square lattice steps; 0 if there are no points.
   float measure(const EdgeSurroundings& around, glm::dvec3 to);
-  /// Keeps the farthest points of the last measured edge, which has collapsed into `position`.
+  /// Keeps the farthest points of the edge that was measured last and has collapsed into `position`.
   void join(uint32_t position);
 
  private:
@@ -40,8 +40,8 @@ class FarPoints {
   struct Point {
     glm::vec3 at;
     float squared;  ///< squared distance
-    Four least;  ///< scratch: smallest squared distances to the triangles, one for each of four interleaved
-                 ///< subsets
+    /// Smallest squared distance to every fourth triangle, for each of four starts; used while measuring.
+    Four least;
   };
   struct Kept {
     std::array<glm::vec3, kMostKept> points;

@@ -10,25 +10,28 @@
 namespace lode::ingest {
 namespace {
 
-// Largest spacing of candidate points, relative to the mean edge length and relative to the error of the
-// collapse itself.
+// Largest spacing of candidate points, relative to the mean edge length (kOfEdge) and to the error of the
+// collapse (kOfError).
 constexpr double kOfEdge = 1.0 / 32, kOfError = 2;
 constexpr double kAreaOfEdge = 0.433;  ///< area of an equilateral triangle with side 1
 
-/// Returns 0 for subnormal values. @param value  not negative
+/// Returns the largest power of two that is at most `value`; 0 for subnormal values. @param value not
+/// negative
 double powerOfTwoAtMost(double value) noexcept {
   constexpr uint64_t kExponent = 0x7FF0000000000000u;
   return std::bit_cast<double>(std::bit_cast<uint64_t>(value) & kExponent);
 }
 
-/// Floor for values that fit into an integer; inlined, so faster than the library's function.
+/// Returns floor(p) for values that fit an integer. The function is inlined, so it is faster than the
+/// library's.
 glm::dvec3 floorOf(glm::dvec3 p) noexcept {
   glm::dvec3 floor{glm::i64vec3(p)};
   for (int k = 0; k < 3; ++k) floor[k] -= floor[k] > p[k];
   return floor;
 }
 
-/// Branchless, because the processor cannot predict branches on random costs.
+/// Returns the index of the first smallest value. Uses no branch, because the processor cannot predict
+/// branches on random costs.
 uint32_t firstOfLeast(const std::array<double, 8>& values) noexcept {
   const double least =
       std::min({values[0], values[1], values[2], values[3], values[4], values[5], values[6], values[7]});
@@ -67,7 +70,7 @@ glm::dvec3 LatticePlaces::settle(glm::dvec3 point, const Quadric& q, double off,
   const double s = std::clamp(powerOfTwoAtMost(kOfError * off), 1.0, coarsest_);
   const glm::dvec3 low = s * floorOf((1 / s) * (point - lowest_)) + lowest_;
   const glm::dvec3 gradient = 2.0 * (q.timesA(low) + q.b);
-  // Costs of the eight points, minus the cost of `low`.
+  // Costs of the eight points, relative to the cost of `low`.
   const double x = s * (s * q.xx + gradient.x), y = s * (s * q.yy + gradient.y),
                z = s * (s * q.zz + gradient.z);
   const double xy = 2 * s * s * q.xy, xz = 2 * s * s * q.xz, yz = 2 * s * s * q.yz;

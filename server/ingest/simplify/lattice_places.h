@@ -10,8 +10,8 @@
 
 namespace lode::ingest {
 
-/// Set of lattice points that positions occupy or have occupied, as a bitmap of hashes. contains() finds
-/// every added point, and returns true for about 1 in 30 other points, too.
+/// Set of the lattice points that positions occupy or have occupied, as a bitmap of hashes. contains()
+/// returns true for every added point, and also for about 1 in 30 other points.
 class TakenPlaces {
  public:
   /// @param positions  initial number of points; the error rate holds for up to about twice as many points
@@ -46,7 +46,7 @@ class TakenPlaces {
   std::vector<uint64_t> words_;
 };
 
-/// Chooses lattice points for merged positions, on a coarser grid if that does not harm the surface, because
+/// Chooses lattice points for merged positions. Prefers a coarser grid if the surface allows it, because
 /// multiples of a power of two compress better.
 class LatticePlaces {
  public:
@@ -56,17 +56,17 @@ class LatticePlaces {
   /// Adapts the grid to the edge length that the mesh will have at this number of triangles.
   void aimFor(size_t triangles);
 
-  /// Chooses among the eight grid points around `point` that are free and inside the box, and returns the one
-  /// with the lowest quadric error; without such a point, returns the better end of the edge. (The nearest
-  /// grid point may lie off the surface, which would add noise; one of the eight points is usually close to
-  /// the surface.)
+  /// Returns the grid point with the lowest quadric error, among those of the eight grid points around
+  /// `point` that are free and inside the box. If there is none, returns the better end of the edge. The
+  /// nearest grid point alone may lie off the surface, which would add noise; one of the eight points is
+  /// usually close to the surface.
   /// @param off  mean distance of the surface from `point`, in lattice steps.
   glm::dvec3 settle(glm::dvec3 point, const Quadric& q, double off, glm::dvec3 at_u, glm::dvec3 at_v) const;
   void take(glm::dvec3 place) { taken_.add(place); }
 
  private:
   glm::dvec3 lowest_, highest_;  ///< box of allowed points, relative to the mesh's origin
-  double area_ = 0;              ///< area of the unsimplified mesh, square steps
+  double area_ = 0;              ///< area of the unsimplified mesh, in square steps
   double coarsest_ = 1;          ///< largest grid spacing that the length of edges allows
   TakenPlaces taken_;
 };

@@ -91,11 +91,11 @@ inline Placement bestOnSegment(const Quadric& q, glm::dvec3 u, glm::dvec3 v) noe
   return best;
 }
 
-/// Returns the minimum of a quadric near the edge (u, v). If the quadric is ill-conditioned, or the minimum
-/// is farther from the edge's middle than the edge is long, returns the best point on the edge. Solves
-/// relative to the edge's middle, to keep precision far from the origin.
+/// Returns the minimum of a quadric near the edge (u, v). Returns the best point on the edge if the quadric
+/// is ill-conditioned, or if the minimum is farther from the edge's middle than the edge is long. Coordinates
+/// relative to the edge's middle keep the precision far from the origin.
 inline Placement bestPlacement(const Quadric& q, glm::dvec3 u, glm::dvec3 v) noexcept {
-  constexpr double kSmallestDeterminant = 1e-14;  // determinant of A relative to its trace cubed
+  constexpr double kSmallestDeterminant = 1e-14;  // relative to the cube of the trace of A
   const glm::dvec3 middle = 0.5 * (u + v), along = v - u;
   const glm::dvec3 half_gradient = q.timesA(middle) + q.b;
   const double c00 = q.yy * q.zz - q.yz * q.yz, c01 = q.xz * q.yz - q.xy * q.zz,

@@ -9,12 +9,13 @@ namespace lode::ingest {
 
 namespace {
 
-// Larger weights preserve attributes little better and increase the geometric error as much again.
-constexpr double kColourWeight = 0.03;   // length for the full range of a colour, relative to the diagonal
-constexpr double kNormalWeight = 0.007;  // length for one radian of a normal, relative to the diagonal
-// Length for the full range of the texture grid, relative to the diagonal.
+// Weights of attributes: the lengths to which they correspond, relative to the model's diagonal. Larger
+// weights would hardly preserve attributes better, but would increase the geometric error.
+constexpr double kColourWeight = 0.03;   // length for the full range of a colour
+constexpr double kNormalWeight = 0.007;  // length for one radian of a normal
+// Length for the full range of the texture grid.
 constexpr double kTextureWeight = 0.1;
-// Least ratio of height to longest side; thinner triangles have no gradient.
+// Least ratio of height to longest side. Thinner triangles have no usable gradient.
 constexpr double kThinnest = 1e-2;
 
 }  // namespace

@@ -11,14 +11,14 @@
 
 namespace lode::ingest {
 
-/// Quadrics over position and attributes. For each attribute, a triangle defines a value at any point p:
-/// dot(g, p) + d, with g in the triangle's plane. A vertex at p with the attribute s has the error area *
-/// (dot(g, p) + d - s)^2. The terms without s are planes in the position's Quadric. For the other terms, each
-/// wedge stores three sums over its triangles: W of area, G of area * g, and D of area * d. For a given p the
-/// best s is (dot(G, p) + D) / W. With this s, the error depends on p alone: Q(p) - sum (dot(G, p) + D)^2 /
-/// W.
+/// Quadrics over position and attributes. A triangle defines the value of each attribute at any point p:
+/// dot(g, p) + d, with g in the triangle's plane. A vertex at p with the value s has the error area * (dot(g,
+/// p) + d - s)^2. The terms of this error without s are planes in the position's Quadric. For the other
+/// terms, each wedge stores three sums over its triangles: W = sum of area, G = sum of area * g, D = sum of
+/// area * d. The best value at p is s = (dot(G, p) + D) / W. With this value the error depends on p alone:
+/// Q(p) - (dot(G, p) + D)^2 / W, with one such term per attribute.
 ///
-/// The file's normals, colours and texture coordinates are scaled to lengths: one radian between normals, the
+/// The file's normals, colours and texture coordinates are scaled to lengths. One radian between normals, the
 /// full range of a colour and the full range of the texture grid each correspond to a fraction of the model's
 /// diagonal. Computed normals add no error, because they follow from the surface; they only separate the
 /// sides of creases.
@@ -28,17 +28,16 @@ class WedgeQuadrics {
   /// Adds the terms without s of all triangles to the positions' quadrics, and sums the other terms per
   /// wedge.
   /// @param diagonal  the model's diagonal, in lattice steps
-  /// @param weight  weight of attributes relative to geometry; 1: the default, 0: ignore attributes
+  /// @param weight  weight of attributes relative to geometry; 1 by default; 0 ignores attributes
   WedgeQuadrics(CollapseMesh& mesh, double diagonal, double weight);
 
   /// Returns true if the mesh has no attributes that add errors.
   bool empty() const noexcept { return channels_.empty(); }
-  /// Returns true if setValues() sets every attribute of a wedge, so that merging need not mix any.
+  /// Returns true if setValues() sets all attributes of a wedge, so that a merge need not mix them.
   bool coversAll() const noexcept { return covers_all_; }
   void prefetch(uint32_t wedge) const noexcept;
 
-  /// Subtracts from a position's quadric the error that vanishes if a wedge, or two merged wedges, have the
-  /// best attributes.
+  /// Subtracts from a position's quadric the error that vanishes if the wedge has the best attributes.
   void reduce(Quadric& q, uint32_t wedge) const noexcept;
   void reduce(Quadric& q, uint32_t wedge, uint32_t other) const noexcept;
   void join(uint32_t keep, uint32_t gone) noexcept;

@@ -11,12 +11,14 @@ namespace lode::ingest {
 
 /// Attributes of a wedge as floats on the model's grids; a normal is a vector of three floats.
 struct WedgeValue {
-  static constexpr int kNormal = 0, kColour = 3, kTexture = 7, kParts = 9;  // colour includes alpha
+  static constexpr int kNormal = 0, kColour = 3, kTexture = 7, kParts = 9;  // indices of the parts; the
+                                                                            // colour has four floats, with
+                                                                            // alpha
   std::array<float, kParts> parts{};
 };
 
-/// Attributes of the wedges during simplification: the exact codes of unchanged wedges, and values of changed
-/// wedges.
+/// Attributes of the wedges during simplification. Unchanged wedges keep their exact codes; changed wedges
+/// have a WedgeValue.
 class WedgeTable {
  public:
   struct Pair {
@@ -28,7 +30,7 @@ class WedgeTable {
 
   size_t size() const noexcept { return codes_.size(); }
   WedgeValue value(uint32_t wedge) const;
-  /// Normalizes normals and clamps other values to their grids.
+  /// Sets the value of a wedge. Normalizes the normal and clamps other values to their grids.
   void set(uint32_t wedge, const WedgeValue& value);
   /// Sets the attributes of `keep` to a mean of both wedges, with the weight gone_share for `gone`. With a
   /// share of 0 or 1 the result is an exact copy.
@@ -38,7 +40,7 @@ class WedgeTable {
 
  private:
   AttributeSet attributes_;
-  int end_ = 0;  // end of the parts in WedgeValue that the model has
+  int end_ = 0;  // number of leading parts of WedgeValue that the model uses
   std::vector<VertexAttributes> codes_;
   std::vector<WedgeValue> values_;  // valid where changed_ is set
   std::vector<uint8_t> changed_;
