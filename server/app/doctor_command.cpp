@@ -30,8 +30,8 @@ const char* encodingName(ingest::PlyEncoding encoding) {
 
 Json pointAsJson(glm::dvec3 v) { return {v.x, v.y, v.z}; }
 
-/// Formats a value with the fewest digits from which the same value can be parsed. The value is formatted as
-/// a float if it is equal to a float.
+/// Formats a value with the fewest digits that parse to the same value: as a float if a float can represent
+/// the value, else as a double.
 std::string describe(double value) {
   const auto as_float = static_cast<float>(value);
   std::array<char, 32> text{};
@@ -114,7 +114,7 @@ class Sheet {
   std::string text_;
 };
 
-/// Returns the number of rows that were read, and also the declared number if the file ends before.
+/// Returns the number of rows that were read. If the file ends too early, also returns the declared number.
 std::string rowsInWords(const ingest::DoctorReport& report, uint64_t read, const char* element) {
   const ingest::PlyElement* declared = report.header ? report.header->find(element) : nullptr;
   const bool is_part = !report.is_readable && declared != nullptr && read < declared->count;

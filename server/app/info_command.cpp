@@ -83,7 +83,7 @@ Json lodAsJson(const Node& node, size_t number, const Lattice& lattice) {
           {"box", toJson(node.box, lattice)}};
 }
 
-/// Column headings for describe(node, LOD).
+/// Headings of the columns that describe(node, LOD) prints.
 constexpr const char* kLodColumns =
     "depth LOD  triangles   locked      bytes        error   appearance  node";
 

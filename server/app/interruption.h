@@ -5,9 +5,9 @@
 
 namespace lode::app {
 
-/// Records SIGINT, SIGTERM and SIGHUP while the object exists. These signals then do not end the process, so
-/// that work can remove its temporary files. Ignored signals stay ignored. Only one object can exist at a
-/// time.
+/// Records SIGINT, SIGTERM and SIGHUP while the object exists. Meanwhile these signals do not end the
+/// process, so that the running work can remove its temporary files. Ignored signals stay ignored. Only one
+/// object can exist at a time.
 class Interruption {
  public:
   /// @param message  message of the error that check() throws.

@@ -38,7 +38,8 @@ struct SampleModel {
 constexpr std::array<SampleModel, 3> kModels{
     {{"rock", "asteroid", 0}, {"boulder", "asteroid", 1}, {"block", "gyroid", 0}}};
 
-/// Returns a uniform number that is equal on all machines, unlike std::uniform_real_distribution.
+/// Returns a uniformly distributed number. Unlike with std::uniform_real_distribution, the number is the same
+/// on all machines.
 double between(double low, double high, std::mt19937_64& random) {
   return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
 }

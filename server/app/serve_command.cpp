@@ -25,12 +25,13 @@
 namespace lode::app {
 namespace {
 
-constexpr std::chrono::seconds kReloadPatience(2);  ///< time that a stopped server waits for its reload
+/// Longest time that a stopped server waits for a running reload.
+constexpr std::chrono::seconds kReloadPatience(2);
 
 volatile std::sig_atomic_t asked_to_reload = 0;
 
-/// Records SIGHUP until a Signals object exists. That object then reloads the files, because the server can
-/// have read them before the signal.
+/// Records SIGHUP until a Signals object exists. If a SIGHUP was recorded, this object reloads the files,
+/// because the server may have read them before the signal.
 void noteReloads() {
   std::signal(SIGHUP, [](int) { asked_to_reload = 1; });
 }
@@ -39,7 +40,7 @@ void noteReloads() {
 class Signals {
  public:
   explicit Signals(serve::Server& server) : server_(server), signals_(context_, SIGTERM, SIGINT, SIGHUP) {
-    // This set is never destroyed, so that a signal during exit does not kill the process.
+    // Never destroy this set, so that a signal during exit does not kill the process.
     [[maybe_unused]] static const auto* const kept =
         new asio::signal_set(*new asio::io_context, SIGTERM, SIGINT, SIGHUP);
     if (asked_to_reload != 0) askToReload();
@@ -99,18 +100,18 @@ class Signals {
   serve::Server& server_;
   asio::io_context context_{1};
   asio::signal_set signals_;
-  asio::thread_pool reloads_{1};  ///< separate thread, so that the server can stop while a disk hangs
+  asio::thread_pool reloads_{1};  ///< thread for reloads, so that the server can stop while a disk hangs
   std::atomic<bool> stopping_{false};
   std::mutex mutex_;  ///< guards the next three members
   std::condition_variable reload_ended_;
-  bool reload_queued_ = false;  ///< whether a reload is queued and has not begun
+  bool reload_queued_ = false;  ///< true while a reload is queued and has not begun
   int reloads_open_ = 0;
   std::jthread thread_;
 };
 
 void runServe(serve::ServeOptions options) {
   options.listening_socket = socketOfService();
-  std::signal(SIGPIPE, SIG_IGN);  // continue if the reader of stdout ends
+  std::signal(SIGPIPE, SIG_IGN);  // go on even if the reader of stdout ends
   noteReloads();
   serve::Server server(std::move(options));
   Signals signals(server);
@@ -120,12 +121,12 @@ void runServe(serve::ServeOptions options) {
   notifyService("READY=1");
   server.run();
   if (!signals.reloadsEndWithin(kReloadPatience))
-    std::_Exit(0);  // a reload that waits for a disk would block the exit
+    std::_Exit(0);  // exit at once, because a reload that waits for a disk would block a normal exit
 }
 
-constexpr double kLeastSeconds = 0.001;  // least deadline; 0 would end every connection at once
+constexpr double kLeastSeconds = 0.001;  // least deadline; a deadline of 0 would end every connection at once
 
-/// Adds an option in seconds with fractions.
+/// Adds an option for a number of seconds, which may have fractions.
 void addSeconds(CLI::App& command, const std::string& name, std::chrono::milliseconds& value, double least,
                 const std::string& help) {
   command

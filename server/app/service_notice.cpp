@@ -44,7 +44,7 @@ void notifyService(const std::string& state) noexcept {
   to.sun_family = AF_UNIX;
   if (path.size() < 2 || path.size() >= sizeof(to.sun_path)) return;
   std::memcpy(to.sun_path, path.data(), path.size());
-  if (path[0] == '@') to.sun_path[0] = '\0';  // an abstract socket
+  if (path[0] == '@') to.sun_path[0] = '\0';  // the name of an abstract socket begins with a zero byte
   const int descriptor = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return;
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());

@@ -14,7 +14,8 @@ namespace {
 struct VerifyArguments {
   std::filesystem::path store;
   store::VerifyOptions options;
-  ingest::AgainstOptions against;  ///< without an input, verify checks only the store
+  /// Comparison with the input; without an input, the command checks only the store.
+  ingest::AgainstOptions against;
   bool json = false, quiet = false;
 };
 
@@ -78,7 +79,7 @@ void runVerify(const VerifyArguments& arguments) {
     report = store::verifyStore(arguments.store, arguments.options);
     if (!arguments.against.input.empty()) compared = compare(arguments);
   } catch (const Error& error) {
-    // Report no fault of the store if the store could not be read, or if the error is in the input.
+    // Do not blame the store if it could not be read, or if the error is in the input.
     const bool is_fault = error.code() == ErrorCode::kFormat || (!report && error.code() != ErrorCode::kIo);
     if (arguments.json && is_fault) printJson({{"sound", false}, {"fault", error.what()}});
     throw;

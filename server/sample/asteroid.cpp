@@ -10,9 +10,9 @@
 namespace lode::ingest {
 namespace {
 
-/// Surface of a cube as a grid of n x n squares per side with shared vertices. The grid has 6 n^2 + 2
-/// vertices and 6 n^2 squares, whose numbers follow from formulas. Vertices are numbered by layers of z: the
-/// bottom, rings, the top.
+/// Surface of a cube with a grid of n x n squares per side. The sides share their border vertices, so the
+/// surface has 6 n^2 + 2 vertices and 6 n^2 squares. Formulas give the number of each. Vertices are numbered
+/// by layers of z: first the bottom, then rings, then the top.
 class CubeGrid {
  public:
   explicit CubeGrid(uint64_t n) : n_(n) {}
@@ -49,7 +49,8 @@ class CubeGrid {
   }
 
  private:
-  /// Rings run around the four sides, counter-clockwise seen from above.
+  /// Returns the grid coordinates of a vertex on a ring. Rings run around the four sides, counter-clockwise
+  /// seen from above.
   std::array<uint32_t, 3> ringVertex(uint64_t z, uint64_t along) const noexcept {
     const uint64_t at = along % n_;
     const auto point = [&](uint64_t x, uint64_t y) {
@@ -91,7 +92,8 @@ class Asteroid final : public SampleModel {
         n_(n),
         grid_(n),
         relief_(seed, 2.5 * std::numbers::pi / 2 / static_cast<double>(n)) {
-    // Use equal angles instead of equal steps: areas of squares then differ by a factor of 1.4 instead of 5.
+    // Use equal angles instead of equal steps, so that the areas of squares differ by a factor of 1.4 instead
+    // of 5.
     for (uint64_t i = 0; i <= n; ++i) {
       const double along = static_cast<double>(i) / static_cast<double>(n) - 0.5;
       coordinates_.push_back(std::tan(along * std::numbers::pi / 2));
@@ -111,7 +113,8 @@ class Asteroid final : public SampleModel {
     const RowRange rows = RowRange::ofBlock(block, blocks(), grid_.squares());
     for (uint64_t i = rows.first; i < rows.end; ++i) {
       const std::array<uint32_t, 4> c = grid_.square(i);
-      const size_t turn = (i + i / n_) % 2;  // alternate the diagonals, so that the mesh prefers no direction
+      // Alternate the diagonals, so that the mesh has no preferred direction.
+      const size_t turn = (i + i / n_) % 2;
       for (const size_t half : {turn, turn + 2}) {
         to.emplace_back(c[half % 4], c[(half + 1) % 4], c[(half + 2) % 4]);
       }

@@ -17,7 +17,7 @@ constexpr double kBend = 0.22, kBendFrequency = 0.8;
 
 using CellCounts = std::array<uint64_t, GyroidGrid::kCells>;
 
-/// Numbers of cells along each axis. Vertices and triangles are numbered cell by cell, x fastest.
+/// Order of the cells of a block. Vertices and triangles are numbered cell by cell; x varies fastest.
 class CellOrder {
  public:
   explicit CellOrder(const glm::u64vec3& cells) : cells_(cells) {}
@@ -106,7 +106,9 @@ class Gyroid final : public SampleModel {
     std::array<const GyroidCell*, 8> cells{};
     for (unsigned i = 0; i < 8; ++i) {
       const glm::u64vec3 other = cell + glm::u64vec3(i & 1, i >> 1 & 1, i >> 2);
-      if (glm::any(glm::greaterThanEqual(other, order_.axes()))) continue;  // outside the block
+      if (glm::any(glm::greaterThanEqual(other, order_.axes())))
+        // The neighbour is outside the block.
+        continue;
       first[i] = order_.before(other, vertices_);
       cells[i] = &cells_[order_.kindOf(other)];
     }

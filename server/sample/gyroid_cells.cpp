@@ -8,11 +8,12 @@
 namespace lode::ingest {
 namespace {
 
-// Level of the gyroid function at the surface; slightly less than half is solid.
+// Value of the gyroid function at the surface. With this value, slightly less than half of the block is
+// solid.
 constexpr double kLevel = -0.2;
 constexpr double kSteepness = 1.25;  // approximate slope of the function at the surface, per radian
 constexpr double kWall = 0.5;        // distance of the block's walls from the grid's border, in steps
-// Phase of the walls, at which they cut off no separate pieces.
+// Phase of the gyroid at the walls. At this phase the walls do not cut off separate pieces.
 constexpr double kPhase = std::numbers::pi / 4;
 
 /// Six tetrahedra around the diagonal of a cube, as corner numbers, positively oriented.
@@ -35,7 +36,7 @@ glm::dvec4 smoothMin(const glm::dvec4& a, const glm::dvec4& b, double radius) {
 constexpr int kRelaxations = 6;
 constexpr double kRelaxation = 0.6;
 
-/// Vertices of all 27 cells, in cell order.
+/// The vertices of all 27 cells, in cell order.
 struct Block {
   std::array<size_t, GyroidGrid::kCells> first{};
   std::vector<glm::dvec3> positions;                 ///< positions in steps from the block's corner
@@ -105,7 +106,7 @@ GyroidGrid::GyroidGrid(int steps) : m_(steps) {
 
 glm::dvec4 GyroidGrid::depth(const glm::dvec3& at) const {
   const double radians = 2 * std::numbers::pi / m_;
-  // Reduce the point to one period first, so that points whole periods apart result in the same bits.
+  // Reduce the point to one period first, so that points at a distance of whole periods get the same bits.
   const glm::dvec3 phase =
       radians * (at - static_cast<double>(m_) * glm::floor(at / static_cast<double>(m_)));
   const glm::dvec3 s = glm::sin(phase + kPhase), c = glm::cos(phase + kPhase);
@@ -135,8 +136,8 @@ std::pair<glm::ivec3, glm::ivec3> GyroidGrid::ends(int cell, uint32_t edge) cons
   return {from, from + bits(direction)};
 }
 
-/// Returns the crossing on an edge between two corners. In these tetrahedra, no coordinate of one corner is
-/// lower than that of the other corner.
+/// Returns the crossing on an edge between two corners of a tetrahedron. One corner of such an edge has the
+/// lower or equal coordinate on every axis.
 GyroidGrid::Crossing GyroidGrid::crossing(const glm::ivec3& cube, int from, int to) const {
   const glm::ivec3 base = cube + bits(from & to);
   Crossing result;
@@ -155,7 +156,7 @@ void GyroidGrid::addOfTetrahedron(const glm::ivec3& cube, const std::array<int, 
                                   std::vector<Triangle>& to) const {
   std::array<int, 4> in{}, out{};
   size_t ins = 0, outs = 0;
-  bool turned = false;  // whether moving inside corners to the front reverses the orientation
+  bool turned = false;  // true if moving the inside corners to the front reverses the orientation
   for (const int corner : corners) {
     if ((signs >> corner & 1) != 0) {
       in[ins++] = corner;

@@ -9,21 +9,22 @@
 
 namespace lode::ingest {
 
-/// The gyroid as a solid, cut to a block of 3 x 3 x 3 periods with rounded edges and sampled on a grid of m
-/// steps per period. The surface is closed and manifold at any resolution. Source: marching tetrahedra on
-/// Kuhn's subdivision of cubes.
+/// A solid gyroid, cut to a block of 3 x 3 x 3 periods with rounded edges. The function is sampled on a grid
+/// of m steps per period. The surface is closed and manifold at any resolution. Source: marching tetrahedra
+/// on Kuhn's subdivision of cubes.
 ///
-/// A cell is one period. Only the outermost cells touch the block's walls, and all inner cells are equal.
-/// Therefore the 27 cells suffice to assemble a block of any size >= 2 cells per axis.
+/// A cell is one period. Only the outermost cells touch the walls of the block, and all inner cells are
+/// equal. So the 27 cells are enough to assemble a block of any size from 2 cells per axis on.
 class GyroidGrid {
  public:
   static constexpr int kCells = 27;
 
-  /// Crossing of the surface with a grid edge, relative to a cell. The edge starts at a point of the cell or
-  /// of a neighbour above it and has one of 7 directions.
+  /// Crossing of the surface with a grid edge, relative to a cell. The edge starts at a grid point of the
+  /// cell or of a higher neighbour, and has one of 7 directions.
   struct Crossing {
-    uint8_t neighbour = 0;  ///< bits 0, 1, 2: the next cell along x, y, z
-    uint32_t edge = 0;      ///< 7 x point of that cell + direction - 1; bits of a direction as above
+    uint8_t neighbour = 0;  ///< bits 0, 1 and 2 are set if the edge starts in the next cell along x, y and z
+    uint32_t edge = 0;      ///< 7 * (number of the start point in its cell) + direction - 1; a direction has
+                            ///< one bit per axis
   };
   using Triangle = std::array<Crossing, 3>;
 
@@ -60,12 +61,12 @@ class GyroidGrid {
   std::vector<bool> inside_;
 };
 
-/// Mesh of all cells of one kind. The kind tells for each axis whether the cell is first, inner or last.
+/// The mesh of all cells of one kind. The kind tells whether a cell is first, inner or last along each axis.
 struct GyroidCell {
   struct Vertex {
     glm::vec3 position;  ///< position in periods from the cell's lowest corner
     glm::vec3 normal;    ///< unit normal that points out of the solid
-    float wall;          ///< distance to the block's nearest wall, in periods, at most 1
+    float wall;          ///< distance from the block's nearest wall, in periods; at most 1
   };
   std::vector<Vertex> vertices;
   std::vector<uint16_t> number_of_edge;  ///< vertex on each grid edge

@@ -47,7 +47,8 @@ float fadeSlope(float t) { return 30 * t * t * (t * (t - 2) + 1); }
 
 constexpr double kFirstFrequency = 1.3;
 constexpr double kFirstHeight = 0.22;
-constexpr double kLacunarity = 2.03;  // not 2, so that zeros of octaves do not coincide
+// Ratio of two octaves' frequencies; not 2, so that zeros of octaves do not coincide.
+constexpr double kLacunarity = 2.03;
 constexpr double kGain = 0.49;
 constexpr size_t kMaxReliefOctaves = 24;
 

@@ -13,8 +13,8 @@ struct NoiseSample {
 };
 
 /// Computes gradient noise, which is smooth, zero at integer points, and has features of about unit size. An
-/// integer hash chooses the gradients. Source: Perlin, Improving Noise, 2002.
-/// @tparam kGradient  whether to compute the gradient, which is otherwise zero.
+/// integer hash chooses the gradients. Source: Perlin, Improving Noise, 2002. @tparam kGradient true computes
+/// the gradient; false returns zero as gradient.
 template <bool kGradient>
 NoiseSample noise(const glm::dvec3& point, uint32_t seed);
 
@@ -29,7 +29,7 @@ struct ReliefPoint {
 /// previous one, so the surface is equally rough at every scale.
 class Relief {
  public:
-  /// @param finest  shortest wavelength; octaves near it fade in.
+  /// @param finest  shortest wavelength; octaves near this wavelength fade in.
   Relief(uint64_t seed, double finest);
 
   ReliefPoint at(const glm::dvec3& point) const { return sum<false>(point); }

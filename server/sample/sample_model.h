@@ -21,7 +21,7 @@ struct SampleVertex {
 /// depends only on its number. All functions are thread safe.
 class SampleModel {
  public:
-  /// @param attributes  requested attributes; a model need not compute others.
+  /// @param attributes  requested attributes; a model need not compute other attributes.
   explicit SampleModel(AttributeSet attributes) : attributes_(attributes) {}
   virtual ~SampleModel() = default;
   SampleModel(const SampleModel&) = delete;

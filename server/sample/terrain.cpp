@@ -11,8 +11,8 @@
 namespace lode::ingest {
 namespace {
 
-/// A number with its derivatives by the two parameters of a surface. Plain arithmetic with such numbers
-/// results in exact tangents. Source: forward-mode automatic differentiation.
+/// A number with its derivatives by the two parameters of a surface. Arithmetic with these numbers gives
+/// exact tangents. Source: forward-mode automatic differentiation.
 struct Dual {
   double value = 0;
   glm::dvec2 slope{0};
@@ -79,10 +79,10 @@ class Field {
   uint32_t seed_ = 0;
 };
 
-/// Shape of the land, which maps a point of the square -1..1 to a point in space.
+/// Shape of the land. Maps each point of the square -1..1 to a point in space.
 class Land {
  public:
-  /// @param finest  shortest wavelength; octaves near it fade in.
+  /// @param finest  shortest wavelength; octaves near this wavelength fade in.
   Land(uint64_t seed, double finest)
       : random_(seed),
         range_(random_, 0.9),
@@ -112,8 +112,8 @@ class Land {
     double share;  ///< weight of the octave, below 1 while the octave fades in
   };
 
-  /// Computes sharp crests and round valleys, which are rougher at height. Source: Musgrave's ridged
-  /// multifractal, in Ebert et al., Texturing and Modeling, 2003.
+  /// Computes ridges with sharp crests and round valleys. High land is rougher than low land. Source:
+  /// Musgrave's ridged multifractal, in Ebert et al., Texturing and Modeling, 2003.
   Dual ridges(const Dual& u, const Dual& v) const {
     Dual sum = 0, weight = 1;
     double amplitude = 1;
@@ -176,7 +176,7 @@ class Terrain final : public SampleModel {
       const uint64_t column = i % columns_, row = i / columns_;
       const auto a = static_cast<uint32_t>(row * (columns_ + 1) + column), b = a + 1;
       const auto d = static_cast<uint32_t>(a + columns_ + 1), c = d + 1;
-      if ((column + row) % 2 == 0) {  // alternate the diagonals, so that the mesh prefers no direction
+      if ((column + row) % 2 == 0) {  // alternate the diagonals, so that the mesh has no preferred direction
         to.emplace_back(a, b, c);
         to.emplace_back(a, c, d);
       } else {

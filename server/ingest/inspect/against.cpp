@@ -22,13 +22,14 @@ namespace lode::ingest {
 namespace {
 
 constexpr double kLeastRatio = 0.8;
-constexpr size_t kLodsOfOneBelow = 100;  ///< one LOD in 100 may have a stored error below the measured error
+/// Among this number of LODs, one may have a stored error below the measured error.
+constexpr size_t kLodsOfOneBelow = 100;
 
-/// A triangle's corner with the file's attributes; computed normals are 0.
+/// A corner of a triangle, with the attributes that the file has. Computed normals are 0.
 struct Corner {
   uint64_t position;
   VertexAttributes attributes;
-  uint32_t padding = 0;  // explicit, because temporary files contain these bytes, too
+  uint32_t padding = 0;  // explicit padding, because temporary files contain these bytes too
 
   bool operator==(const Corner&) const = default;
 };

@@ -13,16 +13,17 @@ struct AgainstOptions {
   uint64_t memory_bytes = 0;               ///< memory for sorting; 0: defaultMemoryBytes()
   unsigned threads = 0;                    ///< number of threads; 0: one per core
   size_t lods = 0;                         ///< number of LODs to measure, spread evenly over the tree; 0: all
-  ResultOptions result;                    ///< build options that decide which triangles a store has
-  uint64_t seed = 1;                       ///< selects LODs and points inside triangles
+  ResultOptions result;                    ///< build options, which decide what triangles a store has
+  uint64_t seed = 1;                       ///< seed that selects LODs and points inside triangles
 };
 
 struct AgainstReport {
-  uint64_t triangles = 0;   ///< input triangles, each in exactly one leaf
-  uint64_t dropped = 0;     ///< input triangles that are degenerate on the lattice or belong to bad faces
+  uint64_t triangles = 0;  ///< number of input triangles that are in exactly one leaf
+  /// Number of input triangles that are degenerate on the lattice or belong to bad faces.
+  uint64_t dropped = 0;
   uint64_t lods = 0;        ///< number of LODs measured
   uint64_t lods_below = 0;  ///< number of LODs with a stored error below the measured error
-  double least_ratio = 0;   ///< smallest ratio of stored to measured error, or 2 if it is larger
+  double least_ratio = 0;   ///< smallest ratio of stored to measured error; at most 2
   double median_ratio = 0;
 };
 

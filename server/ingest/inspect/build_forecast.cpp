@@ -15,21 +15,22 @@
 namespace lode::ingest {
 namespace {
 
-/// Number of triangles near the root that a build simplifies on one thread. It builds the nodes there one
-/// after another, and only measures and encodes on several threads.
+/// Number of triangles near the root that a build simplifies on one thread. A build simplifies these nodes
+/// one after another; only measuring and encoding use several threads.
 constexpr double kTrianglesOfOneThread = 1e5;
-/// Serial share of the stages dereference and partition; measurements gave a fifth to two fifths.
+/// Part of the stages dereference and partition that runs on one thread. Measurements gave a fifth to two
+/// fifths.
 constexpr double kSerialShare = 0.3;
 constexpr uint64_t kTrialTriangles = 400000;
-/// Numbers of stretches to try. Several stretches represent a model better (a lake is cheaper than a
-/// mountain). But if the file lists faces in long rows, several stretches would be thin strips, so the
-/// forecast then tries a single one.
+/// Numbers of stretches to try, in this order. Several stretches represent a model better than one, because a
+/// lake is cheaper than a mountain. But if the file lists faces in long rows, several stretches are thin
+/// strips, and a single stretch is better.
 constexpr std::array<uint64_t, 2> kStretches{4, 1};
-/// Largest ratio of a stretch's vertices to its share of the model's vertices. A stretch has a border, so it
-/// has more vertices than its share; above this ratio, its faces are scattered.
+/// Largest ratio of the number of a stretch's vertices to its share of the model's vertices. The border makes
+/// the ratio larger than 1. Above this limit, the faces of the stretch are scattered.
 constexpr double kMostVerticesOfPart = 1.5;
-/// Time and bytes per triangle in a model many times the trial's size, relative to the trial: the upper
-/// levels of the tree take a smaller share.
+/// Time and bytes per triangle of a model much larger than the trial, relative to the trial. A large model
+/// needs less, because the upper levels of its tree take a smaller share.
 constexpr double kLargeModelShare = 0.85;
 
 /// Cost per triangle of building a part of the model.
@@ -41,7 +42,7 @@ struct Trial {
   double store_bytes = 0;
 };
 
-/// Writes a sample that replaces a model without coherent stretches.
+/// Writes a sample model in place of a model that has no coherent stretch.
 void writeStandIn(const ForecastInput& input, const std::filesystem::path& output) {
   SampleOptions sample;
   sample.kind = "asteroid";
@@ -51,7 +52,7 @@ void writeStandIn(const ForecastInput& input, const std::filesystem::path& outpu
   writeSample(sample, output);
 }
 
-/// Returns true if the part's faces share about as many vertices as the whole model's faces.
+/// Returns true if the faces of the part share vertices about as much as the faces of the whole model.
 bool isCoherent(const TrialModel& part, const ForecastInput& input) {
   return static_cast<double>(part.vertices) * static_cast<double>(input.faces) <=
          kMostVerticesOfPart * static_cast<double>(input.vertices) * static_cast<double>(part.faces);
@@ -85,8 +86,8 @@ Trial runTrial(const ForecastInput& input) {
   return trial;
 }
 
-/// Returns the peak size of temporary files, the largest of three sums: packed input and sorted runs; leaves
-/// and their input, which the build keeps until the leaves are logged; leaves and payloads.
+/// Returns the peak size of the temporary files, which is the largest of three sums: packed input and sorted
+/// runs; leaves and their input, which stays until the leaves are logged; leaves and payloads.
 uint64_t temporaryBytes(const ForecastInput& input, uint64_t sort_bytes, uint64_t payload_bytes) {
   const uint64_t vertex_bytes =
       packedVertexBytes(vertexAttributes(input.attributes, input.corner_texture), input.double_positions);

@@ -13,9 +13,9 @@ namespace lode::ingest {
 struct ForecastInput {
   std::filesystem::path model;  ///< a readable PLY file
   uint64_t vertices = 0, faces = 0, triangles = 0;
-  AttributeSet attributes;        ///< the file's attributes
-  bool double_positions = false;  ///< float is not precise enough for the positions
-  bool corner_texture = false;    ///< texture coordinates belong to faces' corners
+  AttributeSet attributes;        ///< attributes that the file has
+  bool double_positions = false;  ///< true if floats are not precise enough for the positions
+  bool corner_texture = false;    ///< true if texture coordinates belong to the corners of faces
   double scan_cpu_seconds = 0;    ///< CPU time of reading the file
   /// Images that a build would use; empty if the model has no texture coordinates.
   std::vector<TextureImage> images;
@@ -31,9 +31,9 @@ struct BuildForecast {
   uint64_t store_bytes = 0;
 };
 
-/// Forecasts a build's cost on this machine under its current load: builds a part of the model (or a whole
-/// small model), encodes some texture tiles, and scales the measured cost. If the file's faces have no
-/// spatial order, builds a sample with the same attributes instead.
+/// Forecasts the cost of a build on this machine under its current load. Builds a part of the model, or the
+/// whole model if it is small, and encodes some texture tiles. Then scales the measured cost. If the file's
+/// faces have no spatial order, builds a sample model with the same attributes instead of a part.
 /// @throws Error kIo if the disk has no space for the part.
 BuildForecast forecastBuild(const ForecastInput& input);
 

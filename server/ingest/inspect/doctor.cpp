@@ -57,7 +57,7 @@ class Doctor {
 
   void addProblem(bool is_fatal, const std::string& text) { report_.problems.push_back({is_fatal, text}); }
 
-  /// Calls `work`, and adds an error other than kIo to the problems. @return whether `work` succeeded.
+  /// Calls `work`, and adds an error other than kIo to the problems. @return true if `work` succeeded.
   template <typename Work>
   bool tryTo(Work&& work) {
     try {
@@ -119,7 +119,7 @@ class Doctor {
     report_.attributes = reader.attributes();
     folder_.emplace(temporaryFolder());
     topology_.emplace(*folder_, reader.attributes(), hasDoublePositions(reader.header()), budget());
-    double beside = 0;  // CPU seconds of work other than reading
+    double beside = 0;  // CPU time of all work except reading, in seconds
     const auto addToTopology = [&](auto&& add) {
       const double before = cpuSeconds();
       add(*topology_);
@@ -236,7 +236,7 @@ class Doctor {
     try {
       report_.forecast = forecastBuild(input);
     } catch (const Error& error) {
-      // With kInput, the part has nothing to build, so the report has no forecast.
+      // Omit the forecast after kInput: the part of the model has nothing to build.
       if (error.code() != ErrorCode::kInput) throw;
     }
   }

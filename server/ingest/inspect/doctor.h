@@ -24,7 +24,7 @@ struct DoctorOptions {
 
 struct DoctorReport {
   struct Problem {
-    bool is_fatal = false;  ///< the problem makes a build without --skip-bad fail
+    bool is_fatal = false;  ///< true if a build without --skip-bad fails because of the problem
     std::string text;       ///< the problem, its place and a remedy
   };
   struct Texture {
@@ -34,20 +34,22 @@ struct DoctorReport {
   std::optional<PlyHeader> header;  ///< empty if the header is unreadable
   uint64_t file_bytes = 0;
   AttributeSet attributes;
-  PlyCounts counts;  ///< counts as with --skip-bad; if reading failed, up to that point
+  /// Counts that a build with --skip-bad would have; if reading failed, the counts up to the failure.
+  PlyCounts counts;
   std::vector<std::string> skipped_properties;  ///< properties that a build ignores; see PlyReader
   std::vector<Texture> textures;
-  glm::dvec3 min{0}, max{0};  ///< box of the vertices that faces use; without topology, box of all vertices
+  /// Box of the vertices that faces use, or of all vertices if `topology` is empty.
+  glm::dvec3 min{0}, max{0};
   std::optional<Topology> topology;  ///< empty if the body is unreadable or has too many vertices to index
-  std::vector<Problem> problems;     ///< the first few problems of each kind, then the number of the others
-  bool is_readable = false;          ///< a build with --skip-bad would succeed
-  bool is_buildable = false;         ///< a build without --skip-bad would succeed, too
+  std::vector<Problem> problems;     ///< first few problems of each kind, then the number of further problems
+  bool is_readable = false;          ///< true if a build with --skip-bad would succeed
+  bool is_buildable = false;         ///< true if a build without --skip-bad would succeed too
   std::optional<BuildForecast> forecast;  ///< present only if the file is readable
 };
 
-/// Examines a PLY file: its content, its problems, and the cost of a build. Uses memory up to the budget,
-/// plus two bits per vertex. Topology uses about 45 bytes of temporary files per triangle.
-/// @throws Error kIo if the file does not exist. The report contains problems inside the file.
+/// Examines a PLY file: its content, its problems, and the cost of a build. Uses memory up to the budget, and
+/// two bits per vertex in addition. Topology takes temporary files of about 45 bytes per triangle.
+/// @throws Error kIo if the file does not exist. Problems inside the file are in the report.
 DoctorReport examine(const DoctorOptions& options);
 
 }  // namespace lode::ingest

@@ -14,9 +14,10 @@ namespace lode::ingest {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kTolerance = 0.75f;  ///< distances below this multiple of the stored error need not be exact
-constexpr float kReach = 1.25f;      ///< leaves beyond this multiple of the stored error are skipped
-/// Multiple of the stored error that counts as distance of a point without a leaf nearby.
+/// Distances below this multiple of the stored error are not measured exactly.
+constexpr float kTolerance = 0.75f;
+constexpr float kReach = 1.25f;  ///< leaves beyond this multiple of the stored error are skipped
+/// A point without a leaf nearby counts as this multiple of the stored error away.
 constexpr float kBeyond = 1.3f;
 /// Largest number of points per LOD, unless the LOD has more triangles.
 constexpr uint64_t kMostPoints = 20000;
@@ -51,7 +52,7 @@ glm::vec3 pointIn(glm::vec3 a, glm::vec3 b, glm::vec3 c, Dice& dice) {
   return a + u * (b - a) + v * (c - a);
 }
 
-/// Interface for FarthestInTriangle; threads share the referenced data.
+/// Surface for FarthestInTriangle. Threads share the referenced data.
 struct SharedSurface {
   const TriangleTree& tree;
   const SurfaceWalk& walk;
@@ -94,7 +95,8 @@ LodCheck::LodCheck(const Mesh& lod, const LatticeBox& box, float stored_steps, u
 LodCheck::LodCheck(const NodeMesh& lod, const LatticeBox& box, float stored_steps)
     : origin_(box.min), stored_(stored_steps), tree_(lod), walk_(lod) {}
 
-/// Places points at all corners and inside triangles by area, at least one per triangle.
+/// Places points at all corners and inside triangles. The number of points in a triangle is proportional to
+/// its area, but at least one.
 void LodCheck::placePoints(const Mesh& lod, uint64_t count, Dice dice) {
   for (const PositionCode position : lod.positions) points_.emplace_back(unpackPosition(position) - origin_);
   float total = 0;
@@ -170,7 +172,8 @@ void LodCheck::bringNearer(const LeafSurface& leaf) {
   const glm::vec3 shift(glm::ivec3(leaf.box.min) - glm::ivec3(origin_));
   const glm::vec3 size(leaf.box.max - leaf.box.min);
   const float reach = kReach * stored_;
-  uint32_t last = 0;  // leaf triangle nearest to the previous point, a good start for the next
+  // Leaf triangle nearest to the previous point; the search for the next point starts there.
+  uint32_t last = 0;
   const glm::ivec3 low = cellOf(shift - reach), high = cellOf(shift + size + reach);
   for (int z = low.z; z <= high.z; ++z) {
     for (int y = low.y; y <= high.y; ++y) {

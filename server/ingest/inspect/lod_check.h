@@ -40,9 +40,9 @@ struct LeafSurface {
   TriangleTree tree;  ///< tree of the triangles, in lattice steps from the box's lowest corner
 };
 
-/// Measures the largest distance between an LOD and the leaves below its node: from every triangle of the
-/// leaves to the LOD (see FarthestInTriangle), and from points of the LOD to the leaves. Any thread may add
-/// leaves, in any order.
+/// Measures the largest distance between an LOD and the leaves below its node, in both directions: from every
+/// triangle of the leaves to the LOD (see FarthestInTriangle), and from points of the LOD to the leaves. Any
+/// thread may add leaves, in any order.
 class LodCheck {
  public:
   /// @param box  box of the LOD's node. @param stored_steps  the stored error, in lattice steps.
@@ -51,9 +51,9 @@ class LodCheck {
 
   /// Thread safe.
   void add(const LeafSurface& leaf);
-  /// Returns the largest distance in lattice steps; call after adding the last leaf. The result is at least
-  /// 3/4 of the stored error. It is exact only up to 1.25 times the stored error; for points farther away, it
-  /// is at least 1.3 times the stored error.
+  /// Returns the largest distance in lattice steps; call after adding the last leaf. The result is exact
+  /// between 0.75 and 1.25 times the stored error. Smaller distances are returned as at least 0.75 times the
+  /// stored error, larger distances as at least 1.3 times.
   float found() const { return std::max(forward_, backward()); }
 
  private:
@@ -71,24 +71,25 @@ class LodCheck {
   const SurfaceWalk walk_;         ///< walk over the LOD, which speeds up searches in tree_
   std::vector<glm::vec3> points_;  ///< points on the LOD's surface, sorted by cell
   std::vector<std::atomic<float>> nearest_;
-  std::vector<uint32_t> begin_;  ///< index of each cell's first point, then the number of points
-  int cells_ = 1;                ///< number of cells along each axis
+  /// Index of each cell's first point; the last element is the number of points.
+  std::vector<uint32_t> begin_;
+  int cells_ = 1;  ///< number of cells along each axis
   glm::vec3 cell_size_{1};
   std::mutex mutex_;
   float forward_ = 0;  ///< largest distance of the leaves from the LOD
 };
 
-/// Measures for each LOD of a node the largest distance of the LOD's boundaries from the boundaries of the
-/// leaves below the node. Edges on the node's border to its neighbours count as boundaries, too; they are
-/// equal in the LODs and in the leaves. Any thread may add leaves, in any order.
+/// Measures the largest distance from the boundaries of each LOD of a node to the boundaries of the leaves
+/// below the node. Edges on the border to neighbouring nodes also count as boundaries; they are the same in
+/// the LODs and in the leaves. Any thread may add leaves, in any order.
 class BoundaryCheck {
  public:
-  /// Call before adding leaves. LODs are numbered in the order of these calls.
+  /// Adds an LOD. Call addLod() before addLeaf(). LODs are numbered in the order of the calls.
   void addLod(const Mesh& lod);
   /// Thread safe. @param boundaries  open edges of one leaf.
   void addLeaf(std::span<const store::OpenEdge> boundaries);
-  /// Returns for each LOD the largest distance of the LOD's boundary points from the leaves' boundaries, in
-  /// lattice steps. Call after adding the last leaf.
+  /// Returns one value per LOD: the largest distance of its boundary points from the boundaries of the
+  /// leaves, in lattice steps. Call found() after adding the last leaf.
   std::vector<float> found();
 
  private:

@@ -16,11 +16,11 @@
 namespace lode::ingest {
 namespace {
 
-/// The LODs of a node that are measured; they are in memory from the node's first leaf to its last.
+/// The LODs of one node that are measured. They are in memory from the node's first leaf to its last leaf.
 struct NodeCheck {
   const Node* node = nullptr;
   uint64_t original = 0;       ///< number of triangles in the leaves below the node
-  std::vector<size_t> wanted;  ///< index of each LOD's result in the returned list
+  std::vector<size_t> wanted;  ///< index in the returned list, one per LOD
   std::once_flag begun;
   std::vector<std::unique_ptr<LodCheck>> lods;
   BoundaryCheck boundaries;

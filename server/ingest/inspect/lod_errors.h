@@ -17,19 +17,20 @@ struct LodAt {
 /// Stored and measured error of an LOD, in lattice steps.
 struct MeasuredError {
   float stored_steps = 0;
-  /// The larger of LodCheck::found() for the surface and BoundaryCheck::found() for its boundaries.
+  /// Measured error: the larger of LodCheck::found() and BoundaryCheck::found().
   float found_steps = 0;
 };
 
 struct LodErrorOptions {
-  uint64_t seed = 1;  ///< selects points inside triangles
+  uint64_t seed = 1;  ///< seed that selects points inside triangles
   unsigned threads = 1;
-  /// One thread at a time calls this function, which may throw.
+  /// Function that receives the progress. One thread at a time calls the function; it may throw.
   std::function<void(double fraction, uint64_t leaves)> progress;
 };
 
-/// Measures LODs against the leaves below their nodes, independently of the build's samples. Reads each leaf
-/// once for all LODs above the leaf. Keeps in memory one leaf per thread and the LODs above these leaves.
+/// Measures the distance between LODs and the leaves below their nodes, independently of the build's samples.
+/// Reads each leaf once for all LODs above the leaf. Keeps in memory one leaf per thread and the LODs above
+/// these leaves.
 /// @param lods  LODs that have triangles. @return one result per LOD, in the order of `lods`.
 /// @throws Error kIo, kFormat.
 std::vector<MeasuredError> measureLodErrors(const store::Reader& reader, std::span<const LodAt> lods,

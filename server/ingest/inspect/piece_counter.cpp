@@ -33,7 +33,7 @@ void PieceCounter::join(uint32_t a, uint32_t b) {
   if (a != b) handDown(a, b);
 }
 
-/// Passes a join to the range of its higher end: the current range or a lower one.
+/// Passes a join to the range that contains its higher end: the current range or a lower range.
 void PieceCounter::handDown(uint32_t a, uint32_t b) {
   const Join join{std::max(a, b), std::min(a, b)};
   const auto range = static_cast<size_t>(join.high / range_vertices_);
@@ -62,7 +62,7 @@ void PieceCounter::joinInRange(Join join) {
   if (anchor == kNone || other == kNone) {
     ++joins_;
   } else if (anchor != other) {
-    handDown(anchor, other);  // a lower range counts this join
+    handDown(anchor, other);  // a lower range counts the join
   }
 }
 

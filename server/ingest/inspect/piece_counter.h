@@ -22,7 +22,7 @@ class PieceCounter {
   PieceCounter(uint64_t vertices, uint64_t memory_bytes, const TemporaryFolder& folder);
 
   void join(uint32_t a, uint32_t b);
-  /// Must be the last call. @return number of vertices minus number of pieces.
+  /// Counts the joins; call it last. @return number of vertices minus number of pieces.
   uint64_t countJoins();
 
  private:
@@ -35,10 +35,10 @@ class PieceCounter {
 
   const uint64_t range_vertices_;
   size_t range_ = 0;  ///< the current range; higher ranges are done
-  /// For each lower range, the joins whose higher end is in that range.
+  /// Joins of each lower range: the joins whose higher end lies in the range.
   std::vector<std::unique_ptr<Spool>> lower_;
   Groups groups_{0};               ///< groups in the current range
-  std::vector<uint32_t> anchors_;  ///< for each group of the current range, its anchor, or kNone
+  std::vector<uint32_t> anchors_;  ///< anchor of each group of the current range, or kNone
   uint64_t joins_ = 0;
 };
 

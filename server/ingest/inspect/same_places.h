@@ -18,12 +18,13 @@ class SamePlaces {
  public:
   SamePlaces(const TemporaryFolder& folder, uint64_t memory_bytes);
 
-  /// @pre vertices are added in ascending order.
+  /// @pre the calls are in ascending order of `vertex`.
   void add(uint32_t vertex, glm::dvec3 place);
-  /// Call after the last add(). @return the number of vertices at the position of an earlier vertex.
+  /// Finds the duplicates; call it after the last add(). @return number of vertices at the position of an
+  /// earlier vertex.
   uint64_t find();
 
-  /// Finds the first vertex at a vertex's position, for vertices in ascending order.
+  /// Returns the first vertex at the position of a given vertex. Pass the given vertices in ascending order.
   class Cursor {
    public:
     explicit Cursor(const SamePlaces& places);
@@ -31,7 +32,7 @@ class SamePlaces {
 
    private:
     SpoolCursor cursor_;
-    uint32_t vertex_ = 0, first_ = 0;  ///< the next duplicate, and the first vertex at its position
+    uint32_t vertex_ = 0, first_ = 0;  ///< next duplicate, and the first vertex at its position
     bool is_at_end_ = false;
     void advance();
   };
@@ -48,7 +49,8 @@ class SamePlaces {
   const TemporaryFolder& folder_;
   const uint64_t memory_bytes_;
   std::optional<RecordSorter> by_place_;
-  std::optional<Spool> pairs_;  ///< duplicates with the first vertex at their position, sorted by duplicate
+  /// Pairs of a duplicate and the first vertex at its position, sorted by duplicate.
+  std::optional<Spool> pairs_;
 };
 
 }  // namespace lode::ingest

@@ -13,10 +13,10 @@
 namespace lode::ingest {
 namespace {
 
-/// Texels to decode; a smaller set of images is decoded completely.
+/// Number of texels to decode. Images that have fewer texels together are all decoded.
 constexpr uint64_t kTrialTexels = 64 << 20;
-constexpr uint32_t kTrialTiles = 4;  ///< tiles to encode per level
-/// Typical bytes per texel of a decoded image, without and with the next level.
+constexpr uint32_t kTrialTiles = 4;  ///< number of tiles to encode per level
+/// Typical memory of a decoded image, in bytes per texel, without and with the next level.
 constexpr uint64_t kDecodedTexelBytes = 4, kLevelsTexelBytes = 5;
 /// Typical encoder memory per texel of a tile, measured with photographs and noise.
 constexpr uint64_t kEncoderTexelBytes = 10, kWebpEncoderTexelBytes = 26;
@@ -32,10 +32,10 @@ uint64_t texelsOf(const lode::Texture& shape, uint32_t level) {
   return size.x * size.y;
 }
 
-/// Cost of one image or of several images.
+/// Cost of one or more images.
 struct Cost {
   double serial_cpu_seconds = 0, parallel_cpu_seconds = 0, tile_bytes = 0;
-  uint64_t encoder_texel_bytes = 0;  ///< peak memory per texel
+  uint64_t encoder_texel_bytes = 0;  ///< peak memory of the encoder, in bytes per texel
 
   Cost& operator+=(const Cost& other) {
     serial_cpu_seconds += other.serial_cpu_seconds;
@@ -108,7 +108,8 @@ uint64_t usualMemory(const TextureImage& image, uint64_t encoder_texel_bytes, ui
   const glm::u64vec2 tile(tileInnerSize(shape, 0, 0, 0));
   const uint64_t at_once = encoderThreads(memory_bytes, image.memoryBytes(), threads) * tile.x * tile.y;
   const uint64_t encoders = encoder_texel_bytes * std::min(at_once, texels);
-  // memoryBytes() includes the lower levels, but these are made only after the decoder has freed its memory.
+  // Exclude the lower levels, which memoryBytes() includes: they are made only after the decoder has freed
+  // its memory.
   const uint64_t decoding = image.memoryBytes() - 2 * texels;
   const bool is_halved = levelCount(shape) > 1;
   return std::max(decoding, texels * (is_halved ? kLevelsTexelBytes : kDecodedTexelBytes) + encoders);
@@ -125,7 +126,7 @@ TextureForecast forecastTextures(std::span<const TextureImage> images, uint64_t 
   const uint64_t stride = std::max(all / kTrialTexels, uint64_t{1});
   for (const TextureImage& image : images) {
     if (!image.problem.empty()) continue;
-    // Select images evenly by texels.
+    // Select the images so that the selected texels are spread evenly.
     const bool is_due = tried * stride <= passed;
     passed += texelsOf(image);
     if (!is_due) continue;

@@ -11,13 +11,14 @@ namespace lode::ingest {
 struct TextureForecast {
   double serial_cpu_seconds = 0;    ///< CPU time of reading, decoding and halving images on one thread
   double parallel_cpu_seconds = 0;  ///< CPU time of encoding tiles on all threads
-  uint64_t tile_bytes = 0;          ///< size of the tiles, first in a temporary file, then in the store
-  uint64_t memory_bytes = 0;        ///< peak memory, without the program itself
+  /// Size of the encoded tiles, in the temporary file and later in the store.
+  uint64_t tile_bytes = 0;
+  uint64_t memory_bytes = 0;  ///< peak memory, without the program itself
 };
 
-/// Forecasts the cost of textures on this machine under its current load: decodes all images if they are
-/// small together, else an even selection; encodes a few tiles of each decoded image; and scales the measured
-/// cost. Keeps one image in memory at a time. Thread safe.
+/// Forecasts the cost of textures on this machine under its current load. Decodes all images, or an even
+/// selection if they have too many texels together. Encodes a few tiles of each decoded image. Then scales
+/// the measured cost. Keeps one image in memory at a time. Thread safe.
 /// @param images   the model's images; an image with a problem costs nothing.
 /// @param threads  number of threads of the build.
 TextureForecast forecastTextures(std::span<const TextureImage> images, uint64_t memory_bytes,

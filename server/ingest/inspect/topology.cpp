@@ -8,7 +8,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Equal parts of the memory: for sorting, for a batch of faces, for pieces, and for the rest.
+/// The memory has this number of equal parts: for sorting, for a batch of faces, for pieces, and for the
+/// rest.
 constexpr uint64_t kShares = 4;
 
 AttributeSet normalsOf(AttributeSet attributes) noexcept {
@@ -99,7 +100,8 @@ void TopologyCounter::countFace() {
   addEdges();
 }
 
-/// Uses the normals of the file's own vertices, because vertices at one position may have different normals.
+/// Returns true if the normals of the current face point to its back. Uses the face's own vertices, because
+/// vertices at one position may have different normals.
 bool TopologyCounter::isOpposed() const {
   glm::dvec3 front(0), mean(0);
   for (size_t c = 0; c < face_.size(); ++c) {

@@ -18,24 +18,25 @@
 
 namespace lode::ingest {
 
-/// Topology of a file's faces. Except for duplicate and unused vertices, vertices at exactly the same
-/// position count as one, as in a build.
+/// Topology of a file's faces. As in a build, vertices at exactly the same position count as one vertex,
+/// except in the numbers of duplicate and unused vertices.
 struct Topology {
-  /// Vertices at the position of an earlier vertex; skipped vertices have the position 0.
+  /// Number of vertices at the position of an earlier vertex. Skipped vertices have the position 0.
   uint64_t duplicate_vertices = 0;
   uint64_t unused_vertices = 0;     ///< vertices that no face uses
   uint64_t flat_faces = 0;          ///< faces with fewer than three distinct positions
-  uint64_t open_edges = 0;          ///< edges of one face
-  uint64_t non_manifold_edges = 0;  ///< edges of three or more faces
+  uint64_t open_edges = 0;          ///< edges that one face uses
+  uint64_t non_manifold_edges = 0;  ///< edges that three or more faces use
   uint64_t misoriented_edges = 0;   ///< edges that two faces use in the same direction
-  uint64_t pieces = 0;              ///< sets of faces connected by vertices
-  /// Faces whose vertices have a mean normal that points to the back of the face.
+  uint64_t pieces = 0;              ///< connected sets of faces; faces are connected if they share a vertex
+  /// Faces whose mean vertex normal points to the back of the face.
   uint64_t opposed_faces = 0;
   /// Triangles that would vanish on the lattice that a build chooses; see LostTriangles.
   uint64_t lost_triangles = 0;
   double lattice_step = 0;  ///< step of the lattice that a build chooses; 0 if there is no suitable lattice
-  std::string_view lattice_problem;     ///< reason why there is no suitable lattice, and a remedy
-  glm::dvec3 used_min{0}, used_max{0};  ///< box of the vertices that faces use; 0 if faces use none
+  std::string_view lattice_problem;  ///< reason why there is no suitable lattice, and a remedy
+  /// Box of the vertices that faces use; zero if there are no such vertices.
+  glm::dvec3 used_min{0}, used_max{0};
 };
 
 /// Counts topology with sorts and sweeps over temporary files, in bounded memory plus two bits per vertex.
@@ -44,7 +45,7 @@ class TopologyCounter {
  public:
   /// @param folder  folder for temporary files. @param attributes  the file's attributes; only normals
   /// matter.
-  /// @param double_positions  whether float is not precise enough for the positions. @param memory_bytes
+  /// @param double_positions  true if floats are not precise enough for the positions. @param memory_bytes
   /// approximate limit.
   TopologyCounter(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
                   uint64_t memory_bytes);
@@ -75,7 +76,7 @@ class TopologyCounter {
   const uint64_t memory_bytes_;
   PackedInput input_;
   SamePlaces places_;
-  RecordSorter edges_;  ///< the faces' edges; the key is both ends, the record is the direction
+  RecordSorter edges_;  ///< all edges of faces; the key contains both ends, the record the direction
   std::optional<PieceCounter> pieces_;
   std::optional<VertexSet> used_;            ///< first vertices of the positions that faces use
   std::optional<LostTriangleCounter> lost_;  ///< empty if there is no suitable lattice

@@ -108,7 +108,7 @@ class TrialWriter {
   PlyReader reader_;
   AtomicFile file_;
   const AttributeSet attributes_;
-  uint64_t period_ = 1;           ///< faces of the file per stretch
+  uint64_t period_ = 1;           ///< number of the file's faces per stretch
   uint64_t first_ = 0, end_ = 0;  ///< range of faces within each period that the part contains
   uint64_t seen_ = 0;
   PlyFaces faces_;              ///< faces of the stretches

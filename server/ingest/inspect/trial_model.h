@@ -15,7 +15,7 @@ struct TrialModel {
 
 /// Writes a part of a model as a PLY without textures, to estimate the cost of the whole model. Divides the
 /// file into equal parts and writes a stretch of consecutive faces from the middle of each part, with the
-/// faces' vertices and attributes. Skips bad values. Holds the stretches in memory and reads the file twice.
+/// faces' vertices and attributes. Skips bad values. Keeps the stretches in memory and reads the file twice.
 /// @param faces      approximate number of faces in all stretches together; a model with fewer faces is
 /// written as a whole.
 /// @param stretches  number of stretches, from 1 to `faces`.
