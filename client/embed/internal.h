@@ -12,7 +12,7 @@
 #include "common/codec/model_summary.h"
 #include "common/error.h"
 
-/// A reference to a cut, as the C API returns it.
+/// A reference to a cut, which the C API returns.
 struct lodestream_cut {
   std::shared_ptr<const lode::core::Cut> cut;
   lode::ModelSummary model;
@@ -24,7 +24,7 @@ namespace lode::embed {
 /// Stores a message for lodestream_last_error() on this thread.
 void setLastError(const char* message) noexcept;
 
-/// Dereferences a pointer argument of the C API. @throws Error kUsage for NULL.
+/// Dereferences an argument of the C API. @throws Error kUsage if the pointer is NULL.
 template <typename T>
 T& given(T* pointer, const char* what, const char* remedy = "the address of one") {
   if (pointer == nullptr)
@@ -53,7 +53,7 @@ inline bool isWithin(const core::Cut& cut, float threshold_px) noexcept {
   return cut.converged && cut.max_error_px <= threshold_px;
 }
 
-/// Returns true if the cut exceeds its threshold and the model has nothing finer.
+/// Returns true if the cut exceeds its threshold although it is the finest that the model has.
 inline bool isFinest(const core::Cut& cut) noexcept {
   return cut.converged && !isWithin(cut, cut.threshold_px);
 }

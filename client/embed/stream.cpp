@@ -19,7 +19,7 @@ struct lodestream_stream {
 
   lode::stream::Streamer streamer;
   std::optional<lode::ModelSummary> model;
-  std::shared_ptr<const lode::core::Cut> cut;  // cut at the last step
+  std::shared_ptr<const lode::core::Cut> cut;  // cut of the last step
   uint64_t cut_serial = 0;
   std::optional<lode::core::View> view;  // view that was set last
   float threshold_px = 1;

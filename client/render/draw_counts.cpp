@@ -33,7 +33,8 @@ std::optional<Coarsening> coarseningOf(const ShownThresholds& shown, float fines
 }
 
 double pixelShareInSoftware(uint64_t triangles, double pixels) noexcept {
-  constexpr double kPixelsOfTriangle = 11;  // pixels that cost as much as a triangle in Mesa's llvmpipe
+  // Number of pixels that cost as much as one triangle in Mesa's llvmpipe.
+  constexpr double kPixelsOfTriangle = 11;
   return pixels / (pixels + kPixelsOfTriangle * static_cast<double>(triangles));
 }
 

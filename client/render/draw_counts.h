@@ -5,12 +5,12 @@
 
 namespace lode::render {
 
-/// Estimate of the exponent by which a frame's work falls as its threshold grows. The true exponent is
-/// between 1 and 2, depending on how flat the model is.
+/// Estimated exponent k: a frame's work is proportional to 1 / threshold^k. The true exponent lies between 1
+/// and 2, depending on how flat the model is.
 constexpr double kFallOfWork = 1.5;
 
-/// Mean of the thresholds of parts. If all parts had the mean as their threshold, the frame's work would be
-/// the same (see kFallOfWork).
+/// Mean of the thresholds of parts. The frame would take the same work if all parts had this mean as their
+/// threshold (see kFallOfWork).
 class MeanThreshold {
  public:
   void add(uint64_t triangles, double threshold_px) noexcept;
@@ -20,28 +20,29 @@ class MeanThreshold {
 
  private:
   double triangles_ = 0;
-  double triangles_at_1px_ = 0;  ///< estimated triangles at a threshold of one pixel
+  double triangles_at_1px_ = 0;  ///< estimated number of triangles at a threshold of one pixel
 };
 
 /// Mean thresholds of the parts in a picture.
 struct ShownThresholds {
-  MeanThreshold drawn;     ///< mean that counts a part coarser than the cut's threshold as meeting it
-  MeanThreshold complete;  ///< mean that counts such a part with its own error
+  /// Mean in which each part coarser than the cut's threshold counts with the cut's threshold.
+  MeanThreshold drawn;
+  MeanThreshold complete;  ///< mean in which such a part counts with its own error
 
   ShownThresholds& operator+=(const ShownThresholds& more) noexcept;
 };
 
-/// Ratio of the thresholds shown to the finest threshold requested, >= 1.
+/// Ratio of the thresholds in a frame to the finest requested threshold; at least 1.
 struct Coarsening {
   double drawn = 1, complete = 1;  ///< ratios of the means of ShownThresholds
   double pixel_share = 0;          ///< share of the frame's work that depends on pixels instead of triangles
-  double scale = 1;                ///< factor on the resolution of each side
+  double scale = 1;                ///< scale of the picture's width and height
 };
 
-/// Returns the coarsening of a frame, or nothing if the frame shows no part and so says nothing about work.
+/// Returns the coarsening of a frame. Returns nothing if the frame shows no part.
 std::optional<Coarsening> coarseningOf(const ShownThresholds& shown, float finest_px) noexcept;
 
-/// Estimates the share of a frame's work that its pixels cause when the CPU renders it.
+/// Estimates the share of a frame's work that its pixels cause, if the CPU renders the frame.
 double pixelShareInSoftware(uint64_t triangles, double pixels) noexcept;
 
 /// Statistics of one picture.

@@ -10,14 +10,15 @@
 
 namespace lode::render {
 
-/// Measures the GPU time of frames by timer queries, whose results arrive a few frames later. Only wait()
+/// Measures the GPU time of frames by timer queries. The results arrive a few frames later. Only wait()
 /// blocks. Use it on the thread of its context.
 class FrameTimer {
  public:
   FrameTimer();
 
   /// Starts timing a frame, unless results of too many earlier frames are still pending.
-  /// @return the frame's unique number if it is timed; take() returns the same number.
+  /// @return the frame's unique number, which take() returns with the time; nothing if the frame is not
+  /// timed.
   std::optional<uint64_t> begin();
   /// @param cpu_ms      time that the frame took on this thread.
   /// @param coarsening  the frame's coarsening, which take() returns with the time.

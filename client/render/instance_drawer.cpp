@@ -5,7 +5,7 @@
 namespace lode::render {
 namespace {
 
-/// Number of clusters below which reading depth back costs more than drawing hidden clusters.
+/// With fewer clusters than this, reading depth back costs more than drawing hidden clusters.
 constexpr size_t kFewClusters = 64;
 
 }  // namespace

@@ -27,8 +27,8 @@ struct InstanceDraw {
 /// destroy it on the thread of its context.
 class InstanceDrawer {
  public:
-  /// @param instances  the visible instances, preferably nearest first. All styles but the first must set
-  ///                   DrawStyle::over. Call Renderer::leaveOut() for instances not drawn.
+  /// @param instances  the visible instances, preferably nearest first. All styles except the first must set
+  ///                   DrawStyle::over. Call Renderer::leaveOut() for instances that are not drawn.
   DrawCounts draw(std::span<const InstanceDraw> instances, const Framebuffer& target, const DrawTime& time);
 
  private:

@@ -97,7 +97,7 @@ UploadBudget Renderer::uploadInRenderThread(const UploadBudget& budget) {
   return left();
 }
 
-/// Keeps the meshes that the last picture shows, so that the next one can fade from them.
+/// Keeps the meshes of the last picture, so that the next picture can fade from them.
 void Renderer::keepShownMeshes() {
   uint64_t oldest = MeshResidency::kNone;
   for (const DrawnInstance& instance : instances_)
@@ -141,7 +141,7 @@ DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& style, floa
 
 /// Updates an instance's cross-fade with the parts that the drawn cut shows to this camera.
 Renderer::DrawnInstance& Renderer::choose(size_t number, const core::View& view, const DrawTime& time) {
-  // Clusters point into CrossFade::items().
+  // The clusters of an instance point into CrossFade::items(), so a move must not copy.
   static_assert(std::is_nothrow_move_constructible_v<DrawnInstance>);
   if (number >= instances_.size()) instances_.resize(number + 1);
   DrawnInstance& instance = instances_[number];
@@ -276,7 +276,7 @@ void Renderer::drawClusters(const DrawnInstance& instance, const std::vector<boo
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
 }
 
-/// Adds triangles of a part to the picture's mean thresholds.
+/// Adds a part with its drawn triangles to the picture's mean thresholds.
 void Renderer::countShown(const DrawnInstance& instance, const SeenPart& part, uint32_t triangles,
                           const core::View& view, DrawCounts& counts) {
   const double focal_px = core::focalPx(view);

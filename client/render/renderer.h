@@ -25,15 +25,16 @@
 namespace lode::render {
 
 /// Draws the cuts of one model, as one instance or several. Create, use and destroy it on the thread of its
-/// OpenGL 4.5 context. The renderer relies on no context state and changes the bound framebuffer, program and
-/// vertex array and the depth and polygon state.
+/// OpenGL 4.5 context. The renderer relies on no OpenGL state. It changes the bound framebuffer, program and
+/// vertex array, and the depth and polygon state.
 class Renderer {
  public:
   /// @param lattice_step  the model's lattice step, see isLatticeStep().
   /// @throws Error kIo if the driver is out of memory, kInternal if it rejects a shader.
   explicit Renderer(double lattice_step = 1, const ResidencyOptions& options = {});
 
-  /// Sets the step of a model that was unknown at construction. Call it before the first show().
+  /// Sets the lattice step if the model was unknown at construction. Call setLatticeStep() before the first
+  /// show().
   void setLatticeStep(double lattice_step) noexcept { lattice_step_ = lattice_step; }
 
   /// Sets the newest cut of a model with one instance.
@@ -63,8 +64,8 @@ class Renderer {
   /// Draws the model, and the background unless style.over is set. The view must have the target's size.
   DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {},
                   const DrawTime& time = {});
-  /// Draws one instance without background. With OcclusionCulling::kReadBack it draws only clusters that were
-  /// not hidden in the last frame; drawAppeared() draws the others.
+  /// Draws one instance without background. With OcclusionCulling::kReadBack, draws only the clusters that
+  /// were not hidden in the last frame; drawAppeared() tests and draws the other clusters.
   /// @param view  view in the instance's model frame.
   DrawCounts drawInstance(size_t instance, const core::View& view, const Framebuffer& target,
                           const DrawStyle& style, const DrawTime& time);
@@ -74,19 +75,19 @@ class Renderer {
   /// the same as without culling. @param drawn  depth after drawInstance() of all instances.
   DrawCounts drawAppeared(size_t instance, const core::View& view, const Framebuffer& target,
                           const DrawStyle& style, const FarthestDepths& drawn);
-  /// Adds the possibly visible parts of an instance to a GPU culling pass (OcclusionCulling::kOnGpu). The
-  /// result counts no triangles: see GpuCulling::trianglesLately().
+  /// Adds the parts of an instance that may be visible to a GPU culling pass (OcclusionCulling::kOnGpu). The
+  /// result does not count triangles; see GpuCulling::trianglesLately().
   DrawCounts addInstance(size_t instance, const core::View& view, const DrawStyle& style,
                          const DrawTime& time, GpuCulling& culling);
-  /// Draws the clusters of an instance that the last culling pass found. Call continuePicture() before.
+  /// Draws the clusters of an instance that the last culling pass found. Call continuePicture() first.
   /// @return number of draw calls.
   uint32_t drawFound(size_t instance, const core::View& view, const Framebuffer& target,
                      const DrawStyle& style, const GpuCulling& culling);
-  /// Fills the pixels that no model covers. Call it last.
+  /// Fills the pixels that no model covers. Call drawBackground() last.
   void drawBackground(const Framebuffer& target, const DrawStyle& style) const;
-  /// Forgets an instance that is not drawn now. It appears without fading when it is drawn again.
+  /// Forgets an instance that is not drawn in this frame. The instance will appear without fading.
   void leaveOut(size_t instance);
-  /// Returns true while a cross-fade runs, so that the next frame differs from the last.
+  /// Returns true while a cross-fade runs, so that the next frame will differ from the last frame.
   bool fading() const noexcept;
   /// Returns true while the last picture has parts younger than kOldS, whose colours by age still change.
   bool ageing() const noexcept;
@@ -97,8 +98,8 @@ class Renderer {
     CrossFade fade;
     uint64_t shown_serial = 0;      ///< serial of the cut in the last picture; 0 if it was not drawn
     std::vector<SeenCluster> seen;  ///< clusters in the view; unused with culling on the GPU
-    /// Whether drawInstance() drew each cluster of `seen`. A mesh that fades in and out at once is there
-    /// twice.
+    /// One flag per cluster of `seen`: true if drawInstance() drew the cluster. A mesh that fades in and out
+    /// at the same time is in `seen` twice.
     std::vector<bool> is_drawn;
     std::vector<SeenPart> parts;          ///< parts in the view, for culling on the GPU
     uint32_t number = 0;                  ///< index that GpuCulling::add() returned
@@ -125,8 +126,8 @@ class Renderer {
   MeshResidency meshes_;
   TextureResidency textures_;
   std::vector<DrawnInstance> instances_;
-  bool fades_ = false;       ///< whether the last picture cross-faded
-  bool has_samples_ = true;  ///< whether the target is multisampled
+  bool fades_ = false;       ///< true if the last picture cross-faded
+  bool has_samples_ = true;  ///< true if the target is multisampled
   MeshDrawer drawer_;
   GlProgram background_program_;
   GlVertexArray empty_array_;

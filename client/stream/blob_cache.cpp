@@ -21,10 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kTrimShare = 16;  // keep() calls trim() after storing 1/16 of the limit
+constexpr uint64_t kTrimShare = 16;  // keep() calls trim() whenever it has stored 1/16 of the limit
 // Shortest interval between two updates of a file's time of use.
 constexpr std::chrono::hours kUseGranularity{1};
-constexpr std::chrono::hours kAbandoned{1};  // age at which a temporary file is removed
+// A temporary file of this age is removed, because its writer is gone.
+constexpr std::chrono::hours kAbandoned{1};
 constexpr uint64_t kMaxSummaryBytes = sizeof(Digest) + proto::kFrameHeaderBytes + proto::kMaxFrameBodyBytes;
 constexpr std::string_view kTemporary = ".new-";
 
@@ -32,7 +33,8 @@ constexpr std::string_view kTemporary = ".new-";
 /// large.
 std::optional<std::vector<std::byte>> readFile(const fs::path& path, uint64_t max_bytes) {
   std::error_code missing;
-  if (!fs::is_regular_file(path, missing)) return std::nullopt;  // opening a pipe would block
+  // Do not open a pipe, because this would block.
+  if (!fs::is_regular_file(path, missing)) return std::nullopt;
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file) return std::nullopt;
   const auto size = static_cast<uint64_t>(std::max<std::streamoff>(file.tellg(), 0));
@@ -153,7 +155,7 @@ void BlobCache::trim() {
   std::error_code failed;
   for (fs::recursive_directory_iterator entry(folder_ / "blobs", failed), end; !failed && entry != end;
        entry.increment(failed)) {
-    std::error_code gone;  // set if another process has removed the file
+    std::error_code gone;  // ignored: set if another process has removed the file
     if (!entry->is_regular_file(gone)) continue;
     const File file{entry->last_write_time(gone), entry->file_size(gone), entry->path()};
     if (gone) continue;

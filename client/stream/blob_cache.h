@@ -20,10 +20,10 @@ constexpr uint64_t kDefaultCacheBytes = 4ull << 30;
 /// @throws Error kIo if the folder is not writable.
 void prepareCacheFolder(const std::filesystem::path& folder, const core::Remedies& remedies);
 
-/// Caches blobs on disk by digest, one file each, and the last summary of each served model. Any number of
-/// processes may share a folder, because files appear atomically. Reads verify the digest; files that a crash
-/// or a bad disk has damaged are removed, and their blobs are fetched again. Evicts least recently used
-/// files. Disk errors cause misses, never exceptions. Not thread safe.
+/// Caches blobs on disk, one file per blob, named by digest. Also caches the last summary of each served
+/// model. Any number of processes may share a folder, because files appear atomically. Each read verifies the
+/// digest. Files that a crash or a bad disk has damaged are removed, and their blobs are fetched again.
+/// Evicts least recently used files. Disk errors cause misses, never exceptions. Not thread safe.
 class BlobCache {
  public:
   /// @param folder  folder of the cache, created when the first blob is stored.
@@ -37,8 +37,8 @@ class BlobCache {
   std::optional<ModelSummary> summary(const ServedModel& model) const;
   void keepSummary(const ServedModel& model, const ModelSummary& summary);
 
-  /// Evicts least recently used files until the rest fits 15/16 of the limit. keep() calls trim() after
-  /// storing 1/16 of the limit.
+  /// Evicts least recently used files until the rest fits 15/16 of the limit. keep() calls trim() whenever it
+  /// has stored 1/16 of the limit.
   void trim();
 
  private:

@@ -13,14 +13,14 @@
 
 namespace lode::stream {
 
-/// Limit for blobs that wait to be written; above it, blobs are dropped.
+/// Limit for blobs that wait to be written. Further blobs are dropped.
 constexpr uint64_t kMaxUnwrittenBytes = 16u << 20;
 
 /// Runs a BlobCache on a thread of its own, so that callers never wait for the disk. Reads precede writes.
 /// The destructor finishes all writes and joins the thread. Thread safe.
 class CacheThread {
  public:
-  /// @param wake  called on the cache's thread when answers can be taken; must return quickly.
+  /// @param wake  function that the cache's thread calls when answers can be taken; must return quickly.
   /// @throws Error kIo if no thread can be started.
   CacheThread(BlobCache cache, std::function<void()> wake);
   ~CacheThread();

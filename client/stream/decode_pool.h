@@ -21,7 +21,7 @@ unsigned defaultDecodeThreads() noexcept;
 class DecodePool {
  public:
   /// @param threads  number of threads; 0: defaultDecodeThreads().
-  /// @param wake     called on a pool thread when results can be taken; must return quickly.
+  /// @param wake     function that a pool thread calls when results can be taken; must return quickly.
   /// @throws Error kUsage above kMaxDecodeThreads, kIo if a thread cannot be started.
   DecodePool(unsigned threads, std::function<void()> wake);
   ~DecodePool();

@@ -7,8 +7,8 @@
 
 namespace lode::stream {
 
-/// Holds a reference to every published cut until all other references are gone. The refinement thread then
-/// frees the cut's meshes; otherwise the render thread would free them during a frame. Not thread safe.
+/// Keeps a reference to every published cut until all other references are gone. So the refinement thread
+/// frees the cut's meshes, and not the render thread during a frame. Not thread safe.
 class PublishedCuts {
  public:
   void add(const std::shared_ptr<const core::Cut>& cut,

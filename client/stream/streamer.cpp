@@ -22,7 +22,8 @@ namespace lode::stream {
 namespace {
 
 constexpr std::chrono::seconds kTick{1};  // longest interval between two steps of the refinement thread
-constexpr std::chrono::milliseconds kRetryTick{50};  // longest interval while the stream waits to reconnect
+constexpr std::chrono::milliseconds kRetryTick{50};  // longest interval between two steps while the stream
+                                                     // waits to reconnect
 
 using Clock = std::chrono::steady_clock;
 
@@ -96,7 +97,7 @@ struct Streamer::State {
   uint64_t status_view_number = 0;  // serial number of the view that the status describes
   std::vector<std::shared_ptr<const core::Cut>> to_keep;
   StreamStatus status;
-  bool has_news = false;  // waitForNews() has not reported the last change yet
+  bool has_news = false;  // true if waitForNews() has not reported the last change yet
   std::optional<ModelSummary> summary;
   std::optional<Error> error;
 
@@ -160,7 +161,8 @@ void Streamer::State::stream() {
   }
 }
 
-/// Returns null without a cache folder. @throws Error if the stream is offline and the cache lacks the model.
+/// Opens the cache. Returns null if there is no cache folder. @throws Error if the stream is offline and the
+/// cache lacks the model.
 std::unique_ptr<CacheThread> Streamer::State::openCache(core::EngineOptions& engine_options) {
   if (options.cache_folder.empty()) return nullptr;
   const BlobCache cache(options.cache_folder, options.cache_bytes);
@@ -234,7 +236,7 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   const std::lock_guard lock(mutex);
   has_news |= (!summary && engine.summary()) || status_view_number != number || isNews(now, status);
   if (!summary && engine.summary()) summary = *engine.summary();
-  std::swap(status, now);  // moves the old status to `now`, which is freed after the lock is released
+  std::swap(status, now);  // moves the old status to `now`, so that it is freed after the lock is released
   status_view_number = number;
   news.notify_all();
 }
@@ -321,7 +323,7 @@ void Streamer::setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes) {
 
 void Streamer::keep(std::vector<std::shared_ptr<const core::Cut>> cuts) {
   const std::lock_guard lock(state_->mutex);
-  if (state_->status.ended) return;  // the thread that would free the cuts has ended
+  if (state_->status.ended) return;  // keep nothing, because the thread that frees cuts has ended
   std::ranges::move(cuts, std::back_inserter(state_->to_keep));
 }
 

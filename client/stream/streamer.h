@@ -68,16 +68,17 @@ class Streamer {
   void setViews(std::span<const core::View> views, float threshold_px);
   /// Replaces the memory and drawn budgets of the options: see core::Engine.
   void setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes);
-  /// Passes ownership of cuts derived from the stream's cuts. The stream's thread frees each of these cuts
-  /// when no other references exist.
+  /// Takes references to cuts that were derived from the stream's cuts. The stream's thread frees each of
+  /// these cuts when no other references exist.
   void keep(std::vector<std::shared_ptr<const core::Cut>> cuts);
   /// Returns the last status; never blocks on the network.
   StreamStatus status() const;
   /// Returns the model's summary; nothing until the model is open.
   std::optional<ModelSummary> model() const;
-  /// Waits for a change since the last call, at most for the timeout. The changes are: the model is open; the
-  /// view that was set last has been refined; there is a new cut; limited, settled, exhausted, failure or
-  /// trouble has changed; the stream has ended. Setting a settled view again also counts as a change.
+  /// Waits for a change since the last call, at most for the timeout. A change is one of these: the model has
+  /// been opened; the view that was set last has been refined; a new cut was published; limited, settled,
+  /// exhausted, failure or trouble has changed; the stream has ended. Setting a settled view again also
+  /// counts as a change.
   StreamStatus waitForNews(std::chrono::milliseconds timeout);
   /// Waits until the cut of the view that was set last has converged or cannot converge, at most for the
   /// timeout. Parts outside the view may still be missing.

@@ -106,9 +106,8 @@ class Gyroid final : public SampleModel {
     std::array<const GyroidCell*, 8> cells{};
     for (unsigned i = 0; i < 8; ++i) {
       const glm::u64vec3 other = cell + glm::u64vec3(i & 1, i >> 1 & 1, i >> 2);
-      if (glm::any(glm::greaterThanEqual(other, order_.axes())))
-        // The neighbour is outside the block.
-        continue;
+      // Skip neighbours outside the block.
+      if (glm::any(glm::greaterThanEqual(other, order_.axes()))) continue;
       first[i] = order_.before(other, vertices_);
       cells[i] = &cells_[order_.kindOf(other)];
     }

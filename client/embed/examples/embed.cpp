@@ -1,4 +1,4 @@
-// Streams a model and prints its cut, within an error of one pixel, by octree level.
+// Streams a model until its error is at most one pixel. Then prints the number of parts per octree level.
 //
 //   embed lode://HOST[:PORT]/MODEL
 
@@ -13,7 +13,7 @@
 
 namespace {
 
-/// Returns a view of the model's box from the front and slightly above, in which the box fills the picture.
+/// Returns a view from the front and slightly above, in which the model's box fills the picture.
 lodestream::View frame(const lodestream::Model& model) {
   lodestream::View view{};
   double radius = 0;
@@ -33,7 +33,7 @@ lodestream::View frame(const lodestream::Model& model) {
   return view;
 }
 
-/// A renderer would upload the mesh; this example only checks its indices.
+/// Checks the indices of a mesh. A renderer would upload the mesh instead.
 bool isSound(const lodestream::Mesh& mesh) {
   return std::all_of(mesh->indices, mesh->indices + size_t{3} * mesh->triangles,
                      [&](uint32_t index) { return index < mesh->vertices; });
@@ -65,7 +65,7 @@ void run(const char* url) {
   const lodestream::View view = frame(stream.describe());
   stream.setView(view);
 
-  // A game would step once per frame without waiting, and draw the cut.
+  // A game would instead step once per frame without waiting, and draw the cut.
   lodestream::Status status{};
   uint64_t drawn_serial = 0;
   while (!status.is_settled && !status.has_ended) {

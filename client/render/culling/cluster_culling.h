@@ -12,7 +12,7 @@ namespace lode::render {
 /// A part that may be visible.
 struct SeenPart {
   const DrawItem* item = nullptr;
-  uint32_t state = 0;  ///< index of the part's draw state, which the caller keeps
+  uint32_t state = 0;  ///< index of the part's draw state in the caller's array
   bool fades = false;
 };
 
@@ -24,7 +24,7 @@ struct SeenCluster {
   uint32_t firstTriangle() const noexcept { return number * kClusterTriangles; }
   uint32_t triangles() const noexcept;
   const LatticeBox& box() const noexcept { return part.item->clusters->boxes[number]; }
-  /// Returns true if other geometry hid the cluster in the last frame of this instance.
+  /// Returns the flag that is true if other geometry hid the cluster in the instance's last frame.
   std::vector<bool>::reference hidden(size_t instance) const;
 };
 
@@ -45,8 +45,8 @@ struct DrawCommand {
 /// Draw commands of one shader program, grouped by page.
 struct DrawList {
   void clear(size_t pages);
-  /// Adds a cluster. Extends the last command if the cluster directly follows that command's triangles in
-  /// memory.
+  /// Adds a cluster. If the cluster directly follows the last command's triangles in memory, extends this
+  /// command.
   void add(const SeenCluster& cluster);
   bool empty() const noexcept;
 

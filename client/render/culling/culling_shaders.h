@@ -2,11 +2,11 @@
 
 namespace lode::render {
 
-/// Compute shader that finds the clusters of each chunk that are in the view and not hidden by the depths. It
-/// writes one bit per cluster.
+/// Compute shader that writes one bit per cluster of each chunk. The bit is set if the cluster is in the view
+/// and the depths do not hide it.
 extern const char* const kFindShader;
-/// Compute shader that writes, for each list, the commands that draw the found clusters in order, and the
-/// number of commands.
+/// Compute shader that writes the commands of each list, in order, and their number. The commands draw the
+/// clusters that kFindShader found.
 extern const char* const kListShader;
 
 }  // namespace lode::render

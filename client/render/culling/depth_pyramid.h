@@ -15,8 +15,8 @@ class FarthestSquares {
   /// @throws Error kInternal if the driver rejects a shader.
   FarthestSquares();
 
-  /// Draws one pixel per square into the lower left corner of a single-float framebuffer. Changes the bound
-  /// framebuffer, program, vertex array and viewport, and disables the depth test.
+  /// Draws one pixel per square into the lower left corner of a framebuffer with one float channel. Changes
+  /// the bound framebuffer, program, vertex array and viewport, and disables the depth test.
   void draw(const Framebuffer& picture, GLuint framebuffer);
 
  private:
@@ -40,9 +40,9 @@ class DepthReader {
   uint32_t columns_ = 0, rows_ = 0;
 };
 
-/// Depth pyramid of a picture on the GPU. Level 0 has the squares of FarthestDepths; a texel of each further
-/// level has the farthest depth of 2 × 2 texels, so that testing a box takes at most 16 texels. Create, use
-/// and destroy it on the thread of its context. Source: Greene, Kass and Miller, Hierarchical Z-buffer
+/// Depth pyramid of a picture on the GPU. Level 0 has the squares of FarthestDepths. In each further level, a
+/// texel has the farthest depth of 2 × 2 texels. A test of a box therefore reads at most 16 texels. Create,
+/// use and destroy it on the thread of its context. Source: Greene, Kass and Miller, Hierarchical Z-buffer
 /// Visibility, 1993.
 class DepthPyramid {
  public:
@@ -52,7 +52,7 @@ class DepthPyramid {
   /// Builds the pyramid without blocking. Changes the same state as FarthestSquares::draw().
   void build(const Framebuffer& picture);
 
-  /// Returns the texture of reversed depths. Texels outside the picture are 1, which hides everything.
+  /// Returns the texture of reversed depths. Texels outside the picture are 1, so that they hide everything.
   GLuint texture() const noexcept { return texture_.get(); }
   /// Returns the width of the picture, or 0 before the first build().
   uint32_t widthPx() const noexcept { return width_px_; }

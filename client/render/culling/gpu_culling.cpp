@@ -28,8 +28,8 @@ enum Storage : GLuint {
   kTriangles
 };
 constexpr GLuint kPyramidUnit = 1;
-constexpr uint32_t kChunkClusters = 64;      ///< threads in a work group of kFindShader
-constexpr uint32_t kMostWorkGroups = 65535;  ///< guaranteed limit of work groups per dispatch
+constexpr uint32_t kChunkClusters = 64;      ///< number of threads in a work group of kFindShader
+constexpr uint32_t kMostWorkGroups = 65535;  ///< number of work groups per dispatch that OpenGL guarantees
 constexpr uint32_t kPasses = 2;
 static_assert(kClusterTriangles == 128 && sizeof(LatticeBox) == 24);  // the shaders hard-code these values
 
@@ -145,7 +145,7 @@ void GpuCulling::addChunks(const SeenPart& part, uint32_t instance) {
                        static_cast<int32_t>(item.base_vertex), part.state, instance});
     ++groups_.back().chunks;
     ++lists_.back().chunks;
-    const uint32_t most_runs = (count + 1) / 2;  // at least one cluster separates two runs
+    const uint32_t most_runs = (count + 1) / 2;  // two runs are at least one cluster apart
     draws_.back().most_commands += most_runs;
     most_commands_ += most_runs;
   }
@@ -172,7 +172,8 @@ void GpuCulling::findAppeared(const Framebuffer& drawn) {
   glDeleteSync(std::exchange(count_fences_[picture_], glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0)));
 }
 
-/// Runs a pass. @param by_last_picture  whether depths_ shows the last picture instead of this one.
+/// Runs a pass. @param by_last_picture true if depths_ shows the last picture, false if it shows this
+/// picture.
 void GpuCulling::find(bool by_last_picture) {
   if (lists_.empty()) return;
   bind(kChunks, chunks_buffer_);

@@ -18,11 +18,11 @@
 
 namespace lode::render {
 
-/// Culls clusters on the GPU, which also writes the draw commands; the CPU only lists the parts. Two passes
-/// run over the same parts. The first pass finds the clusters that the last picture's depth does not hide;
-/// the second pass finds, among the other clusters, those that the depth of the first pass does not hide. A
-/// pass handles all models of a picture, so that the GPU synchronizes only twice. Commands keep the order of
-/// the parts, so that pictures are deterministic. Create, use and destroy it on the thread of its context.
+/// Culls clusters on the GPU. The GPU also writes the draw commands; the CPU only lists the parts. Two passes
+/// run over the same parts. The first pass finds the clusters that the depth of the last picture does not
+/// hide. The second pass tests the remaining clusters with the depth that the first pass has drawn. A pass
+/// handles all models of a picture, so that the GPU synchronizes only twice. Commands keep the order of the
+/// parts, so that pictures are deterministic. Create, use and destroy it on the thread of its context.
 /// Source: Aaltonen and Haar, GPU-Driven Rendering Pipelines, 2015 (two-pass occlusion culling).
 class GpuCulling {
  public:
@@ -31,7 +31,7 @@ class GpuCulling {
     uint32_t instance = 0;
     bool fades = false;
     uint32_t page = 0;
-    uint32_t first_command = 0, most_commands = 0;  ///< range, relative to firstCommandOfPass()
+    uint32_t first_command = 0, most_commands = 0;  ///< range of commands, relative to firstCommandOfPass()
     uint32_t count = 0;                             ///< index in counts(), relative to firstCountOfPass()
   };
 
@@ -50,7 +50,8 @@ class GpuCulling {
   void begin();
   /// Adds the parts of an instance.
   /// @param view       view in the instance's model frame.
-  /// @param last_view  view of the instance in the last picture. Without it the first pass hides nothing.
+  /// @param last_view  view of the instance in the last picture. Without this view, the first pass hides
+  /// nothing.
   /// @return the instance's index in this picture.
   uint32_t add(std::span<const SeenPart> parts, const GpuPages& pages, double lattice_step,
                const core::View& view, const std::optional<core::View>& last_view);
@@ -78,9 +79,10 @@ class GpuCulling {
   };
   /// Camera of an instance in the layout of the shader.
   struct Camera {
-    glm::ivec4 eye_high;          ///< high part of SplitEye; w: 1 if the depths can hide clusters
-    glm::vec4 eye_low;            ///< low part of SplitEye
-    glm::vec4 right, up, behind;  ///< view axes; their w: scale x, scale y, near in lattice steps
+    glm::ivec4 eye_high;  ///< high part of SplitEye; w is 1 if the depths can hide clusters
+    glm::vec4 eye_low;    ///< low part of SplitEye
+    /// View axes; their w are scale x, scale y and the near distance in lattice steps.
+    glm::vec4 right, up, behind;
   };
   struct CameraPair {
     Camera now, before;
@@ -120,7 +122,7 @@ class GpuCulling {
   uint32_t picture_ = 0;
   GlBuffer cameras_buffer_, chunks_buffer_, lists_buffer_, found_, commands_, counts_, triangles_;
   const uint32_t* mapped_triangles_ = nullptr;        ///< kPicturesKept counters in mapped memory
-  std::array<GLsync, kPicturesKept> count_fences_{};  ///< signal that a counter is complete
+  std::array<GLsync, kPicturesKept> count_fences_{};  ///< fences that signal when a counter is complete
   uint64_t triangles_lately_ = 0;
 };
 

@@ -6,7 +6,7 @@
 namespace lode::render {
 namespace {
 
-constexpr double kSlackPx = 1;        ///< largest distance by which rasterization exceeds the exact box
+constexpr double kSlackPx = 1;        ///< rasterization exceeds the exact box by at most this distance
 constexpr double kDepthSlack = 1e-4;  ///< relative error of a drawn depth
 
 }  // namespace
@@ -28,7 +28,7 @@ bool Occluders::hide(const core::ModelBox& box) const noexcept {
   const double nearest = glm::dot(middle, forward_) - glm::dot(half, glm::abs(forward_));
   const double depth =
       near_model_ / std::max(nearest, std::numeric_limits<double>::min()) * (1 + kDepthSlack);
-  if (depth >= 1) return false;  // the near plane may clip the box
+  if (depth >= 1) return false;  // the near plane may clip the box, so the box counts as visible
   glm::dvec2 least(std::numeric_limits<double>::infinity()), most = -least;
   for (unsigned corner = 0; corner < 8; ++corner) {
     const glm::dvec3 side((corner & 1) * 2 - 1.0, (corner >> 1 & 1) * 2 - 1.0, (corner >> 2) * 2 - 1.0);

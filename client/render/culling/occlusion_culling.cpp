@@ -24,7 +24,7 @@ OcclusionCulling fastestOcclusionCulling() {
   try {
     const GpuCulling compiles_its_shaders;
     return OcclusionCulling::kOnGpu;
-  } catch (const Error&) {  // the driver rejects the shaders
+  } catch (const Error&) {  // the driver has rejected the shaders
     return OcclusionCulling::kOff;
   }
 }

@@ -11,8 +11,8 @@ enum class OcclusionCulling : uint8_t {
   kOnGpu,     ///< compute shaders test clusters, without blocking
 };
 
-/// Returns true if the current context renders on the CPU. Such a context reads depth back at no cost except
-/// the wait.
+/// Returns true if the current context renders on the CPU. In such a context, reading depth back costs only
+/// the wait for drawing.
 bool drawsInSoftware();
 
 /// Returns the fastest method in the current context.

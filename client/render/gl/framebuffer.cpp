@@ -47,7 +47,7 @@ Framebuffer::Framebuffer(uint32_t width_px, uint32_t height_px, int samples)
                glCheckNamedFramebufferStatus(framebuffer, GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
   }
   if (glGetError() != GL_NO_ERROR || !complete) failSize(width_px, height_px, limit_px);
-  constexpr float kBlack[4] = {0, 0, 0, 1};  // contents of new storage are undefined
+  constexpr float kBlack[4] = {0, 0, 0, 1};  // clear the storage, because new storage has undefined contents
   glClearNamedFramebufferfv(drawn_.get(), GL_COLOR, 0, kBlack);
 }
 
@@ -64,8 +64,8 @@ void Framebuffer::makeSampled(GLsizei width, GLsizei height) {
                                  resolved_colour_.get());
 }
 
-/// Allocates single-sample storage. Mesa would return its default number of samples for multisample storage
-/// with one sample.
+/// Allocates single-sample storage. If asked for multisample storage with one sample, Mesa would use its
+/// default number of samples.
 void Framebuffer::makePlain(GLsizei width, GLsizei height) {
   glNamedRenderbufferStorage(colour_.get(), GL_SRGB8_ALPHA8, width, height);
   plain_depth_ = GlTexture::create();

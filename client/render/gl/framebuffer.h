@@ -7,12 +7,12 @@
 
 namespace lode::render {
 
-/// Reads the colours of a framebuffer with one sample per pixel. Framebuffer 0 is the window's, read from its
-/// current read buffer.
+/// Reads the colours of a framebuffer with one sample per pixel. Framebuffer 0 is the window, whose current
+/// read buffer is read.
 Image readFramebuffer(GLuint framebuffer, uint32_t width_px, uint32_t height_px);
 
-/// An off-screen render target: sRGB colour and reversed 32-bit float depth, plus a resolved colour buffer if
-/// it is multisampled. Use it on the thread of its context.
+/// An off-screen render target with sRGB colour and reversed 32-bit float depth. A multisampled target also
+/// has a resolved colour buffer. Use it on the thread of its context.
 class Framebuffer {
  public:
   /// @param samples  samples per pixel, clamped to the driver's limit. The driver may raise any value
@@ -31,9 +31,9 @@ class Framebuffer {
   /// Averages the samples. Call it after drawing, before readPixels() and copyTo().
   void resolve() const;
   Image readPixels() const { return readFramebuffer(resolved(), width_px_, height_px_); }
-  /// Copies the resolved picture to a framebuffer (0: the window's), and scales the picture with linear
-  /// filtering if the sizes differ. Leaves that framebuffer bound for drawing and reading: if a window is
-  /// bound for reading only after it was drawn, Mesa reads black from it.
+  /// Copies the resolved picture to a framebuffer; 0 is the window. If the sizes differ, scales the picture
+  /// with linear filtering. The framebuffer stays bound for drawing and reading, because Mesa reads black
+  /// from a window that is bound for reading only after drawing.
   void copyTo(GLuint framebuffer, uint32_t width_px, uint32_t height_px) const;
 
  private:

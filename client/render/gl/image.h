@@ -6,7 +6,7 @@
 
 namespace lode::render {
 
-/// 8-bit sRGB pixels, red green blue alpha, top row first.
+/// An image of 8-bit sRGB pixels (red, green, blue, alpha), top row first.
 struct Image {
   uint32_t width_px = 0, height_px = 0;
   std::vector<uint8_t> rgba;
@@ -14,7 +14,8 @@ struct Image {
   const uint8_t* pixel(uint32_t x, uint32_t y) const& noexcept {
     return rgba.data() + (static_cast<size_t>(y) * width_px + x) * 4;
   }
-  const uint8_t* pixel(uint32_t x, uint32_t y) const&& = delete;  ///< the pixel would outlive its image
+  const uint8_t* pixel(uint32_t x, uint32_t y) const&& = delete;  ///< deleted, because the pixel would
+                                                                  ///< outlive its image
 };
 
 /// Writes a PNG (colour only, no alpha). The file gets its name only when it is complete.

@@ -71,7 +71,8 @@ OffscreenContext::OffscreenContext() : impl_(std::make_unique<Impl>()) {
                                          EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                          EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                          EGL_NONE};
-  // Use no config: the context never draws to a surface, and some drivers offer no default config here.
+  // Pass no config: the context never draws to a surface, and some drivers have no default config for this
+  // display.
   impl_->context = eglCreateContext(impl_->display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes.data());
   if (impl_->context == EGL_NO_CONTEXT) fail("the driver makes no OpenGL 4.5 core context");
   if (!eglMakeCurrent(impl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, impl_->context)) {

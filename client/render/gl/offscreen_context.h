@@ -4,8 +4,8 @@
 
 namespace lode::render {
 
-/// An OpenGL 4.5 core context without a display or a window. It is current on the thread that creates it
-/// until that thread destroys it.
+/// An OpenGL 4.5 core context without a display or a window. The context is current on the thread that
+/// creates it, until the same thread destroys it.
 class OffscreenContext {
  public:
   /// @throws Error kIo that names the missing part and the package to install.

@@ -15,7 +15,8 @@ extern const char* const kFullScreenVertexShader;
 /// concatenated.
 /// @param definitions      macros for all shaders: names, or names and values separated by a space.
 /// @param geometry_source  source of the geometry shader, or null for none.
-/// @throws Error kInternal with the first line of the driver's log. The sources need no more than OpenGL 4.5.
+/// @throws Error kInternal with the first line of the driver's log. The sources work with any OpenGL 4.5
+/// driver.
 GlProgram linkProgram(const char* vertex_source, std::initializer_list<const char*> fragment_sources,
                       std::span<const std::string_view> definitions = {},
                       const char* geometry_source = nullptr);

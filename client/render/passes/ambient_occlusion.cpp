@@ -14,9 +14,9 @@ enum OcclusionUniform { kOcclusionMiddle, kOcclusionRayStep, kOcclusionReach };
 enum BlurUniform { kBlurAlong };
 enum DarkeningUniform { kDarkeningSamples };
 
-/// Shader that halves the depth. Averages every second pixel of every second row with pairs of opposite
-/// neighbours. Pairs leave planar depth unchanged, even beside an edge, and merge the two surfaces that a
-/// cross-fade dithers.
+/// Shader that halves the size of the depth. Takes every second pixel of every second row, and averages the
+/// pixel with opposite neighbours in pairs. A pair has the mean depth of the pixel if the surface is planar,
+/// even beside an edge. The mean also merges the two surfaces that a cross-fade dithers.
 const char* const kHalvingShader = R"glsl(
 layout(binding = 1) uniform sampler2DMS depths;
 out float depth;
@@ -172,7 +172,7 @@ void main() {
 }
 )glsl";
 
-/// Radius of occlusion, as a share of the picture's height.
+/// Radius of the occlusion, relative to the picture's height.
 constexpr float kReach = 0.07f;
 
 enum HalfUnit : GLuint { kPictureDepth = 1, kHalfLayer };
@@ -250,7 +250,7 @@ void AmbientOcclusion::darken(const Framebuffer& picture, double fov_y_rad, Colo
   glBlendFunc(GL_ZERO, GL_SRC_COLOR);
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
-  glDepthFunc(GL_LESS);  // skips background samples, whose depth is 0 like the triangle's
+  glDepthFunc(GL_LESS);  // skips background samples, which have the same depth 0 as the drawn triangle
   glUseProgram(darkening_program_.get());
   glProgramUniform1i(darkening_program_.get(), kDarkeningSamples, picture.samples());
   glDrawArrays(GL_TRIANGLES, 0, 3);

@@ -8,23 +8,24 @@
 
 namespace lode::render {
 
-/// Screen-space ambient occlusion: darkens creases and hollows that the depth of a drawn picture shows. The
-/// radius is a share of the picture's height, so that a model looks alike near and far. The result depends on
-/// the depth of this picture alone: equal depths result in equal bits. Create, use and destroy it on the
-/// thread of its context. Source: McGuire, Mara and Luebke, Scalable Ambient Obscurance, 2012.
+/// Screen-space ambient occlusion. Darkens the creases and hollows that the depth of a drawn picture shows.
+/// The radius is relative to the picture's height, so that a model looks alike near and far. The result
+/// depends on the depth alone: equal depths give equal bits. Create, use and destroy it on the thread of its
+/// context. Source: McGuire, Mara and Luebke, Scalable Ambient Obscurance, 2012.
 class AmbientOcclusion {
  public:
   /// @throws Error kInternal if the driver rejects a shader.
   AmbientOcclusion();
 
   /// Darkens a picture. Call darken() once, after drawing all models and before resolving the picture. Skips
-  /// background samples. Does nothing unless `show` is kSurface, because other modes encode data in colours.
+  /// background samples. Does nothing unless `show` is kSurface, because the colours of other modes have a
+  /// meaning.
   /// @param picture  must be multisampled.
   /// Changes the bound framebuffer, program, vertex array and textures and the depth state.
   void darken(const Framebuffer& picture, double fov_y_rad, ColorMode show);
 
  private:
-  /// A texture and a framebuffer that draws into it.
+  /// A texture, and a framebuffer for drawing into the texture.
   struct Layer {
     GlTexture texture;
     GlFramebuffer framebuffer;

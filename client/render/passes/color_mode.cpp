@@ -19,8 +19,8 @@ constexpr std::array<glm::u8vec3, kTexelColourCount> kTexelLadder{
 constexpr std::array<const char*, kTexelColourCount> kTexelMeanings{
     "1/4 texel per pixel or less: blurred", "1/2", "1", "2", "4 or more", "no texture"};
 
-/// Categorical colours that differ clearly, also to colour-blind people. Source: Okabe & Ito, Color Universal
-/// Design, 2008, lightened; the last four colours lie between the others.
+/// Colours that people can distinguish, even if they are colour-blind. Source: the colours of Okabe & Ito,
+/// Color Universal Design, 2008, lightened. The last four are mixtures of the others.
 constexpr std::array<glm::u8vec3, 12> kLadder{{{240, 228, 66},
                                                {230, 159, 0},
                                                {213, 94, 0},
@@ -34,7 +34,7 @@ constexpr std::array<glm::u8vec3, 12> kLadder{{{240, 228, 66},
                                                {130, 90, 60},
                                                {90, 110, 120}}};
 
-/// Colour of errors up to `part` of the threshold. The last bin is for errors above the threshold.
+/// Colour of errors up to `part` times the threshold. The last bin is for larger errors.
 struct ErrorBin {
   float part;
   glm::u8vec3 colour;

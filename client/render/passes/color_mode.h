@@ -23,14 +23,14 @@ enum class ColorMode : uint8_t {
   kWireframe,  ///< triangle edges without hidden lines
   kNormals,    ///< normals, with x, y and z as red, green and blue
   kTexels,     ///< number of texture texels per pixel
-  kNodes,      ///< nodes, each in a colour of its own
-  kDepths,     ///< depth of nodes in the octree
-  kLods,       ///< LOD of parts
-  kErrors,     ///< projected error of parts for the view that the cut was made for
-  kAges,       ///< time since parts entered the picture
+  kNodes,      ///< nodes, each in its own colour
+  kDepths,     ///< depth of each part's node in the octree
+  kLods,       ///< LOD of each part
+  kErrors,     ///< projected error of each part in the view for which the cut was made
+  kAges,       ///< time since each part entered the picture
 };
 constexpr int kColorModeCount = 10;
-constexpr float kOldS = 16;  ///< age in seconds from which a part's colour no longer changes
+constexpr float kOldS = 16;  ///< age in seconds after which a part's colour no longer changes
 
 std::string_view nameOf(ColorMode show) noexcept;
 std::optional<ColorMode> colorModeNamed(std::string_view name) noexcept;
@@ -60,7 +60,8 @@ struct LegendEntry {
 
   bool operator==(const LegendEntry&) const = default;
 };
-/// Returns a description of kUnlit or kWireframe, which have no legend; empty for other modes.
+/// Returns a description of kUnlit or kWireframe, which have no legend. Returns an empty text for other
+/// modes.
 std::string_view explanationOf(ColorMode show) noexcept;
 /// Returns the legend for the drawn parts; empty if the mode has no legend.
 /// @param threshold_px  the picture's threshold.

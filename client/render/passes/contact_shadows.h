@@ -14,10 +14,10 @@ namespace lode::render {
 struct ContactShadow {
   glm::dvec3 middle{0};            ///< centre of the ellipse, on the ground
   glm::dvec3 across{0}, along{0};  ///< horizontal half axes of the ellipse
-  float depth = 0;                 ///< share of light missing in the middle, 0..1
+  float depth = 0;                 ///< share of the light that is missing at the centre, 0..1
 };
 
-/// Darkens ground that is already drawn. Use it before drawing the objects on the ground. Create, use and
+/// Darkens ground that is already drawn. Draw the shadows before the objects on the ground. Create, use and
 /// destroy it on the thread of its context.
 class ContactShadows {
  public:

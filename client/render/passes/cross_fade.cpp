@@ -62,11 +62,11 @@ std::vector<CrossFade::Part> CrossFade::partsOf(const ShownCover& cover, double 
   return parts;
 }
 
-/// Makes the new cover live_. Parts in both covers keep their clocks.
+/// Sets live_ to the new cover. Parts that are in both covers keep their clocks.
 CrossFade::Change CrossFade::take(const ShownCover& cover, double now_s) {
   Change change;
   change.before = std::exchange(live_, partsOf(cover, now_s));
-  std::unordered_map<uint64_t, uint32_t> gone;  // node -> index in change.before
+  std::unordered_map<uint64_t, uint32_t> gone;  // maps a node to its index in change.before
   for (uint32_t i = 0; i < change.before.size(); ++i) gone.emplace(change.before[i].item.node.value, i);
   std::vector<uint32_t> leaving, arriving;
   for (uint32_t i = 0; i < live_.size(); ++i) {
@@ -93,7 +93,7 @@ CrossFade::Change CrossFade::take(const ShownCover& cover, double now_s) {
   return change;
 }
 
-/// Starts the change of all regions. Handles regions that cannot fade first, because they end fades around
+/// Starts the change of all regions. Regions that cannot fade come first, because they end the fades around
 /// them.
 void CrossFade::change(const ShownCover& cover, const core::ViewFrustum& frustum, double lattice_step,
                        double now_s) {
@@ -121,7 +121,8 @@ void CrossFade::change(const ShownCover& cover, const core::ViewFrustum& frustum
 bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const core::ViewFrustum& frustum,
                         double lattice_step) const {
   if (is_forgotten_ || region.leaving.empty() || region.arriving.empty()) return false;
-  if (change.cut_before->build != cut_->build) return false;  // their surfaces may be far apart
+  // Do not fade between builds, because their surfaces may be far apart.
+  if (change.cut_before->build != cut_->build) return false;
   const auto fits = [&](const DrawItem& item) {
     const double distance_model = frustum.distanceTo(core::toModelBox(item.box, lattice_step));
     return frustum.errorPx(item.error_model, distance_model) <= kLargestFadedStepPx;
@@ -130,8 +131,8 @@ bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const
          std::ranges::all_of(region.arriving, [&](uint32_t i) { return fits(live_[i].item); });
 }
 
-/// Adds gaps. A gap is a box in a fading region that a cut leaves out and that none of the cut's parts
-/// covers.
+/// Adds the gaps of fading regions. A gap is the box of a node that a cut leaves out and that no other part
+/// of the cut covers.
 void CrossFade::noteGaps(const Change& change, std::span<const ChangedRegion* const> regions,
                          double until_s) {
   const auto note = [&](const core::Cut* cut, bool is_before) {

@@ -16,12 +16,12 @@ namespace lode::render {
 
 /// Duration of a cross-fade in seconds.
 constexpr double kFadeS = 0.25;
-/// Largest error of parts that cross-fade. Parts with a larger error switch at once, because the background
-/// would show between dithered surfaces that are so far apart.
+/// Largest error of parts that cross-fade, in pixels. Parts with a larger error switch at once, because two
+/// dithered surfaces that are so far apart would let the background show through.
 constexpr float kLargestFadedStepPx = 4;
 
-/// A part drawn on the pixels whose dither value, 0..1, lies in [from, to). The ranges of parts that cover
-/// the same region partition [0, 1): each pixel shows one surface.
+/// A part that is drawn only on pixels whose dither value (0..1) lies in [from, to). The ranges of the parts
+/// that cover one region divide [0, 1) among them, so that each pixel shows exactly one surface.
 struct FadedItem {
   DrawItem item;
   float from = 0, to = 1;
@@ -33,7 +33,7 @@ struct FadedItem {
 struct ShownCover {
   std::shared_ptr<const core::Cut> cut;
   std::span<const DrawItem> drawn;    ///< items of the cut, indexed as in core::partOf()
-  std::span<const uint32_t> numbers;  ///< numbers of the items that cover the model
+  std::span<const uint32_t> numbers;  ///< numbers of the items that together cover the model
   uint64_t serial = 0;                ///< serial of the cut; newer cuts have larger serials
 };
 
@@ -45,7 +45,7 @@ class CrossFade {
   /// Shows a cover and starts fades from the parts of the last frame, whose meshes must still be resident.
   /// If time.fades is false, shows the cover at once and ends running fades.
   void show(const ShownCover& cover, const core::View& view, double lattice_step, const DrawTime& time);
-  /// Ends all fades; the next show() starts no fade. Call it when a shown mesh was evicted.
+  /// Ends all fades, and makes the next show() start none. Call forget() after a shown mesh was evicted.
   void forget();
 
   /// Returns the cut of the last show(), or null if there is none.
@@ -55,7 +55,7 @@ class CrossFade {
   /// Returns the number of items() that belong to the cover.
   size_t coverCount() const noexcept { return live_.size(); }
   bool fading() const noexcept { return !leaving_.empty(); }
-  /// Returns the serial of the oldest cut with a leaving part.
+  /// Returns the serial of the oldest cut that has a part which still fades out.
   uint64_t oldestSerial() const noexcept;
 
  private:
@@ -63,7 +63,7 @@ class CrossFade {
 
   struct Part {
     DrawItem item;
-    const Mesh* mesh = nullptr;               ///< identifies the mesh; never dereferenced
+    const Mesh* mesh = nullptr;               ///< address that identifies the mesh; never dereferenced
     double since_s = 0;                       ///< time when the part was first shown
     double arrived_s = kLongAgo, left_s = 0;  ///< start times of fading in and fading out
     uint64_t serial = 0;                      ///< serial of the last cut with this part
@@ -95,7 +95,7 @@ class CrossFade {
   std::vector<uint32_t> numbers_;
   std::vector<Part> live_, leaving_;
   std::vector<Gap> gaps_;
-  bool is_forgotten_ = false;  ///< whether forget() ran since the last show()
+  bool is_forgotten_ = false;  ///< true if forget() was called since the last show()
   std::vector<FadedItem> items_;
 };
 

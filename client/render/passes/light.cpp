@@ -6,8 +6,8 @@ namespace lode::render {
 
 Light lightFor(const core::View& view, const glm::dvec3& up) noexcept {
   const glm::dvec3 above = glm::normalize(up), right = glm::cross(view.forward, view.up);
-  // `back` is the horizontal direction towards the viewer, or the opposite of the view direction if the
-  // camera is rolled by 90 degrees.
+  // `back` is the horizontal direction towards the viewer. If the camera is rolled by 90 degrees, `back` is
+  // opposite to the view direction.
   const glm::dvec3 level = glm::cross(right, above);
   const glm::dvec3 back = glm::length(level) > 0.1 ? glm::normalize(level) : -view.forward;
   const glm::dvec3 left = glm::cross(back, above);

@@ -58,7 +58,7 @@ GlVertexArray makeMeshArray() {
   return array;
 }
 
-/// Converts an sRGB colour to linear light, in which shaders compute.
+/// Converts an sRGB colour to linear light, because shaders compute in linear light.
 glm::vec3 toLinear(const glm::u8vec3& srgb) {
   return glm::dvec3(linearOf(srgb.r), linearOf(srgb.g), linearOf(srgb.b));
 }
@@ -90,7 +90,7 @@ void setFrameState() {
   glDisable(GL_SCISSOR_TEST);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
-  glDepthFunc(GL_GREATER);  // depth is reversed: near is 1, far is 0
+  glDepthFunc(GL_GREATER);  // depth is reversed: 1 is near, 0 is far
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
@@ -118,7 +118,7 @@ void MeshDrawer::begin(const GlBuffer& states, AttributeSet attributes, const Te
   } else {
     glDisableVertexArrayAttrib(array_.get(), kTextureCode);
   }
-  // Alpha to coverage handles transparent texels without sorting.
+  // Use alpha to coverage, which draws transparent texels without sorting.
   if (textures.hasClear()) {
     glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
     glEnable(GL_SAMPLE_ALPHA_TO_ONE);
@@ -150,8 +150,8 @@ void MeshDrawer::end() const {
   glBindVertexArray(0);
 }
 
-/// Sets the uniforms of textures. Passes only the fractional part of the texture origin, because floats would
-/// lose precision on whole repeats.
+/// Sets the uniforms of textures. Passes only the fractional part of the texture origin: whole repeats would
+/// cost float precision.
 void MeshDrawer::setTextures() const {
   const TextureSet* const set = textures_->set();
   if (set == nullptr) return;

@@ -14,17 +14,17 @@
 
 namespace lode::render {
 
-/// Shader programs that draw meshes, one per combination of features. A CPU renderer runs both sides of a
-/// branch for every pixel, so rarely needed features are compiled in instead of selected by a branch. Use it
-/// on the thread of its context.
+/// Shader programs that draw meshes, one per combination of features. Features are selected by compilation
+/// instead of branches, because a CPU renderer runs both sides of a branch for every pixel. Use it on the
+/// thread of its context.
 class MeshPrograms {
  public:
   enum Part : uint8_t {
-    kFading = 1,    ///< feature: draws a dithered share of the pixels
-    kTextured = 2,  ///< feature: samples textures
-    kCutOut = 4,    ///< feature: discards transparent pixels, for targets without multisampling
-    kViews = 8,     ///< feature: draws colour modes other than kSurface
-    kWire = 16,     ///< feature: draws triangle edges by a geometry shader
+    kFading = 1,    ///< draws a dithered share of the pixels
+    kTextured = 2,  ///< samples textures
+    kCutOut = 4,    ///< discards transparent pixels, for targets without multisampling
+    kViews = 8,     ///< draws colour modes other than kSurface
+    kWire = 16,     ///< draws triangle edges by a geometry shader
   };
 
   /// Links the programs for kSurface. @throws Error kInternal if the driver rejects a shader.
@@ -42,11 +42,11 @@ class MeshPrograms {
 struct DrawState {
   uint32_t flags;
   glm::u8vec4 tint;
-  uint32_t share;  ///< dither range, from and to, in 256ths with 16 bits each
+  uint32_t share;  ///< dither range: `from` and `to` in 256ths, 16 bits each
 };
 
-/// Sets up the OpenGL state for draw calls of a model's meshes. Between begin() and end() call use(), then
-/// for each page bindPage() and draw indexed triangles with the index of a DrawState as base instance.
+/// Sets up the OpenGL state for draw calls of a model's meshes. Between begin() and end(), call use(), then
+/// bindPage() for each page, and draw indexed triangles. Pass the index of a DrawState as base instance.
 /// Create, use and destroy it on the thread of its context.
 class MeshDrawer {
  public:
@@ -57,7 +57,7 @@ class MeshDrawer {
   /// @param states      buffer with an array of DrawState.
   /// @param attributes  the attributes of all meshes of the model.
   void begin(const GlBuffer& states, AttributeSet attributes, const TextureResidency& textures);
-  /// Selects a program. @param has_samples  whether the target is multisampled.
+  /// Selects a program. @param has_samples true if the target is multisampled.
   void use(bool fades, bool has_samples, const core::View& view, double lattice_step, const DrawStyle& style);
   void bindPage(const GpuPages& pages, uint32_t page) const;
   void end() const;
@@ -72,7 +72,7 @@ class MeshDrawer {
   const TextureResidency* textures_ = nullptr;  ///< textures passed to begin()
 };
 
-/// Sets all state that drawing relies on.
+/// Sets all OpenGL state on which drawing relies.
 void setFrameState();
 /// Binds a target, sets the frame state, and clears the depth unless style.over is set.
 void startPicture(const Framebuffer& target, const DrawStyle& style);

@@ -2,17 +2,18 @@
 
 namespace lode::render {
 
-/// GLSL of the mesh programs, for linkProgram(). mesh_drawer.cpp has the uniform locations. Macros: TEXTURED
-/// samples textures; FADING draws a dithered share of the pixels, which prevents early depth tests; CUT_OUT
-/// discards transparent pixels; VIEWS draws colour modes other than kSurface; WIRE draws triangle edges.
-extern const char* const kCorner;        ///< macro that declares the variables passed between shader stages
-extern const char* const kTintedCorner;  ///< the macro of kCorner for programs with VIEWS
+/// GLSL sources of the mesh programs, for linkProgram(). mesh_drawer.cpp has the uniform locations. Macros
+/// select the features. TEXTURED samples textures. FADING draws a dithered share of the pixels; it prevents
+/// early depth tests. CUT_OUT discards transparent pixels. VIEWS draws colour modes other than kSurface. WIRE
+/// draws triangle edges.
+extern const char* const kCorner;        ///< macro that declares the variables that shader stages pass on
+extern const char* const kTintedCorner;  ///< the same macro for programs with VIEWS
 extern const char* const kMeshVertexShader;
 extern const char* const kWireGeometryShader;  ///< geometry shader of programs with WIRE
 extern const char* const kWireShader;
 extern const char* const kMeshFragmentShader;
 
-/// Bits of DrawState::flags. The shaders hard-code them.
+/// Bits of DrawState::flags. The shaders contain the same numbers.
 constexpr unsigned kDrawHasNormals = 1, kDrawHasColour = 2, kDrawTinted = 4, kDrawTextured = 8,
                    kDrawUnlit = 16, kDrawNormals = 32, kDrawTexels = 64;
 

@@ -14,8 +14,8 @@ constexpr std::pair<uint64_t, int> depthFirst(NodeKey node) noexcept {
   return {node.value << 3 * (kMaxDepth - node.depth()), node.depth()};
 }
 
-/// A region of the model whose parts are replaced. The leaving and the arriving parts cover the same
-/// region, because no other part is below the region's node.
+/// A region of the model whose parts are replaced. The leaving and the arriving parts cover the same region,
+/// because all parts below the region's node belong to it.
 struct ChangedRegion {
   NodeKey node;
   std::vector<uint32_t> leaving, arriving;  ///< indices into the arguments of changedRegions()
@@ -23,9 +23,8 @@ struct ChangedRegion {
   bool operator==(const ChangedRegion&) const = default;
 };
 
-/// Groups nodes that only the old cover has with nodes that only the new cover has.
-/// @return regions in depth-first order. The node of a region is the shallowest of the nodes that differ
-/// there.
+/// Groups the nodes that only the old cover has with the nodes that only the new cover has.
+/// @return regions in depth-first order. The node of a region is the shallowest of its nodes.
 std::vector<ChangedRegion> changedRegions(std::span<const NodeKey> leaving,
                                           std::span<const NodeKey> arriving);
 

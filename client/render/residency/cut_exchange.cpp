@@ -27,7 +27,7 @@ constexpr std::pair<uint64_t, int> depthLast(NodeKey node) noexcept {
 NodeKey nodeOf(const CutPart& part) { return part.node; }
 NodeKey nodeOf(const LeftOut& left_out) { return left_out.node; }
 
-/// A part that covers a node, or a left-out node if the mesh is null.
+/// A node and the part that covers it. The mesh is null if the cut leaves the node out.
 struct Covering {
   NodeKey node;
   const Mesh* mesh = nullptr;
@@ -76,7 +76,7 @@ bool haveSameCover(const Cut& a, const Cut& b) {
          std::ranges::equal(a.left_out, b.left_out, isSamePlace);
 }
 
-/// Returns a cut's parts at and below a node.
+/// Returns the parts of a cut at and below a node.
 std::span<const CutPart> partsIn(NodeKey node, const Cut& cut) {
   const auto first = std::ranges::lower_bound(cut.parts, depthFirst(node), {},
                                               [](const CutPart& part) { return depthFirst(part.node); });
@@ -102,11 +102,11 @@ class Regions {
   std::vector<NodeKey> nodes_;
 };
 
-/// A region to switch and its priority.
+/// A region to switch, with its priority.
 struct PlannedRegion {
   ExchangeStep step;
   bool visible = false;
-  float error_px = 0;  ///< largest error of the parts drawn now
+  float error_px = 0;  ///< largest error of the parts that are drawn now
 
   std::tuple<bool, float, uint32_t, std::pair<uint64_t, int>> order() const {
     return {!visible, -error_px, step.instance, depthFirst(*step.region)};
@@ -139,7 +139,8 @@ std::vector<PlannedRegion> regionsBetween(const Cut& from, const Cut& to, uint32
   return planned;
 }
 
-/// Merges two lists: takes elements inside the kept regions from `from` and other elements from `to`.
+/// Merges two lists. Takes the elements inside the kept regions from `from`, and the other elements from
+/// `to`.
 template <typename T>
 std::vector<T> mixed(const std::vector<T>& from, const std::vector<T>& to, const Regions& kept) {
   std::vector<T> both;
@@ -171,10 +172,11 @@ std::vector<Fallback> fallbacksOf(const Cut& from, const Cut& to) {
   return both;
 }
 
-/// Assigns the fallbacks that a cut's left-out nodes need to the cut. The cut's parts and left_out must be in
+/// Gives a cut the fallbacks that its left-out nodes need. The cut's parts and left_out must be in
 /// depth-first order.
 void assign(std::vector<Fallback> fallbacks, Cut& cut) {
-  std::unordered_map<uint64_t, std::vector<LeftOut>> left_out_below;  // fallback node -> left-out nodes below
+  std::unordered_map<uint64_t, std::vector<LeftOut>> left_out_below;  // maps the node of a fallback to the
+                                                                      // left-out nodes below it
   for (const Fallback& fallback : fallbacks)
     left_out_below.emplace(fallback.part.node.value, std::vector<LeftOut>());
   for (const LeftOut& left_out : std::exchange(cut.left_out, {})) {

@@ -17,29 +17,32 @@ struct InstancePart {
   uint32_t number = 0;  ///< number of the part, see core::partOf()
 };
 
-/// Parts of the newer cuts whose meshes must be resident before any of them is drawn.
+/// A step of the switch: parts of the newer cuts that are drawn together, as soon as all their meshes are
+/// resident.
 struct ExchangeStep {
   std::vector<InstancePart> parts;
   uint32_t instance = 0;          ///< instance whose region switches
-  std::optional<NodeKey> region;  ///< region to switch then; none for the first step (fallbacks or all)
+  std::optional<NodeKey> region;  ///< region that switches; empty for the first step, which has the fallbacks
+                                  ///< or all parts
 };
 
-/// Plans the switch from older to newer cuts of a model's instances. Regions switch one by one, each as
-/// soon as all of its meshes are on the GPU: visible regions before others, and regions with larger errors
-/// before those with smaller errors, across instances. In between, a mixed cut covers the model. In each
-/// region the mixed cut has either the newer or the older parts, and for regions left out it has fallbacks of
-/// either cut, so each of its holes is also a hole of one of the two cuts. Uses no OpenGL.
+/// Plans the switch from older to newer cuts of a model's instances. Regions switch one by one, each as soon
+/// as all its meshes are on the GPU. Visible regions come first, and larger errors before smaller errors,
+/// across instances. Meanwhile a mixed cut covers the model. In each region the mixed cut has either the
+/// newer or the older parts. It has the fallbacks of both cuts, so that it has only holes that one of the two
+/// cuts also has. Uses no OpenGL.
 class CutExchange {
  public:
   using Cuts = std::vector<std::shared_ptr<const core::Cut>>;  ///< one cut per instance
 
-  /// @param from  cuts of the same build, as many as in `to`. If empty, one step switches to all of `to`.
+  /// @param from  older cuts of the same build, as many as in `to`. If the list is empty, one step switches
+  /// to all of `to`.
   CutExchange(Cuts from, Cuts to);
 
   std::span<const ExchangeStep> steps() const noexcept { return steps_; }
-  /// Returns the cuts to draw after the first `steps` steps: for an instance `from` if none of its steps is
-  /// done, `to` if all of its steps are done, else a mixed cut. Reuses the mixed cut of an instance that made
-  /// no progress.
+  /// Returns the cuts to draw after the first `steps` steps. An instance has its cut of `from` if none of its
+  /// steps is done, its cut of `to` if all its steps are done, else a mixed cut. An instance without progress
+  /// keeps its last mixed cut.
   Cuts after(size_t steps);
 
  private:

@@ -13,17 +13,19 @@ namespace lode::render {
 
 /// Identifies an instance of a model among the instances of a picture.
 struct ShownInstance {
-  uint32_t number = 0;          ///< seed of the node colours, which differ between instances
-  std::string_view model = {};  ///< name of the model for legends; empty if there is only one model
-  uint32_t nth = 0;             ///< number among the model's instances, from 1; 0 for the only instance
+  uint32_t number = 0;          ///< number of the instance in the picture; selects the node colours
+  std::string_view model = {};  ///< name of the model for legends; empty if the picture has one model
+  /// Number among the model's instances, from 1; 0 if the model has one instance.
+  uint32_t nth = 0;
 
   bool operator==(const ShownInstance&) const = default;
 };
 
 /// Clusters of kClusterTriangles triangles of a mesh.
 struct MeshClusters {
-  std::vector<LatticeBox> boxes;  ///< boxes of the clusters; the mesh's box if the mesh has no cluster boxes
-  /// Flags by instance and cluster: true if other geometry hid the cluster in the last frame.
+  /// Boxes of the clusters; one box for the whole mesh if it has no cluster boxes.
+  std::vector<LatticeBox> boxes;
+  /// Flags, indexed by instance and cluster: true if other geometry hid the cluster in the last frame.
   std::vector<std::vector<bool>> hidden;
 };
 
@@ -37,7 +39,7 @@ struct DrawItem {
   AttributeSet attributes;
   NodeKey node;
   uint32_t lod = 0;
-  float error_rad = 0;  ///< projected error as an angle, for the view that the cut was made for
+  float error_rad = 0;  ///< projected error as an angle, in the view for which the cut was made
   float error_model = 0;
   float threshold_rad = 0, complete_rad = 0;  ///< thresholds of the part as angles, see ShownThresholds
   float age_s = 0;                            ///< time since the part entered the picture

@@ -8,8 +8,8 @@ namespace lode::render {
 namespace {
 
 constexpr uint64_t kMostPageBytes = 1u << 31;
-/// Number of meshes that fit into a new page, so that less than an eighth of the page is unused at its end.
-/// Pages grow for this purpose to kMostBytesForThem at most, because drivers take long to create larger
+/// A new page has room for this number of meshes, so that less than an eighth of the page remains unused at
+/// its end. For this purpose a page grows up to kMostBytesForThem; drivers take long to create larger
 /// buffers.
 constexpr uint64_t kMeshesOfPage = 8, kMostBytesForThem = 32u << 20;
 
@@ -57,7 +57,7 @@ void BlockAllocator::release(uint32_t offset, uint32_t bytes) {
 GpuPages::GpuPages(uint64_t budget_bytes, uint32_t page_bytes)
     : budget_bytes_(budget_bytes), page_bytes_(page_bytes) {}
 
-/// Returns the size of a new page, or 0 if the budget does not allow a page of needed_bytes.
+/// Returns the size of a new page. Returns 0 if the budget does not allow a page of needed_bytes.
 uint32_t GpuPages::sizeOfNewPage(uint32_t needed_bytes, uint64_t capacity_bytes) const noexcept {
   const uint64_t left = budget_bytes_ - std::min(budget_bytes_, capacity_bytes);
   const uint64_t needed = BlockAllocator::roundUp(needed_bytes);
@@ -74,7 +74,8 @@ bool GpuPages::addPage(uint32_t needed_bytes) {
   GlBuffer buffer = GlBuffer::create();
   glNamedBufferStorage(buffer.get(), bytes, nullptr, 0);
   if (glGetError() != GL_NO_ERROR) {
-    budget_bytes_ = most_bytes_;  // the driver is out of memory: never allocate more than before
+    // The driver is out of memory: from now on, do not allocate more than before.
+    budget_bytes_ = most_bytes_;
     return false;
   }
   auto page = std::make_unique<Page>(Page{std::move(buffer), bytes, BlockAllocator(bytes)});

@@ -10,14 +10,14 @@
 
 namespace lode::render {
 
-/// Allocates ranges of a buffer by best fit, and at the lowest offset on ties. release() coalesces free
-/// neighbours. Pure bookkeeping without OpenGL, not thread safe.
+/// Allocates ranges of a buffer by best fit; among equal fits, the lowest offset wins. release() joins
+/// neighbouring free ranges. Uses no OpenGL. Not thread safe.
 class BlockAllocator {
  public:
-  static constexpr uint32_t kAlignment = 48;  ///< alignment of offsets and lengths: common multiple of
-                                              ///< the two vertex sizes, 16 and 24 bytes
+  static constexpr uint32_t kAlignment = 48;  ///< alignment of offsets and lengths: a common multiple of the
+                                              ///< two vertex sizes, 16 and 24 bytes
 
-  /// @param capacity_bytes  rounded down to the alignment.
+  /// @param capacity_bytes  size of the buffer; rounded down to the alignment.
   explicit BlockAllocator(uint32_t capacity_bytes);
 
   /// @param bytes  size, > 0. @return the offset in bytes, or nothing if no free range is long enough.
@@ -33,7 +33,7 @@ class BlockAllocator {
   }
 
  private:
-  std::map<uint32_t, uint32_t> free_;  ///< free ranges: offset -> bytes
+  std::map<uint32_t, uint32_t> free_;  ///< sizes of the free ranges, by offset
   uint32_t used_bytes_ = 0;
 };
 
@@ -44,8 +44,8 @@ struct GpuBlock {
   uint32_t bytes = 0;
 };
 
-/// GPU memory for meshes: a few large buffers (pages), created on demand within a budget and suballocated.
-/// Use it on the thread of its context.
+/// GPU memory for meshes: a few large buffers (pages) that are divided into blocks. Pages are created on
+/// demand within a budget. Use it on the thread of its context.
 class GpuPages {
  public:
   GpuPages(uint64_t budget_bytes, uint32_t page_bytes);

@@ -42,7 +42,8 @@ void packVertices(const Mesh& mesh, size_t first, std::span<std::byte> out) {
                                    attributes.texture,
                                    attributes.material,
                                    0};
-    std::memcpy(out.data() + i * bytes, &vertex, bytes);  // GpuVertex is the prefix of GpuTexturedVertex
+    // GpuTexturedVertex begins with the fields of GpuVertex.
+    std::memcpy(out.data() + i * bytes, &vertex, bytes);
   }
 }
 

@@ -38,7 +38,7 @@ constexpr uint32_t vertexBytes(AttributeSet attributes) noexcept {
 /// vertexBytes(mesh.attributes) bytes.
 void packVertices(const Mesh& mesh, size_t first, std::span<std::byte> out);
 
-/// Returns true if meshes with these attributes have vertex normals, either the file's or computed normals.
+/// Returns true if meshes with these attributes have vertex normals, from the file or computed.
 constexpr bool hasNormals(AttributeSet attributes) noexcept {
   return attributes.has(AttributeSet::kNormal | AttributeSet::kComputedNormal);
 }

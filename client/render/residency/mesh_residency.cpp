@@ -15,7 +15,8 @@
 namespace lode::render {
 namespace {
 
-/// Factor by which a newer cut must be coarser to abort an upload. Such a cut has about half the triangles.
+/// A newer cut aborts the current upload if its threshold is coarser by this factor. Such a cut has about
+/// half the triangles.
 constexpr double kOvertaking = 1.4;
 constexpr uint32_t kPieceBytes = 256u << 10;  ///< bytes uploaded between two checks of the clock
 
@@ -50,7 +51,7 @@ static_assert(sizeof(LatticeBox) == core::kDrawnClusterBytes);
 
 }  // namespace
 
-/// Tracks a frame's UploadBudget.
+/// The rest of a frame's UploadBudget.
 struct MeshResidency::Allowance {
   UploadBudget budget;
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
@@ -191,8 +192,9 @@ bool MeshResidency::advanceStep(const ExchangeStep& step, Allowance& allowance) 
   return true;
 }
 
-/// Draws the target's resident regions, so that the meshes they replace can be evicted. If there is no such
-/// region, evicts all other meshes, or rejects the target if not even that makes room.
+/// Draws the target's resident regions, so that the meshes that these regions replace can be evicted. If
+/// there is no such region, evicts all other meshes. If this does not make enough room either, rejects the
+/// target.
 void MeshResidency::makeRoom(Allowance& allowance) {
   if (steps_done_ > steps_drawn_) {
     switchToResidentSteps();
@@ -286,8 +288,8 @@ bool MeshResidency::evictOldest() {
   return true;
 }
 
-/// Evicts all meshes, the drawn ones too, so that the target can replace them within the same frame.
-/// Allocates its largest meshes first, which leaves the fewest gaps.
+/// Evicts all meshes, even drawn ones, so that the target can replace them within the same frame. Allocates
+/// its largest meshes first, which leaves the fewest gaps.
 bool MeshResidency::makeRoomForTargetAlone() {
   std::vector<std::shared_ptr<const Mesh>> meshes = meshesOf(*target_);
   const auto bytesOf = [](const std::shared_ptr<const Mesh>& mesh) { return core::drawnBytes(*mesh); };
@@ -320,7 +322,8 @@ void MeshResidency::endExchange() {
   trimTo(options_.spare_bytes);
 }
 
-/// Draws the target, or a mixture with the cuts drawn before if the target is only partly resident.
+/// Draws the target. If the target is only partly resident, draws a mixture with the cuts that were drawn
+/// before.
 void MeshResidency::switchToResidentSteps() {
   CutExchange::Cuts cuts = exchange_->after(steps_done_);
   steps_drawn_ = steps_done_;

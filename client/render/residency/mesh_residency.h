@@ -20,23 +20,26 @@ namespace lode::render {
 struct ResidencyOptions {
   uint64_t budget_bytes = uint64_t{1} << 30;            ///< GPU memory for meshes
   uint64_t texture_budget_bytes = uint64_t{256} << 20;  ///< GPU memory for textures
-  uint64_t spare_bytes = uint64_t{128} << 20;           ///< limit of GPU memory for meshes kept but not drawn
-  uint32_t page_bytes = 32u << 20;                      ///< default size of a GPU buffer
-  uint32_t staging_bytes = 4u << 20;                    ///< limit of mesh uploads per frame
-  uint32_t texture_staging_bytes = 4u << 20;  ///< limit of tile uploads, >= kLeastTextureStagingBytes
+  /// Limit of GPU memory for meshes that are kept but not drawn.
+  uint64_t spare_bytes = uint64_t{128} << 20;
+  uint32_t page_bytes = 32u << 20;    ///< default size of a GPU buffer
+  uint32_t staging_bytes = 4u << 20;  ///< limit of bytes of mesh uploads per frame
+  /// Limit of bytes of tile uploads per frame; at least kLeastTextureStagingBytes.
+  uint32_t texture_staging_bytes = 4u << 20;
 };
 
 /// Limits the uploads of one frame.
 struct UploadBudget {
   uint32_t bytes = 4u << 20;
   double ms = 2.0;
-  bool wait = false;  ///< whether to ignore the limits and block until everything is resident
+  bool wait = false;  ///< true ignores the limits and blocks until everything is resident
 };
 
 /// Keeps meshes of a model on the GPU and decides which meshes each instance draws. A region of a newer cut
-/// is drawn when all of its meshes are resident; until then the region's old parts are drawn, so that slow
+/// is drawn when all its meshes are resident. Until then the region's old parts are drawn, so that slow
 /// uploads leave no holes, even if the camera moves. A cut of another build replaces the drawn cut as a
-/// whole. Meshes are identified by their shared_ptr and not kept alive. Use it on the thread of its context.
+/// whole. Meshes are identified by their shared_ptr, but the residency does not keep them alive. Use it on
+/// the thread of its context.
 class MeshResidency {
  public:
   /// @throws Error kIo if there is no memory for the staging ring.
@@ -46,9 +49,9 @@ class MeshResidency {
   void setBudget(uint64_t bytes) noexcept;
   /// Sets ResidencyOptions::spare_bytes.
   void setSpare(uint64_t bytes) noexcept { options_.spare_bytes = bytes; }
-  /// Sets the newest cuts. If other cuts are being uploaded, uploads switch to the newest cuts after the next
-  /// region is complete, so that each set of cuts makes progress. Uploads switch at once to much coarser
-  /// cuts.
+  /// Sets the newest cuts. If other cuts are being uploaded, their next region is completed before the
+  /// uploads switch to the newest cuts, so that each set of cuts makes progress. Much coarser cuts are
+  /// uploaded at once.
   void show(std::shared_ptr<const core::ViewCuts> cuts) { newest_ = std::move(cuts); }
   /// Sets the newest cut of a model with one instance.
   void show(const std::shared_ptr<const core::Cut>& cut);
@@ -60,22 +63,22 @@ class MeshResidency {
   /// Returns true if the newest cuts do not fit into the budget. Then the previous cuts are still drawn.
   bool overBudget() const noexcept { return rejected_ != nullptr && rejected_ == newest_; }
   const std::shared_ptr<const core::ViewCuts>& newest() const noexcept { return newest_; }
-  /// Returns the last cuts drawn, at least in part, before the cuts in progress. If no cuts are in progress,
-  /// returns the drawn cuts.
+  /// Returns the cuts that were drawn before the cuts in progress. If no cuts are in progress, returns the
+  /// drawn cuts.
   const std::shared_ptr<const core::ViewCuts>& before() const noexcept { return before_; }
   /// Returns the drawn cut: a cut passed to show(), or a mixture of two (see CutExchange). Returns null
-  /// before the first cut is drawn, and during the upload of a cut that fits only without all other meshes.
+  /// before the first cut is drawn, and while a cut is uploaded for which all other meshes had to be evicted.
   const std::shared_ptr<const core::Cut>& drawnCut(size_t instance = 0) const noexcept;
   /// Returns parts and fallbacks of the drawn cut, indexed as in core::partOf().
   std::span<const DrawItem> drawn(size_t instance = 0) const noexcept;
   /// Returns the serial number of the drawn cuts, which grows with each change.
   uint64_t drawnSerial() const noexcept { return drawn_serial_; }
-  /// Returns the mixed cuts that the last upload made. A mixed cut may hold the last reference to a mesh:
-  /// release it on the thread that frees cuts instead of this thread.
+  /// Returns the mixed cuts that the last upload made. A mixed cut may have the last reference to a mesh, so
+  /// release it on the thread that frees cuts, not on this thread.
   std::vector<std::shared_ptr<const core::Cut>> takeMixtures() { return std::exchange(mixtures_, {}); }
   static constexpr uint64_t kNone = std::numeric_limits<uint64_t>::max();
-  /// Keeps the meshes of all cuts drawn since a serial as long as they fit, for cross-fades that still show
-  /// them. keptFrom() returns the oldest serial whose meshes were all kept.
+  /// Keeps the meshes of all cuts that were drawn since a serial, as long as they fit, because cross-fades
+  /// may still show them. keptFrom() returns the oldest serial for which all meshes were kept.
   /// @param serial  an earlier drawnSerial(), or kNone.
   void keepFrom(uint64_t serial);
   uint64_t keptFrom() const noexcept { return kept_from_; }
@@ -134,10 +137,11 @@ class MeshResidency {
   /// Cuts that all instances draw; null while cuts are mixed.
   std::shared_ptr<const core::ViewCuts> complete_;
   std::vector<DrawnInstance> instances_;
-  std::optional<CutExchange> exchange_;      ///< plan of the switch to target_
-  size_t steps_done_ = 0, steps_drawn_ = 0;  ///< numbers of resident and of drawn steps of exchange_
-  size_t next_in_step_ = 0;                  ///< index of the next part in the current step
-  bool has_room_alone_ = false;              ///< whether all other meshes were evicted for target_
+  std::optional<CutExchange> exchange_;  ///< plan of the switch to target_
+  /// Numbers of steps of exchange_ that are resident, and that are drawn.
+  size_t steps_done_ = 0, steps_drawn_ = 0;
+  size_t next_in_step_ = 0;      ///< index of the next part in the current step
+  bool has_room_alone_ = false;  ///< true if all other meshes were evicted for target_
   uint64_t serial_ = 0, target_serial_ = 0, drawn_serial_ = 0;
   uint64_t kept_from_ = kNone;
   std::vector<std::shared_ptr<const core::Cut>> mixtures_;  ///< mixed cuts that the last upload made

@@ -11,8 +11,8 @@
 
 namespace lode::render {
 
-/// Persistently mapped memory for uploads: a ring of three segments, one per frame. The CPU writes one
-/// segment while the GPU still reads the others. Use it on the thread of its context.
+/// Memory for uploads that stays mapped: a ring of three segments, one per frame. The CPU writes one segment
+/// while the GPU still reads the others. Use it on the thread of its context.
 class StagingRing {
  public:
   /// @throws Error kIo if the driver is out of memory.

@@ -10,8 +10,9 @@
 namespace lode::render {
 namespace {
 
-constexpr uint32_t kFirstLayers = 4;  // initial layers of the array, doubled when it is full
-constexpr uint32_t kHeadWords = 4;    // words of a texture's header in the table
+constexpr uint32_t kFirstLayers = 4;  // initial number of layers of the array; the number doubles when the
+                                      // array is full
+constexpr uint32_t kHeadWords = 4;    // number of words of a texture's header in the table
 constexpr uint32_t kResidentBit = 1u << 31;
 
 /// Encodes the layer and corner of a resident tile as an entry of the table.
@@ -30,8 +31,8 @@ uint64_t texelBytes(const TileImage& image) {
   return texels * sizeof(glm::u8vec4);
 }
 
-/// Returns true if no texel is transparent. Checks only the finest level, because coarser levels are means of
-/// it.
+/// Returns true if no texel is transparent. Checks only the finest level, because coarser levels are its
+/// means.
 bool isOpaque(const TileImage& image) {
   return std::ranges::all_of(image.texels, [](const glm::u8vec4& texel) { return texel.a == 255; });
 }
@@ -101,10 +102,10 @@ void TextureResidency::setBudget(uint64_t bytes) {
   takeSet(nullptr);
 }
 
-/// Builds the table. The table begins with a header per texture: width, height, number of levels including
-/// the tail, and index of the level list. Then follow, for each texture, the level list (index of each
-/// level's first entry) and the entries of tiles and tail levels. pageOf() encodes an entry; the entry of a
-/// missing tile is 0.
+/// Builds the table. The table begins with one header per texture: width, height, number of levels including
+/// the tail, and index of the texture's level list. The level lists and entries of all textures follow. A
+/// level list has the index of each level's first entry. Each tile and each tail level has an entry, which
+/// pageOf() encodes; the entry of a missing tile is 0.
 void TextureResidency::takeSet(std::shared_ptr<const TextureSet> set) {
   set_ = std::move(set);
   entries_.clear();
@@ -189,7 +190,7 @@ void TextureResidency::evictUnused() {
   }
 }
 
-/// Evicts all images and uploads them again, the largest first, which leaves no gaps between cells.
+/// Evicts all images and uploads them again, the largest first. This order leaves no gaps between cells.
 void TextureResidency::repack() {
   for (const auto& [image, entry] : entries_)
     for (const core::TileKey& key : entry.keys) setPages(key, {});
@@ -280,7 +281,8 @@ void TextureResidency::copy(const TileImage& image, const TileCell& cell) {
                    glm::ivec2(image.size));
 }
 
-/// Grows the array. The old array exists until it is copied, so at most half of the limit is copied.
+/// Grows the array. The old array exists until it is copied, so only arrays of at most half the limit are
+/// copied.
 /// @return false if the driver is out of memory; the array then stays as it is.
 bool TextureResidency::growTo(uint32_t layers) {
   uint32_t wanted = std::min(most_layers_, std::max({layers, 2 * array_layers_, kFirstLayers}));

@@ -28,9 +28,9 @@ struct TileCell {
   uint32_t edge = 0;     ///< edge in texels, a power of two from kLeastTileCellPx to kTilePx
 };
 
-/// Allocates squares of layers of kTilePx × kTilePx texels. Each layer is a quadtree whose free squares split
-/// and coalesce by four (buddy allocation; Knowlton, A Fast Storage Allocator, 1965). Allocates the smallest
-/// free square that fits, in the lowest layer. Pure bookkeeping without OpenGL, not thread safe.
+/// Allocates squares in layers of kTilePx × kTilePx texels. Each layer is a quadtree: a free square splits
+/// into four, and four free squares join again (buddy allocation; Knowlton, A Fast Storage Allocator, 1965).
+/// Allocates the smallest free square that fits, in the lowest layer. Uses no OpenGL. Not thread safe.
 class TileCells {
  public:
   /// @param most_layers  largest number of layers to use.
@@ -46,7 +46,7 @@ class TileCells {
   uint32_t layers() const noexcept { return layers_; }
 
  private:
-  static constexpr uint32_t kOrders = 5;  // orders have edges of 512, 256, 128, 64 and 32 texels
+  static constexpr uint32_t kOrders = 5;  // number of sizes of squares: 512, 256, 128, 64 and 32 texels
   static constexpr uint32_t edgeOf(uint32_t order) noexcept { return kTilePx >> order; }
   using Place = std::tuple<uint32_t, uint32_t, uint32_t>;  // layer, y, x
 
@@ -55,30 +55,33 @@ class TileCells {
 };
 
 constexpr uint32_t kTileLayerBytes = kTilePx * kTilePx * 4;              ///< size of a layer of the array
-constexpr uint32_t kLeastTextureStagingBytes = kTileLayerBytes * 3 / 2;  ///< room for a tile and its tail
+constexpr uint32_t kLeastTextureStagingBytes = kTileLayerBytes * 3 / 2;  ///< least size of the staging ring:
+                                                                         ///< room for a tile and its tail
 
-/// Keeps texture tiles on the GPU: a texture array of a bounded number of layers, in which small tiles share
-/// a layer, and a table from (texture, level, tile) to cells that the mesh shader reads. Unlike a mesh, a
-/// tile is used as soon as it is resident, and a coarser tile replaces a missing tile. Images are identified
-/// by their shared_ptr and not kept alive. Use it on the thread of its context.
+/// Keeps texture tiles on the GPU. The tiles are in a texture array of a bounded number of layers; small
+/// tiles share a layer. The mesh shader finds the cell of a (texture, level, tile) in a table. Unlike a mesh,
+/// a tile is used as soon as it is resident, and a coarser tile replaces a missing tile. Images are
+/// identified by their shared_ptr, but the residency does not keep them alive. Use it on the thread of its
+/// context.
 class TextureResidency {
  public:
-  /// @param budget_bytes   limit of the array's size; the array may always have one layer.
+  /// @param budget_bytes   limit of the array's size. One layer is always allowed.
   /// @param staging_bytes  limit of uploads per frame.
   explicit TextureResidency(uint64_t budget_bytes, uint32_t staging_bytes = 4 * kTileLayerBytes);
 
-  /// Changes the budget. If the current array exceeds the new budget, evicts all tiles; after the next show()
-  /// they are uploaded again.
+  /// Changes the budget. If the current array exceeds the new budget, evicts all tiles. They are uploaded
+  /// again after the next show().
   void setBudget(uint64_t bytes);
 
   /// Selects the tiles to upload and to keep.
-  /// @param newest  cut whose tiles to upload.
-  /// @param drawn   cut that is drawn until the meshes of `newest` are resident, or null. The tiles of
-  /// `drawn` stay until then if both cuts' tiles fit. If the two cuts have different texture sets, the tiles
-  /// of `newest` wait.
+  /// @param newest  cut whose tiles are uploaded.
+  /// @param drawn   cut that is drawn until the meshes of `newest` are resident, or null. If the tiles of
+  /// both cuts fit, the tiles of `drawn` stay until then. If the two cuts have different texture sets, the
+  /// tiles of `newest` wait until then.
   void show(const std::shared_ptr<const core::Cut>& newest,
             const std::shared_ptr<const core::Cut>& drawn = nullptr);
-  /// Uploads tiles, coarse levels first: at least one, then more within the budget. @return bytes uploaded.
+  /// Uploads tiles, coarse levels first. Uploads at least one tile, and more if the budget allows. @return
+  /// bytes uploaded.
   uint64_t uploadInRenderThread(const UploadBudget& budget);
 
   /// Returns true if all tiles of the cut are resident, except tiles that do not fit.
@@ -100,7 +103,7 @@ class TextureResidency {
  private:
   using Image = std::shared_ptr<const TileImage>;
   struct Entry {
-    std::vector<TileCell> cells;      ///< cell of the image, then cells of its coarser levels (tail)
+    std::vector<TileCell> cells;      ///< cell of the image, then the cells of the tail levels
     std::vector<core::TileKey> keys;  ///< tiles that share this image
   };
   using Entries = std::map<std::weak_ptr<const TileImage>, Entry, std::owner_less<>>;
@@ -126,8 +129,8 @@ class TextureResidency {
   Entries entries_;
   std::shared_ptr<const core::Cut> cut_;     ///< cut whose tiles to upload
   std::shared_ptr<const core::Cut> drawn_;   ///< cut whose tiles stay
-  std::vector<core::ResidentTile> waiting_;  ///< tiles to upload, the next tile last
-  bool repacked_ = false;                    ///< whether repack() ran for this cut
+  std::vector<core::ResidentTile> waiting_;  ///< tiles to upload; the next tile is the last element
+  bool repacked_ = false;                    ///< true if repack() was called for this cut
 };
 
 }  // namespace lode::render

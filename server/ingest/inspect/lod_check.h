@@ -49,7 +49,7 @@ class LodCheck {
   /// @param original  number of triangles below the node. @param seed  selects points inside triangles.
   LodCheck(const Mesh& lod, const LatticeBox& box, float stored_steps, uint64_t original, uint64_t seed);
 
-  /// Thread safe.
+  /// Compares the LOD with a leaf. Thread safe.
   void add(const LeafSurface& leaf);
   /// Returns the largest distance in lattice steps; call after adding the last leaf. The result is exact
   /// between 0.75 and 1.25 times the stored error. Smaller distances are returned as at least 0.75 times the
@@ -86,7 +86,7 @@ class BoundaryCheck {
  public:
   /// Adds an LOD. Call addLod() before addLeaf(). LODs are numbered in the order of the calls.
   void addLod(const Mesh& lod);
-  /// Thread safe. @param boundaries  open edges of one leaf.
+  /// Adds the boundaries of a leaf. @param boundaries  open edges of the leaf. Thread safe.
   void addLeaf(std::span<const store::OpenEdge> boundaries);
   /// Returns one value per LOD: the largest distance of its boundary points from the boundaries of the
   /// leaves, in lattice steps. Call found() after adding the last leaf.
