@@ -17,7 +17,7 @@ namespace {
 using namespace lode::app;
 
 #ifndef LODE_GL
-/// Declares a command that this build lacks. The command fails and says why.
+/// Declares a command that this build lacks. The command fails with the reason.
 void declareMissing(CLI::App& program, const std::string& name, const std::string& why) {
   CLI::App* command = program.add_subcommand(name, why);
   command->allow_extras();

@@ -52,8 +52,9 @@ void FullClient::noteLatency(const RequestClock::Request& request, core::TimePoi
   counts_.latency[static_cast<size_t>(request.request_class)].add(now - request.sent);
 }
 
-/// Counts a broken connection. A connection whose server was going away counts only if requests were open.
-/// @param is_last  the failure ends the client: guarded() counts its error.
+/// Counts a broken connection. If the server has announced its end, the connection counts only if requests
+/// were open.
+/// @param is_last  true if the failure ends the client; guarded() then counts the error.
 void FullClient::noteBroken(core::SessionRole role, const Error& why, bool is_last) {
   const uint64_t open = engine_.openRequests(role);
   if ((role == core::SessionRole::kActive && engine_.staysConnected()) || open > 0) {
@@ -64,7 +65,7 @@ void FullClient::noteBroken(core::SessionRole role, const Error& why, bool is_la
   lose(role);
 }
 
-/// Moves the open requests of a connection to lost_: the client repeats them if the view still needs them.
+/// Moves the open requests of a connection to lost_. The client repeats them if the view still needs them.
 void FullClient::lose(core::SessionRole role) {
   RequestClock::Requests open = std::exchange(clocks_[static_cast<size_t>(role)], {}).open();
   lost_.merge(open);
@@ -99,7 +100,7 @@ void FullClient::keepConnected(core::TimePoint now) {
   if (!engine_.wantsConnection(now)) return;
   auto& [newest, leaving] = transports_;
   if (engine_.connected()) {
-    // Two servers left in short succession: give up the connection to the first one.
+    // Two servers have ended in short succession: give up the connection to the first server.
     counts_.failed_requests += engine_.openRequests(core::SessionRole::kDraining);
     lose(core::SessionRole::kDraining);
     leaving = std::move(newest);
@@ -130,7 +131,7 @@ void FullClient::receive() {
       }
       if (!engine_.connected(role)) ended_.push_back(std::move(transport));
     }
-    if (path_.keys.empty()) look(now);  // the model may have arrived: do not wait for the next frame
+    if (path_.keys.empty()) look(now);  // the model may have arrived, so do not wait for the next frame
     work(now);
   });
 }
@@ -147,7 +148,8 @@ void FullClient::look(core::TimePoint now) {
                   plan_.pixels);
 }
 
-/// Returns the camera for a time: it follows the path and rests at the end of the path during the pause.
+/// Returns the camera at a time. The camera follows the path, then rests at the end of the path during the
+/// pause.
 core::CameraKey FullClient::camera(core::TimePoint now) {
   const double from_s = path_.keys.front().t, path_s = path_.keys.back().t - from_s;
   while (path_s > 0 && now >= round_begin_ + ofSeconds(path_s + pause_s_)) {
@@ -176,11 +178,12 @@ void FullClient::work(core::TimePoint now) {
   const uint64_t received = engine_.counts().received_bytes;
   counts_.bytes += received - std::exchange(received_bytes_, received);
   const core::Cut* const cut = engine_.cut().get();
-  const auto sinceStart = [&] { return std::chrono::steady_clock::now() - start_; };  // includes decoding
+  // Time since the start, decoding included.
+  const auto sinceStart = [&] { return std::chrono::steady_clock::now() - start_; };
   if (cut != nullptr && !std::exchange(image_seen_, true)) counts_.first_image.add(sinceStart());
   const bool has_all = cut != nullptr && cut->converged;
   if (has_all && !std::exchange(converged_, true)) counts_.converged.add(sinceStart());
-  if (has_all && engine_.staysConnected()) lost_.clear();  // the view no longer needs them
+  if (has_all && engine_.staysConnected()) lost_.clear();  // the view no longer needs the lost requests
 }
 
 void FullClient::decode(const core::DecodeJob& job) {
@@ -189,7 +192,8 @@ void FullClient::decode(const core::DecodeJob& job) {
   engine_.finishDecode(std::move(result));
 }
 
-/// Adds the time since the last call to looked_s and, if the picture's error is too large, also to far_off_s.
+/// Adds the time since the last call to looked_s. If the picture's error is too large, adds it to far_off_s
+/// too.
 void FullClient::note(core::TimePoint now) {
   if (now <= noted_until_) return;
   const double seconds = std::chrono::duration<double>(now - std::exchange(noted_until_, now)).count();

@@ -17,7 +17,7 @@
 
 namespace lode::app {
 
-/// Simulates a viewer without drawing: follows a camera path, refines, decodes and reconnects. The camera
+/// Simulates a viewer that does not draw. Follows a camera path, refines, decodes and reconnects. The camera
 /// never waits for data.
 class FullClient final : public LoadClient {
  public:
@@ -65,12 +65,13 @@ class FullClient final : public LoadClient {
   core::Engine engine_;
   core::CameraPath path_;        ///< path of the camera; has no keys until the model is known
   core::TimePoint round_begin_;  ///< start of the current round of the path
-  double pause_s_ = 0;           ///< pause at the end of this round
-  uint64_t received_bytes_ = 0;  ///< bytes already in counts_
+  double pause_s_ = 0;           ///< pause after the current round
+  uint64_t received_bytes_ = 0;  ///< received bytes that counts_ already includes
   std::string turned_away_;      ///< last reason why the server turned the client away
   bool started_ = false, image_seen_ = false, converged_ = false, gone_ = false;
   Transports transports_;
-  /// Transports of ended connections. The next step destroys them, because their own callbacks must not.
+  /// Transports of ended connections. The next step destroys them, because a transport must not be destroyed
+  /// in its own callback.
   std::vector<std::unique_ptr<net::TcpTransport>> ended_;
 };
 

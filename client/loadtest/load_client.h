@@ -32,7 +32,7 @@ struct LoadPlan {
   stream::ServedModel model;
   stream::StreamOptions options;
   net::Route route;    ///< route to the model's server
-  RequestTrace trace;  ///< trace that trace clients replay
+  RequestTrace trace;  ///< trace that the trace clients replay
   /// Function that returns the camera path of a full client. The path depends on the client's seed.
   std::function<core::CameraPath(const ModelSummary&, uint64_t seed)> path_of;
   glm::uvec2 size_px{1280, 720};
@@ -48,14 +48,14 @@ inline double randomPause(double mean_s, std::mt19937_64& random) {
   return -mean_s * std::log1p(-static_cast<double>(random() >> 11) * 0x1p-53);
 }
 
-/// Checks the digests of blobs that arrive repeatedly. Computes SHA-256 for the first copy of a blob, and
-/// compares later copies with the xxh3 checksum of the first copy, which is faster. Not thread safe.
+/// Checks the digests of blobs that arrive repeatedly. Computes SHA-256 for the first copy of a blob.
+/// Compares later copies with the xxh3 checksum of the first copy, because this is faster. Not thread safe.
 class KnownDigests {
  public:
   bool matchesDigest(const BlobRef& blob, std::span<const std::byte> bytes);
 
  private:
-  std::map<Digest, uint64_t> checksums_;  ///< xxh3 of bytes whose digest was verified
+  std::map<Digest, uint64_t> checksums_;  ///< xxh3 checksums of blobs whose digests were verified
 };
 
 constexpr auto kNever = core::TimePoint::max();
@@ -89,7 +89,7 @@ bool survives(LoadCounts& counts, const Action& action) {
   return false;
 }
 
-/// Counts an error for a client that the server turned away until the end of the test.
+/// Counts an error for a client that no server accepted until the end of the test.
 /// @param why  last reason of the server; empty if the server did not turn the client away.
 inline void noteNeverLetIn(LoadCounts& counts, const std::string& why) {
   if (!why.empty()) counts.noteError(ErrorCode::kNetwork, "never let in: " + why);

@@ -26,8 +26,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kLongestWait = std::chrono::milliseconds(100);
 constexpr auto kPublishEvery = std::chrono::milliseconds(200);
-constexpr unsigned kMostAtOnce = 1024;    ///< most events handled between two looks at the clock
-constexpr rlim_t kOtherDescriptors = 64;  ///< descriptors that the process needs besides its connections
+/// Largest number of events that are handled between two reads of the clock.
+constexpr unsigned kMostAtOnce = 1024;
+/// Number of descriptors that the process needs in addition to its connections.
+constexpr rlim_t kOtherDescriptors = 64;
 
 void allowDescriptors(uint32_t clients) {
   rlimit limit{};
@@ -72,7 +74,7 @@ class Stepper {
     publish();
   }
 
-  /// Returns the counters of the clients as last published, at most a moment ago. Thread safe.
+  /// Returns the counters of the clients as they were published last, a moment ago at most. Thread safe.
   LoadCounts counts() const {
     const std::lock_guard lock(mutex_);
     return published_;
@@ -104,7 +106,8 @@ class Stepper {
   mutable std::mutex mutex_;
   LoadCounts published_;
   asio::io_context io_{1};
-  /// Keeps run_one_until() waiting while no connection exists; without this guard it would return at once.
+  /// Guard that keeps run_one_until() waiting while no connection exists. Without the guard, the call would
+  /// return at once.
   const asio::executor_work_guard<asio::io_context::executor_type> waits_{io_.get_executor()};
   std::vector<std::unique_ptr<LoadClient>> clients_;
   using Due = std::pair<Clock::time_point, size_t>;

@@ -11,13 +11,15 @@ namespace lode::app {
 
 struct LoadOptions {
   uint32_t clients = 1;
-  unsigned threads = 1;  ///< threads that step the clients
+  unsigned threads = 1;  ///< number of threads that step the clients
   double seconds = 10;
   double ramp_s = 2.5;  ///< time during which the clients start one after the other
-  bool full = false;    ///< full clients instead of trace clients
-  /// Receives the counters of all clients once a second on the thread of runLoadTest(). Empty: no progress.
+  bool full = false;    ///< true runs full clients, false trace clients
+  /// A function that receives the counters of all clients once a second, on the thread of runLoadTest(). May
+  /// be empty.
   std::function<void(double seconds, const LoadCounts&)> progress;
-  /// Every thread calls it several times a second; true ends the test. Empty: the test runs to its end.
+  /// A function that every thread calls several times a second. If it returns true, the test ends early. May
+  /// be empty.
   std::function<bool()> is_stopped;
 };
 
@@ -27,8 +29,8 @@ struct LoadResult {
   bool interrupted = false;
 };
 
-/// Runs a load test. Client i uses plan i modulo the number of plans. Each client starts at its own position
-/// of the trace or follows its own path.
+/// Runs a load test. Client number i uses plan number i modulo the number of plans. Each client starts at its
+/// own position of the trace or follows its own path.
 /// @param plans  at least one. The test sets `end` of each.
 /// @throws Error kUsage if the system does not allow that many connections.
 LoadResult runLoadTest(std::span<LoadPlan> plans, const LoadOptions& options);

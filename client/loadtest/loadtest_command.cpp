@@ -31,9 +31,10 @@
 namespace lode::app {
 namespace {
 
-/// A process that a signal ended has this exit status plus the number of the signal, as in shells.
+/// Base of the exit status after a signal. As in shells, the status is this value plus the number of the
+/// signal.
 constexpr int kSignalled = 128;
-constexpr uint64_t kTracesOfPlaces = 4;  ///< traces recorded per target if the paths differ by their seeds
+constexpr uint64_t kTracesOfPlaces = 4;  ///< number of traces per target, if paths depend on seeds
 
 const std::map<std::string, MadePath> kMadePaths{
     {"orbit", MadePath::kOrbit}, {"fly", MadePath::kFly}, {"walk", MadePath::kWalk}};
@@ -62,9 +63,9 @@ constexpr std::array kSignals{SIGINT, SIGTERM};
 std::atomic<int> signal_that_came{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 
-/// While an object of this class exists, the first SIGINT or SIGTERM does not end the process: signal()
-/// reports it, so that the test can end early and print its results. A second signal ends the process. At
-/// most one object may exist at a time.
+/// Handles SIGINT and SIGTERM while an object of this class exists. The first signal does not end the
+/// process; signal() reports it, so that the test can end early and print its results. A second signal ends
+/// the process. At most one object may exist at a time.
 class Interruption {
  public:
   Interruption();
@@ -72,7 +73,7 @@ class Interruption {
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
 
-  /// Returns the number of the signal that arrived; 0: none. Thread safe.
+  /// Returns the number of the signal that has arrived; 0 if none has. Thread safe.
   static int signal() noexcept;
 
  private:
@@ -93,7 +94,7 @@ Interruption::~Interruption() {
 
 int Interruption::signal() noexcept { return signal_that_came; }
 
-/// The plans of a load test, and their targets, which stay open as long as this object exists.
+/// The plans of a load test with their targets. The targets stay open as long as this object exists.
 class PlannedLoad {
  public:
   explicit PlannedLoad(const LoadtestOptions& options) : options_(options) {
@@ -105,7 +106,8 @@ class PlannedLoad {
     traces_ = options.load.full || !options.trace_file.empty() || !places_differ ? 1 : kTracesOfPlaces;
     std::vector<LoadPlan> of_targets{planOf(options.common.target)};
     for (const std::string& target : options.more_targets) of_targets.push_back(planOf(target));
-    for (uint64_t seed = 0; seed < traces_; ++seed)  // clients use the plans in this order: targets alternate
+    // Clients use the plans in this order, so that targets alternate.
+    for (uint64_t seed = 0; seed < traces_; ++seed)
       for (size_t i = 0; i < of_targets.size(); ++i) {
         plans_.push_back(of_targets[i]);
         if (!options.load.full) plans_.back().trace = traceOf(targets_[i], of_targets[i], seed);
@@ -115,7 +117,7 @@ class PlannedLoad {
   std::span<LoadPlan> plans() noexcept { return plans_; }
 
  private:
-  /// Opens a target. @return the plan of its clients, still without a trace.
+  /// Opens a target. @return the plan of the target's clients, still without a trace.
   LoadPlan planOf(const std::string& target) {
     targets_.push_back(resolveTarget(parseTarget(target), options_.common.streamOptions(), !options_.json));
     const ResolvedTarget& open = targets_.back();
@@ -205,7 +207,7 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
       "Lets many clients look at models along camera paths, and measures how late comes what they request");
   const auto options = std::make_shared<LoadtestOptions>();
   addCommonOptions(*command, options->common);
-  command->remove_option(command->get_option("--up"));  // made paths go around the y axis
+  command->remove_option(command->get_option("--up"));  // paths that the program makes go around the y axis
   command->remove_option(command->get_option("--offline"));
   auto* camera = command->get_option("--camera");
   command->add_option("--clients", options->load.clients, "independent clients")

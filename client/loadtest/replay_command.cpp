@@ -60,8 +60,9 @@ uint64_t peakMemoryBytes() {
 /// Results of all frames of a path.
 struct Replayed {
   uint64_t frames = 0;
-  uint64_t holes = 0;            ///< sum over all frames: visible parts in whose place nothing is drawn
-  uint64_t fallback_frames = 0;  ///< frames that draw an ancestor in place of a missing part
+  /// Number of visible parts in whose place nothing is drawn, summed over all frames.
+  uint64_t holes = 0;
+  uint64_t fallback_frames = 0;  ///< number of frames that draw an ancestor in place of a missing part
   LatencyHistogram frame;
   std::optional<double> first_image_ms;
   std::array<double, kThresholdsPx.size()> seconds_above{};
@@ -124,8 +125,8 @@ class Replay {
       result_.converged_ms = now_ms;
   }
 
-  /// Counts holes and fallbacks among the parts to draw. @return the largest error of these parts in this
-  /// view.
+  /// Counts the holes and fallbacks of a frame. @param shown parts to draw. @return the largest error of
+  /// these parts in this view.
   float lookAt(const core::Cut& cut, std::span<const uint32_t> shown, const core::View& view) {
     result_.holes += countHoles(cut, shown, view);
     result_.fallback_frames +=
@@ -143,7 +144,7 @@ class Replay {
   Clock::time_point start_;
   Replayed result_;
   core::View view_;          // view of the last frame
-  bool is_current_ = false;  // the last frame's cut is for that frame's view
+  bool is_current_ = false;  // true if the last frame's cut was refined for that frame's view
 };
 
 template <typename Value>

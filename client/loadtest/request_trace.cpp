@@ -23,7 +23,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kStepSeconds = 0.1;
-constexpr size_t kMaxSteps = 36'000;  ///< steps of the longest path, one hour
+constexpr size_t kMaxSteps = 36'000;  ///< largest number of steps of a path; the steps of one hour
 
 core::EngineOptions engineOptions(const stream::ServedModel& model, core::EngineOptions options) {
   options.session.model = model.model;

@@ -19,14 +19,15 @@
 
 namespace lode::app {
 
-/// A request with the time at which a client on an infinitely fast link would send it.
+/// A request, and the time at which a client on an infinitely fast link would send the request.
 struct TracedRequest {
   double t_s = 0;  ///< time from the start of the path
   core::Request request;
-  std::optional<core::DecodeJob> decode;  ///< job that decodes the blob, without the bytes; none for pages
+  std::optional<core::DecodeJob> decode;  ///< job that decodes the blob, without the bytes; empty for pages
 };
 
-/// The requests of a camera path in order of time. A trace is recorded once; any number of clients replay it.
+/// The requests along a camera path, in order of time. A trace is recorded once, and any number of clients
+/// can replay it.
 struct RequestTrace {
   Digest build_id;  ///< build of the model; blob numbers differ between builds
   double duration_s = 0;
@@ -41,9 +42,9 @@ using PathOf = std::function<core::CameraPath(const ModelSummary&)>;
 /// @param source  name of the trace for the message. @throws Error kInput if the trace is from another build.
 void checkBuild(const RequestTrace& trace, const Digest& build_id, const std::string& source);
 
-/// Records a trace: follows a path in steps of a tenth of a second and waits at each until the cut has
+/// Records a trace. Follows a path in steps of a tenth of a second, and waits at each step until the cut has
 /// settled.
-/// @throws Error as a Session does, for example kNetwork; kTimeout if recording takes too long.
+/// @throws the errors of a Session, for example kNetwork; kTimeout if recording takes too long.
 RequestTrace recordTrace(const stream::ServedModel& model, const stream::StreamOptions& options,
                          const PathOf& path_of, glm::uvec2 size_px, float pixels,
                          std::chrono::milliseconds timeout);

@@ -50,7 +50,7 @@ void OverheardRequests::received(std::span<const std::byte> bytes) {
 
 void OverheardRequests::takeChunk(const proto::BlobChunk& chunk) {
   const auto found = requests_.find(chunk.header.request);
-  if (found == requests_.end()) return;  // not requested
+  if (found == requests_.end()) return;  // the blob was not requested
   Request& request = found->second;
   request.bytes.insert(request.bytes.end(), chunk.bytes.begin(), chunk.bytes.end());
   if (request.bytes.size() < chunk.header.total_bytes) return;

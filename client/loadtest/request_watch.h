@@ -31,7 +31,8 @@ size_t forEachFrame(std::span<const std::byte> bytes, const Take& take) {
   return at;
 }
 
-/// Measures the requests of one connection from the frames that its client sends. Not thread safe.
+/// Measures the requests of one connection. Reads them from the frames that the client sends. Not thread
+/// safe.
 class RequestClock {
  public:
   struct Request {
@@ -44,8 +45,8 @@ class RequestClock {
   using Requests = std::map<uint32_t, Request>;
 
   /// Notes the requests in complete frames.
-  /// @param lost  requests of broken connections. If such a request is repeated, it leaves `lost` and keeps
-  ///              the time at which it was first sent.
+  /// @param lost  requests of broken connections. A request that is repeated leaves `lost`, but keeps the
+  ///              time at which it was first sent.
   void sent(std::span<const std::byte> frames, core::TimePoint now, Requests& lost);
   /// Ends and returns the request of a blob that arrived. Returns nothing if the blob was not requested.
   std::optional<Request> arrived(uint32_t blob);
@@ -63,7 +64,8 @@ class RequestClock {
 /// Throws on protocol errors. Not thread safe.
 class OverheardRequests {
  public:
-  /// Receives a request whose blob is complete. @param asked_at  `now` of the call of sent() that noted it.
+  /// A function that receives a request whose blob is complete. @param asked_at argument `now` of the call of
+  /// sent() that noted the request.
   using Tell = std::function<void(const core::Request& request, double asked_at)>;
   explicit OverheardRequests(Tell tell) : tell_(std::move(tell)) {}
 

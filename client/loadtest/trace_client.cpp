@@ -14,10 +14,11 @@ namespace {
 
 constexpr auto kKeepAliveEvery = std::chrono::seconds(1);
 constexpr auto kLookForRetryEvery = std::chrono::milliseconds(20);
-/// Passes all due requests to the session again when fewer than this are open: the session limits its
-/// requests.
+/// If fewer requests than this are open, the client passes all due requests to the session again. The session
+/// limits the number of open requests.
 constexpr size_t kRefillBelow = 64;
-constexpr double kShortestTraceSeconds = 1;  ///< least duration of a round, for traces of a resting camera
+constexpr double kShortestTraceSeconds = 1;  ///< least duration of a round; traces of a resting camera have
+                                             ///< no duration of their own
 
 }  // namespace
 
@@ -45,8 +46,8 @@ core::SessionOptions TraceClient::sessionOptions() {
   return options;
 }
 
-/// Returns the intended time of the next request. A place after the end of the trace belongs to the next
-/// round.
+/// Returns the intended time of the next request. After the last request of the trace, this is the first
+/// request of the next round.
 core::TimePoint TraceClient::nextIntended() const noexcept {
   const auto& requests = plan_.trace.requests;
   const uint64_t place = first_ + replayed_;
@@ -85,9 +86,9 @@ void TraceClient::step(core::TimePoint now) {
 void TraceClient::connect(core::TimePoint now) {
   if (const core::Session* const older = connection_.session(core::SessionRole::kDraining);
       older != nullptr && connection_.session())
-    counts_.failed_requests += older->openRequests();  // two servers left in short succession
+    counts_.failed_requests += older->openRequests();  // two servers have ended in short succession
   if (connection_.session())
-    leaving_ = std::move(newest_);  // else the server turned the client away: the draining one stays
+    leaving_ = std::move(newest_);  // if the server turned the client away, the draining connection stays
   newest_ = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });
   connection_.begin({}, now);
 }

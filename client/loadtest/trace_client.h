@@ -15,9 +15,9 @@
 
 namespace lode::app {
 
-/// Replays a trace in rounds, starting at its own position. Sends each request at its intended time, even
-/// while earlier requests are open; latency counts from the intended time. Reconnects when the connection
-/// ends, and repeats the open requests.
+/// Replays a trace in rounds. Each client starts at its own position of the trace. It sends each request at
+/// the intended time, even while earlier requests are open; the latency counts from the intended time. If the
+/// connection ends, the client reconnects and repeats the open requests.
 class TraceClient final : public LoadClient {
  public:
   /// @param start    time to connect.
@@ -64,7 +64,7 @@ class TraceClient final : public LoadClient {
   LoadCounts& counts_;
   const core::TimePoint start_;
   size_t first_;           ///< index of the first request in the trace
-  uint64_t replayed_ = 0;  ///< number of requests due so far
+  uint64_t replayed_ = 0;  ///< number of requests that have become due
   double paused_s_ = 0;    ///< sum of the pauses so far
   std::mt19937_64 random_;
   core::TimePoint due_;
@@ -75,7 +75,8 @@ class TraceClient final : public LoadClient {
   std::string turned_away_;
   uint32_t first_lod_ = 0;  ///< blob of the root's coarsest LOD
   Transport newest_, leaving_;
-  Transport ended_;  ///< the next step destroys it, because its own callback must not
+  Transport ended_;  ///< transport of an ended connection; destroyed in the next step, because its own
+                     ///< callback must not destroy it
 };
 
 }  // namespace lode::app

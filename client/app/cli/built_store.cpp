@@ -30,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::chrono::hours kLongestSilence{24 * 7};  // limit of the time between two lines of a build
+constexpr std::chrono::hours kLongestSilence{24 * 7};  // longest time between two lines of a build's output
 constexpr std::chrono::milliseconds kLockPoll{100};
 constexpr size_t kKeyDigits = 16;
 
@@ -42,8 +42,8 @@ std::string inWords(const timespec& time) {
   return " " + std::to_string(time.tv_sec) + "." + std::to_string(time.tv_nsec);
 }
 
-/// Returns a text that changes with the file. It contains the change time, which the kernel alone sets,
-/// because programs that unpack or copy files set the modification time to any value.
+/// Returns a text that changes whenever the file changes. Uses the file's change time, which only the kernel
+/// sets; programs that unpack or copy files set the modification time to any value.
 std::string versionOf(const struct stat& status) {
   return std::to_string(status.st_size) + inWords(status.st_mtim) + inWords(status.st_ctim);
 }
@@ -61,8 +61,8 @@ timespec fileTime() {
   return now;
 }
 
-/// Returns the version of a file that has not changed since `time` by the kernel's record. For a changed
-/// file, returns a text that is never the version of a file; for a missing file, an empty text.
+/// Returns the version of a file if the file has not changed since `time`. For a changed file, returns a text
+/// that is never the version of a file; for a missing file, an empty text.
 std::string versionSince(const fs::path& path, timespec time) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) return {};
@@ -71,8 +71,8 @@ std::string versionSince(const fs::path& path, timespec time) {
                                                                                          : "changed";
 }
 
-/// An exclusive lock on a folder, held until this object and all child processes that inherited the lock have
-/// ended. Creates the folder.
+/// An exclusive lock on a folder. The lock lasts until this object and all child processes that inherited the
+/// lock have ended. The constructor creates the folder.
 class FolderLock {
  public:
   /// Waits until the lock is free. @throws Error kIo, or kTimeout if `stop` is requested.
@@ -119,8 +119,8 @@ class FolderLock {
   std::optional<FileLock> lock_;
 };
 
-/// Contents of the file beside a store: the warnings of the build, and the path and version of each image
-/// that the build looked for.
+/// Contents of the file beside a store: the warnings of the build, and the path and version of each image for
+/// which the build looked.
 struct BuildRecord {
   struct Image {
     fs::path path;
@@ -246,7 +246,7 @@ BuiltStore builtStore(const fs::path& ply, bool announce, const std::stop_token&
   removeOthers(of_source, folder);
   FileLock in_use = useStore(store);
   trimStores(stores, max_bytes.value_or(storeCacheBytes(stores)));
-  if (!shows_progress) warn(record);  // otherwise the build has printed them
+  if (!shows_progress) warn(record);  // if the build shows progress, it has printed the warnings itself
   return {store, std::move(in_use), std::move(record.warnings)};
 }
 

@@ -13,14 +13,14 @@
 
 namespace lode::app {
 
-/// Receives the current stage of a build and the finished fraction of the stage, 0 to 1. Called on the thread
-/// that calls builtStore().
+/// A function that receives the current stage of a build and the finished fraction of the stage, 0 to 1. The
+/// thread that calls builtStore() calls it.
 using BuildWatch = std::function<void(std::string_view stage, double fraction)>;
 
 /// A store in the user's cache.
 struct BuiltStore {
   std::filesystem::path path;
-  FileLock in_use;                         ///< keeps other programs from removing the store
+  FileLock in_use;                         ///< lock that keeps other programs from removing the store
   std::vector<std::string> warnings = {};  ///< warnings of the build
 };
 
@@ -28,10 +28,10 @@ struct BuiltStore {
 /// of the same file, the same images and the same version of the builder. Waits while another program builds
 /// the store. Prints warnings of the build on stderr. After a build, removes the least recently used stores
 /// until the cache is within its limit.
-/// @param announce   true: prints progress on stderr if stderr is a terminal.
-/// @param stop       a request aborts the wait or the build, which then throws an Error.
-/// @param watch      if set, receives the progress, which is then not printed.
-/// @param max_bytes  limit for all stores in the cache together; nothing: storeCacheBytes().
+/// @param announce   true prints progress on stderr, if stderr is a terminal.
+/// @param stop       a stop request aborts the wait or the build; the function then throws an Error.
+/// @param watch      if set, receives the progress instead of stderr.
+/// @param max_bytes  limit for all stores in the cache together; storeCacheBytes() by default.
 /// @throws Error.
 BuiltStore builtStore(const std::filesystem::path& ply, bool announce, const std::stop_token& stop,
                       const BuildWatch& watch, std::optional<uint64_t> max_bytes = {});

@@ -27,12 +27,13 @@ constexpr int kCannotStart = 127;
   throw Error(ErrorCode::kIo, program.string() + " cannot be started: " + std::strerror(errno));
 }
 
-/// Turns the forked child into the program. Makes only calls that are safe between fork and exec.
+/// Runs the program in the forked child. Makes only calls that are safe between fork and exec.
 [[noreturn]] void become(char* const* arguments, int input, int output, int messages, pid_t parent,
                          const ChildSetup& setup) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(kCannotStart);
-  if (!setup.heeds_keys) setpgid(0, 0);  // a terminal signals its whole process group
+  // Use a new group, because a terminal sends its signals to a whole process group.
+  if (!setup.heeds_keys) setpgid(0, 0);
   dup2(input, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   if (messages >= 0) dup2(messages, STDERR_FILENO);

@@ -11,14 +11,15 @@ namespace lode::app {
 
 /// Setup of a child process.
 struct ChildSetup {
-  std::string input;       ///< contents of the child's stdin, an in-memory file that the child can reopen
+  /// Contents of the child's stdin; stdin is an in-memory file, which the child can open again.
+  std::string input;
   int inherited = -1;      ///< descriptor that the child inherits; -1: none
-  bool heeds_keys = true;  ///< the child receives a terminal's Ctrl-C and Ctrl-Z
+  bool heeds_keys = true;  ///< true if Ctrl-C and Ctrl-Z in the terminal also reach the child
 };
 
 /// A child process. The destructor ends the process, first with SIGTERM. When the thread that started the
-/// process ends, the kernel sends SIGTERM to the process. The parent reads the process's stdout line by line,
-/// and keeps its stderr or passes it on. Move only.
+/// process ends, the kernel sends SIGTERM to the process. The parent reads the process's stdout line by line.
+/// The parent keeps the process's stderr or passes it on. Move only.
 class ChildProcess {
  public:
   enum class Messages {
@@ -52,7 +53,8 @@ class ChildProcess {
 };
 
 constexpr size_t kMaxMessageBytes = 4096;
-constexpr size_t kMaxLineBytes = size_t{64} << 20;  // a build may warn about each of its images
+constexpr size_t kMaxLineBytes = size_t{64} << 20;  // the limit is large because a build may warn about each
+                                                    // of its images
 
 /// Returns the last message of a failed lodestreamd, or `otherwise` if the process wrote no message.
 std::string saidBy(const ChildProcess& server, const std::string& otherwise);

@@ -138,7 +138,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {
   auto* up =
       command.add_option("--up", options.up_text, "the model's axis that is up (default: guessed, y or z)")
           ->type_name("y|z|x|-y|-z|-x");
-  // Commands that draw use --up with --camera, too: for light and orbiting.
+  // Commands that draw allow --up together with --camera: light and orbiting need the axis.
   if (takes == Takes::kModels) up->excludes(camera);
   command.add_option("--size", options.size_text, "size of the picture")
       ->type_name("WxH")

@@ -27,20 +27,22 @@ struct CommonOptions {
   std::string target;
   std::string size_text = "1280x720";
   std::string memory_text;
-  std::string camera_file;  ///< --camera: a file with a camera path; empty: a camera that frames the model
-  std::string up_text;  ///< --up: up axis of the framing camera, of the light and of orbiting; empty: guess
+  /// Value of --camera: a file with a camera path; if empty, the camera frames the model.
+  std::string camera_file;
+  std::string up_text;  ///< value of --up: up axis of the framing camera, of the light and of orbiting; if
+                        ///< empty, the axis is guessed
   std::string token_file;
   std::string ca_file;
-  std::string cache_text;  ///< --cache: a folder, "off", or empty for the user's cache
+  std::string cache_text;  ///< value of --cache: a folder or "off"; if empty, the user's cache
   bool offline = false;
-  bool fade = true;  ///< fade nodes in and out in the window while frames are fast enough
+  bool fade = true;  ///< true fades nodes in and out in the window, while frames are fast enough
   float pixels = 1;
   double timeout_s = 120;
 
   PictureSize size() const { return parseSize(size_text); }
   std::chrono::milliseconds timeout() const;
-  /// Returns stream options with the memory budget, the token from --token-file or LODESTREAM_TOKEN, the CA
-  /// file, and, for a target on a server, the cache of blobs. @throws Error.
+  /// Returns stream options with the memory budget, the CA file, and the token from --token-file or
+  /// LODESTREAM_TOKEN. For a target on a server, also sets the cache of blobs. @throws Error.
   stream::StreamOptions streamOptions() const;
 };
 

@@ -16,21 +16,23 @@ namespace lode::app {
 
 /// Textures of an exported mesh.
 struct CutImages {
-  ImageFiles files;                   ///< image file of each texture; a texture without a file has no image
-  std::vector<std::string> left_out;  ///< names of used textures without a resident tile
+  ImageFiles files;  ///< image file of each texture; a texture without a file has no image
+  /// Names of the textures that the mesh uses but that have no resident tile.
+  std::vector<std::string> left_out;
 };
 
-/// Writes the images of a cut's mesh as PNG files beside the mesh file, as sharp as their resident tiles: see
-/// ResidentImage and ImageNames. @throws Error kIo; kUsage if the mesh file is a pipe or a device.
+/// Writes the images of a cut's mesh as PNG files beside the mesh file. The images are as sharp as their
+/// resident tiles; see ResidentImage and ImageNames. @throws Error kIo; kUsage if the mesh file is a pipe or
+/// a device.
 CutImages writeCutImages(const core::Cut& cut, const Mesh& mesh, const std::filesystem::path& mesh_file);
 
-/// Joins the parts of a cut into one mesh: equal wedges of different parts become one vertex. Vertices and
+/// Joins the parts of a cut into one mesh. Equal wedges of different parts become one vertex. Vertices and
 /// triangles keep the order of the parts. @throws Error as MeshJoiner::add().
 Mesh weldCut(const core::Cut& cut, AttributeSet attributes);
 
 /// The image of a texture, composed of the texture's resident tiles. The image has the size of the finest
-/// level with a resident tile. In place of a missing tile, it shows magnified texels of the next coarser
-/// level whose tile is resident.
+/// level that has a resident tile. A missing tile is replaced by the next coarser level whose tile is
+/// resident, magnified.
 class ResidentImage {
  public:
   /// @param tiles  tiles of this texture and of others. The tiles and the texture must outlive this object.

@@ -39,7 +39,7 @@ struct KeyResult {
   std::optional<double> first_image_ms, converged_ms;  // times since the start of the key
   uint64_t converged_bytes = 0;                        ///< bytes received until the key converged
   bool is_complete = false;                            ///< the cut has converged and the stream has settled
-  bool is_lattice_seen = false;  ///< is_complete, but the error exceeds the requested one
+  bool is_lattice_seen = false;  ///< true if is_complete is set but the error exceeds the requested error
   stream::StreamStatus status;
 
   bool converged() const { return converged_ms.has_value(); }
@@ -90,7 +90,7 @@ class Fetch {
     start_ = target.start();
     double total_ms = 0;  // time until the last key converged
     for (const core::CameraKey& camera : target.path().keys) {
-      // The first key's time counts from the start.
+      // The time of the first key counts from the start of the connection.
       const double begin_ms = keys_.empty() ? 0 : msSince(start_);
       keys_.push_back(converge(target, camera.t));
       total_ms = keys_.back().converged() ? begin_ms + *keys_.back().converged_ms : msSince(start_);
@@ -165,7 +165,7 @@ class Fetch {
 };
 
 void fetch(const FetchOptions& options) {
-  meshFormatOf(options.output);  // refuses a wrong ending before the work begins
+  meshFormatOf(options.output);  // refuse a wrong ending before the work begins
   refuseToReplace(options.common.target, options.output);
   Fetch run(options);
   run.run();

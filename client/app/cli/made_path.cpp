@@ -13,11 +13,14 @@ namespace {
 
 constexpr unsigned kOrbitKeys = 16, kFlyKeys = 9, kWalkKeys = 31;
 constexpr double kOrbitSeconds = 20, kFlySeconds = 20, kWalkSeconds = 60;
-constexpr double kFlySpread = 0.3;    ///< spread of positions about the line of flight, as a share of the box
-constexpr double kNearestWalk = 0.1;  ///< least distance to the target, in distances of the framing camera
-constexpr double kWalkStep = 0.5, kWalkTurn = 0.15;  ///< radians per second at most: sideways, up and down
+/// Largest distance of positions from the line of flight, relative to the box.
+constexpr double kFlySpread = 0.3;
+/// Least distance from the target, relative to the distance of the framing camera.
+constexpr double kNearestWalk = 0.1;
+/// Largest speeds in radians per second: kWalkStep sideways, kWalkTurn up and down.
+constexpr double kWalkStep = 0.5, kWalkTurn = 0.15;
 
-/// Random numbers that are equal on every system, unlike those of the standard library's distributions.
+/// Random numbers that are equal on every system. The distributions of the standard library are not.
 class Dice {
  public:
   explicit Dice(uint64_t seed) : random_(seed) {}
@@ -85,7 +88,7 @@ core::CameraPath makePath(MadePath kind, const ModelSummary& model, uint64_t see
   Dice dice(seed);
   const core::CameraPath framing = core::framingCamera(model);
   core::CameraKey first = framing.keys.front();
-  if (!model.box.empty())  // the framing camera itself looks a little past the middle
+  if (!model.box.empty())  // use the box's middle, because the framing camera looks a little past it
     first.target = (model.lattice.toWorld(model.box.min) + model.lattice.toWorld(model.box.max)) / 2.0;
   const glm::dvec3 half = model.box.empty()
                               ? glm::dvec3(1)

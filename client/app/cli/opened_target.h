@@ -44,7 +44,7 @@ class OpenedTarget {
   const ModelSummary& model() const noexcept { return model_; }
   /// Returns the path of --camera, or the camera that frames the model.
   const core::CameraPath& path() const noexcept { return path_; }
-  /// Returns the up direction: that of --up, or a guess from the coarsest mesh. Waits if the mesh is missing.
+  /// Returns the up direction of --up, or a guess from the coarsest mesh. Waits if the mesh is missing.
   glm::dvec3 up();
   /// Returns the time at which the connection started, after any build and the start of any child server.
   Clock::time_point start() const noexcept { return start_; }

@@ -142,7 +142,7 @@ void addInstances(const Json& json, const std::map<std::string, uint32_t>& model
 }  // namespace
 
 std::string quoted(const std::string& name) {
-  std::string text = name.substr(0, kMostQuotedBytes);  // the part may end within a letter
+  std::string text = name.substr(0, kMostQuotedBytes);  // the part may end within a UTF-8 character
   text = Json(text).dump(-1, ' ', true, Json::error_handler_t::ignore);
   if (name.size() > kMostQuotedBytes) text.insert(text.size() - 1, "...");
   return text;

@@ -21,8 +21,8 @@ constexpr size_t kMaxSceneInstances = 10'000;
 constexpr double kMaxSceneCoordinate = 1e12;
 constexpr double kMinSceneScale = 1e-6, kMaxSceneScale = 1e6;
 
-/// Placement of a model in a scene: maps a point p of the model, in true coordinates, to
-/// position + rotation * (scale * p).
+/// Placement of a model in a scene. Maps a point p of the model, in true coordinates, to position + rotation
+/// * (scale * p).
 struct Placement {
   glm::dvec3 position{0};
   glm::dquat rotation{1, 0, 0, 0};  ///< unit length
@@ -44,9 +44,9 @@ struct SceneSky {
   glm::u8vec3 top_srgb{77, 87, 99}, bottom_srgb{26, 28, 33};
 };
 
-/// A model that instances refer to.
+/// A model of the scene, to which instances refer.
 struct SceneModel {
-  std::string name;    ///< name that instances refer to
+  std::string name;    ///< name by which instances refer to the model
   std::string target;  ///< TARGET as commands accept it; a path is relative to the scene's folder
 };
 
@@ -56,7 +56,7 @@ struct Scene {
   std::vector<SceneInstance> instances;  ///< at least one
   std::optional<SceneGround> ground;
   std::optional<SceneSky> sky;
-  bool is_single_model = false;  ///< made by sceneOf() for one model, not read from a file
+  bool is_single_model = false;  ///< true if sceneOf() made the scene for one model, without a scene file
 };
 
 /// Quotes a name from a scene file for a message: as one line of ASCII, shortened if the name is long.
@@ -71,7 +71,7 @@ Scene parseScene(std::string_view json, std::string_view source);
 /// Reads and parses a scene file. @throws Error as parseScene(), or kIo.
 Scene readScene(const std::filesystem::path& file);
 /// Reads the scene if the target names a scene file. Otherwise makes a scene of one model at the model's own
-/// coordinates; such a scene does not say which way is up. @throws Error as readScene().
+/// coordinates, without an up axis. @throws Error as readScene().
 Scene sceneOf(const std::string& target);
 /// Adds the name of the scene's file and the name of the model to an error that opening the model caused.
 /// Returns the error of a single model unchanged.

@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 constexpr uint64_t kLeastBytes = 20'000'000'000;
 constexpr uint64_t kShareOfDisk = 10;
 
-/// The folder of a source, with the stores of all its versions and the remains of killed builds.
+/// The folder of a source file. Contains the stores of all versions of the source and the remains of killed
+/// builds.
 struct BuiltSource {
   fs::path folder;
   uint64_t bytes = 0;

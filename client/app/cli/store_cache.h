@@ -13,15 +13,15 @@ class FileLock {
  public:
   enum class Kind : uint8_t { kShared, kExclusive };
 
-  FileLock() = default;  ///< makes an object that locks nothing
+  FileLock() = default;  ///< creates an object without a lock
   ~FileLock();
   FileLock(FileLock&& other) noexcept;
   FileLock& operator=(FileLock&& other) noexcept;
 
   /// Tries to lock a file without waiting.
-  /// @param make  true: creates the file if it is missing.
-  /// @return nothing with errno 0 if another process holds the lock or the file was replaced meanwhile;
-  /// nothing with another errno if the file cannot be opened or locked.
+  /// @param make  true creates the file if it is missing.
+  /// @return the lock, or nothing. errno is then 0 if another process has the lock or the file was replaced
+  /// meanwhile; errno is another value if the file cannot be opened or locked.
   static std::optional<FileLock> tryTake(const std::filesystem::path& path, Kind kind, bool make);
 
   int descriptor() const noexcept { return file_; }
@@ -30,8 +30,8 @@ class FileLock {
   int file_ = -1;
 };
 
-/// Returns the program's folder for caches: in XDG_CACHE_HOME, else in ~/.cache, else in the folder of
-/// temporary files.
+/// Returns the program's folder for caches. The folder is in XDG_CACHE_HOME, else in ~/.cache, else in the
+/// folder for temporary files.
 std::filesystem::path cacheFolder();
 
 /// Name of the lock file in the folder of a source. The program that builds the source's store locks this
@@ -47,10 +47,11 @@ uint64_t storeCacheBytes(uint64_t disk_bytes) noexcept;
 /// Returns the limit for the disk that contains the folder `stores`. The folder has a subfolder per source.
 uint64_t storeCacheBytes(const std::filesystem::path& stores);
 
-/// Marks a store as used now and locks it against removal. Hold the lock of the source during the call.
+/// Marks a store as used now and locks it against removal. The caller must have the lock of the source during
+/// the call.
 FileLock useStore(const std::filesystem::path& store);
 
-/// Removes the least recently used stores until the remaining ones take at most max_bytes. Keeps stores that
+/// Removes the least recently used stores until the other stores take at most max_bytes. Keeps stores that
 /// are in use or being built.
 void trimStores(const std::filesystem::path& stores, uint64_t max_bytes);
 

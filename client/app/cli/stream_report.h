@@ -10,11 +10,11 @@
 
 namespace lode::app {
 
-/// Adds to the output of --json what limited a run: the waiting time per cause, the main cause, and
+/// Adds the limits of a run to the output of --json: the waiting time per cause, the main cause, and
 /// properties of the link.
 void reportLimits(nlohmann::ordered_json& json, const core::EngineCounts& counts);
 
-/// Adds the number of lost tiles and the reason of a failure to the output of --json.
+/// Adds the number of lost tiles and the reason for a failure to the output of --json.
 void reportGaps(nlohmann::ordered_json& json, const stream::StreamStatus& status);
 
 /// Returns the statistics of prefetching as --json prints them.
@@ -23,7 +23,7 @@ nlohmann::ordered_json prefetchReport(const core::PrefetchCounts& counts);
 /// Returns true if the cut has converged within the requested error and no visible texture tile is lost.
 bool hasConverged(const stream::StreamStatus& status, float pixels);
 
-/// Throws an Error that says why a view did not converge and what to do.
+/// Throws an Error with the reason why a view did not converge, and the remedy.
 /// @param where  name of the view for the message, for example "key 2".
 [[noreturn]] void refuseUnconverged(const std::string& where, const stream::StreamStatus& status,
                                     const CommonOptions& options);

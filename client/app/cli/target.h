@@ -8,7 +8,7 @@
 
 namespace lode::app {
 
-// A command reads a model from a server, or from a local file, for which it starts a child server.
+// A command reads a model from a server. For a local file, it starts a child server.
 struct StoreFile {
   std::filesystem::path path;
 };

@@ -8,32 +8,38 @@ namespace lode::render {
 namespace {
 
 constexpr double kStepsOfOctave = 4;
-/// Steps that halve the work when the threshold gets coarser, and that double it when the threshold gets
-/// finer. The first assumes the usual power law of work over threshold, the second, to be careful, the
-/// square.
+/// Number of threshold steps that halve or double the work. kStepsOfHalving is for a coarser threshold and
+/// assumes that work falls by kFallOfWork. kStepsOfDoubling is for a finer threshold and assumes the square,
+/// to be careful.
 constexpr double kStepsOfHalving = kStepsOfOctave / kFallOfWork;
 constexpr double kStepsOfDoubling = kStepsOfOctave / 2;
-constexpr int kMostSteps = 12;    ///< 8 times the threshold; if frames need more steps, the rate is halved
-constexpr int kMostHalvings = 3;  ///< 60 frames a second become 7.5
-constexpr double kFill = 0.8;     ///< part of the target time that frames aim at
-/// Part of the target time that frames may take after the rate is restored; below 1, or the rate would drop
-/// again.
+/// Largest number of steps, for 8 times the threshold. If frames need more steps, the rate is halved.
+constexpr int kMostSteps = 12;
+constexpr int kMostHalvings = 3;  ///< largest number of halvings of the rate; 60 frames a second become 7.5
+constexpr double kFill = 0.8;     ///< part of the target time that frames should take
+/// Part of the target time that frames may take after the rate is restored. The part is below 1, so that the
+/// rate does not drop again.
 constexpr double kFillOfFaster = 0.9;
 constexpr double kSpareSteps = 0.25;  ///< margin when the threshold becomes finer
-constexpr int kSlowFrames = 3;        ///< consecutive slow frames that halve the rate
-constexpr int kCalmFrames = 8;        ///< frames in a round; restoring anything needs at least one round
-constexpr int kTrialFrames = 64;      ///< frames that a restored rate or resolution must last
+constexpr int kSlowFrames = 3;        ///< number of consecutive slow frames that halve the rate
+/// Number of frames in a round; each restoration needs at least one round.
+constexpr int kCalmFrames = 8;
+constexpr int kTrialFrames = 64;  ///< number of frames that a restored rate or resolution must last
 constexpr int kMorePatience = 4, kMostPatience = 256;        ///< factor and limit of Trials::patience_
-constexpr std::array kScales{1.0, 0.7071067811865476, 0.5};  ///< all, half and a quarter of the pixels
-constexpr int kStepsOfScale = 2;  ///< threshold steps that equal one step of kScales, in window pixels
-/// Twice the threshold; if frames need more steps, the resolution can drop.
+constexpr std::array kScales{1.0, 0.7071067811865476, 0.5};  ///< scales of the sides, for all, half and a
+                                                             ///< quarter of the pixels
+/// Threshold steps that have the same effect as one step of kScales, in window pixels.
+constexpr int kStepsOfScale = 2;
+/// Number of steps to twice the threshold. If frames need more steps, the resolution can drop.
 constexpr int kStepsBeforeScale = 4;
 constexpr double kPixelFill = 0.5;        ///< part of a frame's time that the work per pixel may take
 constexpr double kPixelFillAgain = 0.45;  ///< kPixelFill for a restored resolution
-constexpr double kNoThreshold = 1000;     ///< number of steps that means: no threshold is coarse enough
+constexpr double kNoThreshold = 1000;     ///< number of steps that stands for "no threshold is coarse enough"
 constexpr double kRestSeconds = 0.25;
-constexpr double kMuchCoarser = 1.4, kMuchSlower = 2;  ///< least factors of a cut worth waiting for
-constexpr double kShareWaited = 0.5;                   ///< longest wait, as a share of the last frame's time
+/// A cut is worth waiting for if its threshold is coarser by the factor kMuchCoarser, and if the last frame
+/// exceeded the target time by the factor kMuchSlower.
+constexpr double kMuchCoarser = 1.4, kMuchSlower = 2;
+constexpr double kShareWaited = 0.5;  ///< longest wait, relative to the last frame's time
 constexpr double kLongestWaitS = 0.25;
 
 double stepsOf(double coarsening) noexcept { return kStepsOfOctave * std::log2(coarsening); }
@@ -80,7 +86,8 @@ void FrameRateControl::limitTo(double coarsening) noexcept {
   steps_ = std::min(steps_, mostSteps());
 }
 
-/// Returns the limit of steps_ in the picture's pixels, which a lower resolution makes larger.
+/// Returns the limit of steps_ for the picture's current resolution. The limit is in the picture's pixels,
+/// which are larger at a lower resolution.
 int FrameRateControl::mostSteps() const noexcept {
   return std::max(0, most_steps_ - kStepsOfScale * scale_steps_);
 }
@@ -93,8 +100,8 @@ void FrameRateControl::step(double seconds, bool moved) noexcept {
   still_s_ = moved ? 0 : still_s_ + seconds;
 }
 
-/// Frames with missing parts can show that a coarser threshold is needed. Only the complete parts of a frame
-/// can show that a finer threshold fits.
+/// Adds a drawn frame. A frame with missing parts can still show that a coarser threshold is needed. Only
+/// complete parts can show that a finer threshold fits.
 void FrameRateControl::add(double work_ms, const Coarsening& coarsening) noexcept {
   if (coarsening.scale != movingScale()) return;
   const double steps = stepsOf(coarsening.drawn), complete_steps = stepsOf(coarsening.complete);
@@ -133,7 +140,8 @@ void FrameRateControl::add(double work_ms, const Coarsening& coarsening) noexcep
   }
 }
 
-/// Forgets earlier frames, because frames of the new resolution differ from them in more than the threshold.
+/// Forgets earlier frames after a change of resolution, because their times cannot be compared with the new
+/// frames.
 void FrameRateControl::forgetFrames() noexcept {
   last_need_ = last_pixel_load_ = 0;
   slow_frames_ = calm_frames_ = 0;
@@ -147,7 +155,7 @@ void FrameRateControl::lowerScale(double pixel_load) noexcept {
   forgetFrames();
 }
 
-/// Halves the rate as often as the fastest of the slow frames needs.
+/// Halves the rate until the fastest of the slow frames is in time.
 void FrameRateControl::lowerRate() noexcept {
   const int halvings = static_cast<int>(std::ceil(std::log2(least_slow_)));
   halvings_ = std::min(halvings_ + std::max(halvings, 1), kMostHalvings);
@@ -160,7 +168,8 @@ void FrameRateControl::lowerRate() noexcept {
 void FrameRateControl::ease() noexcept {
   calm_frames_ = 0;
   const bool fits_limit = double_need_ <= mostSteps();
-  const bool stays_fine = full_need_ < kStepsBeforeScale;  // otherwise the resolution would drop again
+  const bool stays_fine = full_need_ < kStepsBeforeScale;  // a higher resolution would not make the threshold
+                                                           // so coarse that the resolution drops again
   const bool leaves_room =
       double_need_ <= mostSteps() + kStepsOfScale && 2 * calm_pixel_load_ <= kPixelFillAgain;
   if (rate_.see(halvings_ > 0 && fits_limit)) {

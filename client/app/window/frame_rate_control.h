@@ -4,40 +4,41 @@
 
 namespace lode::render {
 
-/// Hysteresis for a step that may prove wrong and be undone. After each failure, the next step needs more
-/// rounds of frames that vote for it.
+/// Hysteresis for a change that may prove wrong and be undone. After each failure, the next change needs more
+/// rounds of frames that agree.
 class Trials {
  public:
-  /// Adds a round of frames. @return true if the step should be taken.
+  /// Adds a round of frames. @param agrees true if the frames agree with the change. @return true if the
+  /// change should be made.
   bool see(bool agrees) noexcept;
-  /// Notes that the step was taken.
+  /// Notes that the change was made.
   void begin() noexcept;
-  /// Notes that the step was undone. The step has failed unless it lasted kTrialFrames.
+  /// Notes that the change was undone. The change has failed unless it lasted kTrialFrames.
   void end() noexcept;
   /// Notes that a frame was drawn.
   void passFrame() noexcept;
 
  private:
-  int rounds_ = 0;    ///< consecutive votes for the step so far
-  int patience_ = 1;  ///< consecutive votes required before the next step is tried
-  int frames_ = 0;    ///< frames that the step must still last to count as a success
+  int rounds_ = 0;    ///< number of consecutive rounds that have agreed
+  int patience_ = 1;  ///< number of consecutive rounds that must agree before the next change
+  int frames_ = 0;    ///< number of frames that the change must still last to count as a success
 };
 
-/// Keeps a frame rate while the camera moves by making the threshold coarser. While the camera rests, the
-/// threshold is the user's. The time of a frame depends on the number of triangles, and this number depends
-/// on the threshold: each frame predicts how much coarser the next threshold should be. A coarser threshold
-/// does not reduce the work per pixel. If this work takes most of a frame, the resolution drops before the
-/// threshold, in pixels of the lower resolution, doubles. If the threshold reaches its limit, the frame rate
-/// is halved. When frames leave time, the control restores first the rate, then the resolution, then the
-/// threshold. Restoring relies on a prediction: after a wrong prediction, more frames must agree (see
-/// Trials). The threshold changes in steps of 2^1/4, the sides of the picture in steps of 2^1/2. Pure: no
-/// clock, no GL.
+/// Keeps a frame rate while the camera moves, by a coarser threshold. While the camera rests, the threshold
+/// is the user's. The time of a frame depends on the number of triangles, and this number depends on the
+/// threshold. So each frame predicts how much coarser the next threshold should be. A coarser threshold does
+/// not reduce the work per pixel. If this work takes most of a frame, the resolution drops. If the threshold
+/// reaches its limit, the frame rate is halved. When frames leave time, the control restores first the rate,
+/// then the resolution, then the threshold. A restoration relies on a prediction; after a wrong prediction,
+/// more frames must agree (see Trials). The threshold changes in steps of 2^1/4, the sides of the picture in
+/// steps of 2^1/2. Pure: no clock, no GL.
 class FrameRateControl {
  public:
   enum class Begin { kFine, kCoarse };
 
   /// @param fps    frame rate to keep, > 0.
-  /// @param begin  kCoarse if the first frame with a fine threshold could take seconds.
+  /// @param begin  start of the threshold; kCoarse if the first frame with a fine threshold could take
+  /// seconds.
   explicit FrameRateControl(double fps, Begin begin = Begin::kFine) noexcept;
 
   /// Changes the frame rate to keep. @param fps  > 0.
@@ -46,8 +47,7 @@ class FrameRateControl {
   void limitTo(double coarsening) noexcept;
   /// Advances time. @param moved  true if the camera moved.
   void step(double seconds, bool moved) noexcept;
-  /// Adds a drawn frame, which may be several frames old. Ignores a frame whose resolution is not the current
-  /// one.
+  /// Adds a drawn frame, which may be several frames old. Ignores a frame of another resolution.
   /// @param work_ms  time of the frame without the wait for the display
   void add(double work_ms, const Coarsening& coarsening) noexcept;
 
@@ -76,22 +76,25 @@ class FrameRateControl {
   void ease() noexcept;
 
   double wanted_ms_;
-  int most_steps_;        ///< limit of steps_, in pixels of full resolution
-  int steps_;             ///< steps of the threshold while the camera moves
-  int halvings_ = 0;      ///< number of times that the frame rate is halved now
-  int scale_steps_ = 0;   ///< index into kScales
-  double last_need_ = 0;  ///< steps that the last frame needed; two slow frames are necessary for a change
-  double last_pixel_load_ = 0;  ///< the last frame's work per pixel, relative to a frame's time
-  int slow_frames_ = 0;         ///< consecutive frames over the target at the coarsest threshold
-  double least_slow_ = 0;       ///< time of the fastest of the slow frames, relative to the target
-  // Number of consecutive frames that needed no more steps, and maxima over these frames:
+  int most_steps_;       ///< limit of steps_, in pixels of full resolution
+  int steps_;            ///< number of steps by which the threshold is coarser while the camera moves
+  int halvings_ = 0;     ///< number of current halvings of the frame rate
+  int scale_steps_ = 0;  ///< index into kScales
+  /// Steps that the last frame needed; only two slow frames in a row change the threshold.
+  double last_need_ = 0;
+  double last_pixel_load_ = 0;  ///< part of the target time that the last frame's work on pixels took
+  /// Number of consecutive frames that exceeded the target at the coarsest threshold.
+  int slow_frames_ = 0;
+  double least_slow_ = 0;  ///< time of the fastest of the slow frames, relative to the target
+  // Number of consecutive frames that needed no further steps. The next members are maxima over these frames.
   int calm_frames_ = 0;
   double calm_need_ = 0;        ///< steps needed
-  double calm_pixel_load_ = 0;  ///< work per pixel, relative to a frame's time
+  double calm_pixel_load_ = 0;  ///< part of the target time that work on pixels took
   double double_need_ = 0;      ///< steps needed for twice the work in the part kFillOfFaster of the time
   double full_need_ = 0;        ///< steps needed for twice the work in the part kFill of the time
   Trials rate_, resolution_;
-  double still_s_ = 0;  ///< time since the camera moved; starts at 0, so that the first cut can be coarse
+  /// Time since the camera last moved; starts at 0, so that the first cut can be coarse.
+  double still_s_ = 0;
 };
 
 }  // namespace lode::render

@@ -14,9 +14,11 @@
 namespace lode::app {
 namespace {
 
-constexpr double kClickReach = 4;       ///< longest way of the pointer during a click, in pointer units
-constexpr double kDoubleClickS = 0.35;  ///< longest time between two clicks, less the time spent on frames
-/// Longest time between two clicks, with the time spent on frames.
+/// Longest distance that the pointer moves during a click, in pointer units.
+constexpr double kClickReach = 4;
+constexpr double kDoubleClickS = 0.35;  ///< longest time between the clicks of a double click, without the
+                                        ///< time spent on frames
+/// Longest time between the clicks of a double click, with the time spent on frames.
 constexpr double kLongestDoubleClickS = 1.2;
 
 std::string lastGlfwError() {
@@ -117,7 +119,7 @@ void GlfwWindow::handleEvents(double wait_s) {
 }
 
 void GlfwWindow::pressKey(int key, int modifiers) {
-  if (key < GLFW_KEY_LEFT_SHIFT) pending_.any_key = true;  // modifier keys do not count
+  if (key < GLFW_KEY_LEFT_SHIFT) pending_.any_key = true;  // a modifier alone does not count as a key
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) {
     pending_.bookmark = key - GLFW_KEY_1 + 1;
     pending_.set_bookmark = (modifiers & GLFW_MOD_CONTROL) != 0;
@@ -133,7 +135,8 @@ void GlfwWindow::pressKey(int key, int modifiers) {
       ++pending_.next_axis;
       break;
     case GLFW_KEY_F:
-      pending_.toggle_wireframe = !pending_.toggle_wireframe;  // two presses within a frame cancel out
+      // Two presses within one frame cancel each other.
+      pending_.toggle_wireframe = !pending_.toggle_wireframe;
       break;
     case GLFW_KEY_V:
       pending_.next_show += (modifiers & GLFW_MOD_SHIFT) != 0 ? -1 : 1;
@@ -167,8 +170,8 @@ void GlfwWindow::pressKey(int key, int modifiers) {
   }
 }
 
-/// Handles typed signs, independent of their keys on the keyboard layout. GLFW sends the key's event before
-/// the sign, so that is_repeated_ is known.
+/// Handles typed characters, which do not depend on the keyboard layout. GLFW sends the event of the key
+/// before the character, so is_repeated_ is up to date.
 void GlfwWindow::typeSign(unsigned code) {
   if (is_repeated_) return;
   if (code == '?') pending_.toggle_help = !pending_.toggle_help;

@@ -31,7 +31,7 @@ class GlfwWindow {
   bool shouldClose() const noexcept;
   void setTitle(const std::string& title);
   void copyToClipboard(const std::string& text);
-  /// Returns true if a gamepad that GLFW can map is connected. Gamepads send no events: poll them.
+  /// Returns true if a gamepad that GLFW can map is connected. Gamepads send no events, so poll them.
   bool hasGamepad() const noexcept;
   /// Waits for events, at most `wait_s`, and handles them.
   void handleEvents(double wait_s);
@@ -58,12 +58,13 @@ class GlfwWindow {
   GLFWwindow* window_ = nullptr;
   Input pending_;
   std::optional<Covered> covered_;
-  bool pressed_covered_ = false;  ///< the last pressed button went down over the panel
-  bool is_repeated_ = false;      ///< the last handled key event was a repeat
+  bool pressed_covered_ = false;  ///< true if the pointer was over the panel when a button last went down
+  bool is_repeated_ = false;      ///< true if the last handled key event was a repetition
   glm::dvec2 pointer_{0}, pressed_at_{0}, clicked_at_{0};
-  unsigned pad_buttons_ = 0;  ///< bits of the buttons held at the last poll, in GLFW's order
+  unsigned pad_buttons_ = 0;  ///< bits of the buttons that were down at the last poll, in GLFW's order
   double handled_s_ = 0;      ///< time when events were last handled
-  double unattended_s_ = 0;   ///< total time spent outside of handleEvents(): events have no time stamps
+  /// Total time spent outside of handleEvents(); needed because events have no time stamps.
+  double unattended_s_ = 0;
   double clicked_s_ = -1e9, clicked_unattended_s_ = 0;  ///< time, and unattended_s_, at the last click
   double to_px_ = 1;                                    ///< pixels of the picture per pointer unit
 };

@@ -23,15 +23,16 @@ struct Input {
   // Keys that were pressed. Two presses of a toggle key cancel each other.
   bool reset_camera = false;
   bool toggle_wireframe = false, toggle_panel = false, toggle_help = false, toggle_settings = false;
-  bool any_key = false;       ///< any key was pressed
-  int bookmark = 0;           ///< 1 to 9: bookmark to go to; 0: none
-  bool set_bookmark = false;  ///< store the camera in the bookmark instead of going there
-  int next_camera = 0;        ///< number of steps through the kinds of cameras
-  int next_axis = 0;          ///< number of steps through the up axes
-  int next_show = 0;          ///< number of steps through the colour modes; negative steps go back
-  int finer = 0;              ///< number of steps to a finer threshold; negative steps make it coarser
+  bool any_key = false;  ///< any key was pressed
+  int bookmark = 0;      ///< 1 to 9: number of the bookmark to use; 0: none
+  /// True stores the camera in the bookmark; false moves the camera to the bookmark.
+  bool set_bookmark = false;
+  int next_camera = 0;  ///< number of steps through the kinds of cameras
+  int next_axis = 0;    ///< number of steps through the up axes
+  int next_show = 0;    ///< number of steps through the colour modes; negative steps go back
+  int finer = 0;        ///< number of steps to a finer threshold; negative steps make it coarser
   bool screenshot = false, copy = false, record = false, quit = false;
-  bool quit_where_idle = false;  ///< Q was pressed: quits if no model is shown; otherwise the key flies down
+  bool quit_where_idle = false;  ///< Q was pressed; the key quits if no model is shown, else it flies down
 
   bool over_panel = false;  ///< the user used the mouse on the panel, which covers the picture
   bool damaged = false;     ///< the system lost the window's picture, which must be drawn again
@@ -51,14 +52,14 @@ struct PadAxes {
   double left_trigger = -1, right_trigger = -1;
 };
 
-/// Camera motion by a gamepad: the left stick moves the camera, the left trigger lowers it, the right trigger
+/// Camera motion by a gamepad. The left stick moves the camera, the left trigger lowers it, the right trigger
 /// raises it, and the right stick turns it.
 struct PadMotion {
   FlyKeys move;        ///< motion; `fast` is not set
   glm::dvec2 turn{0};  ///< turn, -1 to 1: x to the right, y down
 };
 
-/// Converts stick and trigger positions to camera motion with a dead zone and a quadratic curve: half of the
+/// Converts stick and trigger positions to camera motion, with a dead zone and a quadratic curve. Half of the
 /// travel outside the dead zone gives a quarter of the speed. Pure.
 PadMotion motionOf(const PadAxes& axes) noexcept;
 

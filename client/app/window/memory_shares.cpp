@@ -10,15 +10,16 @@ namespace lode::render {
 namespace {
 
 constexpr uint64_t kStagingShare = 256;  // a frame uploads at most 1/256 of the memory
-constexpr uint64_t kPageShare = 8;       // a buffer takes 1/8 of the meshes' memory, but at most kBufferBytes
-constexpr uint64_t kBufferBytes = 4u << 20;  // 4 MiB, which software GL allocates in a millisecond
-constexpr uint64_t kSpareShare = 4;  // 1/4 of the meshes' memory keeps meshes that are no longer drawn
+constexpr uint64_t kPageShare = 8;       // a buffer has 1/8 of the meshes' memory, but at most kBufferBytes
+// 4 MiB; software GL allocates a buffer of this size in a millisecond.
+constexpr uint64_t kBufferBytes = 4u << 20;
+constexpr uint64_t kSpareShare = 4;  // 1/4 of the meshes' memory is for meshes that are no longer drawn
 constexpr uint64_t kWasteShare = 8;  // at most 1/8 of the meshes' memory is lost at the ends of buffers
 
 }  // namespace
 
-/// Gives texture tiles as many bytes on the GPU as the core's texture budget, plus half as many for copying
-/// while the tiles' array grows. Gives meshes the rest, at least 3/8 of the GPU's half.
+/// Divides the budget. Texture tiles get as many bytes on the GPU as the core's texture budget, and half as
+/// many in addition for copying when their array grows. Meshes get the rest, at least 3/8 of the GPU's half.
 MemoryShares shareMemory(uint64_t memory_budget_bytes) {
   MemoryShares shares;
   shares.stream_bytes = memory_budget_bytes / 2;

@@ -7,10 +7,12 @@
 
 namespace lode::render {
 
-/// Division of a program's memory budget: one half for the client core, one half for the copies on the GPU.
+/// Division of a program's memory budget. One half is for the client core, the other half for the copies on
+/// the GPU.
 struct MemoryShares {
   uint64_t stream_bytes = 0;  ///< budget of the client core, see EngineOptions::memory_budget_bytes
-  /// RefineOptions::drawn_budget_bytes: bytes of meshes of any size that fit on the GPU.
+  /// Value of RefineOptions::drawn_budget_bytes. Meshes of any sizes that take this many bytes together fit
+  /// on the GPU.
   uint64_t drawn_bytes = 0;
   /// Budgets of the GPU's half. With memory budgets below 32 MB, the upload buffers exceed this half.
   ResidencyOptions gpu;

@@ -12,14 +12,14 @@ namespace lode::app {
 constexpr float kLeastThresholdPx = 0.1f, kLargestThresholdPx = 64;
 constexpr float kThresholdStep = 1.189207115f;  ///< factor of one step, 2^1/4
 
-/// Chooses the threshold and resolution of the next picture: the user's threshold while the camera rests, and
-/// a coarser threshold that keeps the frame rate while the camera moves. Pure: no clock, no GL.
+/// Chooses the threshold and resolution of the next picture. While the camera rests, the threshold is the
+/// user's. While the camera moves, a coarser threshold keeps the frame rate. Pure: no clock, no GL.
 class Pacing {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
   struct Options {
     float threshold_px = 1;
-    bool is_fixed = false;  ///< keep the user's threshold even if frames are slow
+    bool is_fixed = false;  ///< true keeps the user's threshold even if frames are slow
     double fps = 60;
     render::FrameRateControl::Begin begin = render::FrameRateControl::Begin::kFine;
   };
@@ -41,7 +41,7 @@ class Pacing {
 
   bool isFixed() const noexcept { return is_fixed_; }
   double fps() const noexcept { return fps_; }                  ///< frame rate to keep
-  float thresholdPx() const noexcept { return threshold_px_; }  ///< threshold at rest
+  float thresholdPx() const noexcept { return threshold_px_; }  ///< threshold while the camera rests
   float askedPx() const noexcept { return asked_px_; }          ///< threshold of the next cut
   /// Returns the factor for the sides of the next picture. Thresholds are in pixels of this picture.
   double scale() const noexcept { return is_fixed_ ? 1 : control_.scale(); }

@@ -45,15 +45,15 @@ constexpr size_t kMaxPictures = 1'000'000;
 struct RenderOptions {
   CommonOptions common;
   LookOptions look;
-  // Exactly one of the next three texts is not empty:
-  std::string output;  ///< picture of the path's first key
+  // Exactly one of the next three texts is set.
+  std::string output;  ///< file for a picture at the path's first key
   std::string folder;  ///< folder for a picture of each frame
-  std::string video;   ///< video of all frames
+  std::string video;   ///< file for a video of all frames
   double fps = 30;
   bool json = false;
 };
 
-/// Time on the camera's path and file of one picture.
+/// A picture to draw: its time on the camera's path, and its file.
 struct Shot {
   double t = 0;
   fs::path file;
@@ -79,7 +79,7 @@ std::vector<Shot> planShots(const RenderOptions& options, const core::CameraPath
   return shots;
 }
 
-/// Temporary folder for a video's frames; removes it in the end.
+/// Temporary folder for a video's frames. The destructor removes the folder.
 class FramesFolder {
  public:
   explicit FramesFolder(fs::path path) : path_(std::move(path)), unfinished_(path_) {}
@@ -145,7 +145,7 @@ void render(const RenderOptions& options) {
   checkOutput(options);
   std::FILE* const report = options.output.empty() ? stdout : reportStream(options.output, options.json);
   const PictureSize size = options.common.size();
-  // Fails here if this machine cannot draw, before a long build begins.
+  // Create a context now, so that a machine that cannot draw fails before a long build begins.
   const render::OffscreenContext context;
   const render::Framebuffer target(size.width_px, size.height_px);
   render::AmbientOcclusion occlusion;

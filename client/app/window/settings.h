@@ -10,14 +10,15 @@ namespace lode::app {
 
 /// Settings that the user changes in the window's panel.
 struct Settings {
-  bool unlit = false;            ///< show colours without light
-  bool darkens_hollows = true;   ///< draw ambient occlusion
-  bool fades = true;             ///< cross-fade LODs
+  bool unlit = false;            ///< true shows colours without light
+  bool darkens_hollows = true;   ///< true draws ambient occlusion
+  bool fades = true;             ///< true cross-fades LODs
   float exposure = 1;            ///< factor on the light, kLeastExposure to kLargestExposure
-  bool fixes_threshold = false;  ///< keep the threshold even if frames are slow
-  float threshold_px = 1;        ///< threshold at rest, kLeastThresholdPx to kLargestThresholdPx
-  float fps = 60;                ///< frame rate to keep while the camera moves, kLeastFps to kLargestFps
-  uint64_t memory_bytes = 0;     ///< budget of streams and GPU copies together
+  bool fixes_threshold = false;  ///< true keeps the threshold even if frames are slow
+  /// Threshold while the camera rests, kLeastThresholdPx to kLargestThresholdPx.
+  float threshold_px = 1;
+  float fps = 60;             ///< frame rate to keep while the camera moves, kLeastFps to kLargestFps
+  uint64_t memory_bytes = 0;  ///< budget of streams and GPU copies together
 
   bool operator==(const Settings&) const = default;
 };
@@ -46,7 +47,7 @@ class ColorModeSwitch {
   void toggleWireframe() noexcept;
 
  private:
-  render::ColorMode shown_, filled_;  ///< filled_: the mode shown before the wireframe
+  render::ColorMode shown_, filled_;  ///< current mode, and the mode that was shown before the wireframe
 };
 
 }  // namespace lode::app

@@ -5,8 +5,8 @@
 
 namespace lode::app {
 
-/// Largest error that the panel states. A larger error bound says nothing: the eye is inside the box of a
-/// part, and the part's surface may be anywhere in this box.
+/// Largest error that the panel shows. A larger bound would be meaningless: the eye is then inside the box of
+/// a part, and the part's surface may be anywhere in this box.
 constexpr float kLargestToldErrorPx = 64;
 
 /// State of a picture that is being refined.

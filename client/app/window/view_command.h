@@ -16,10 +16,13 @@ struct ViewOptions {
   CommonOptions common;
   LookOptions look;
   double fps = 60;
-  bool is_threshold_fixed = false;  ///< --pixels was given: the frame rate does not change the threshold
-  std::string screenshot;           ///< if not empty: file in which to save a converged picture; then end
-  int laps = 0;       ///< if > 0: number of times to fly the camera's path; then print frame times and end
-  bool json = false;  ///< print the frame times as JSON
+  /// True if --pixels was given; the frame rate then does not change the threshold.
+  bool is_threshold_fixed = false;
+  /// File for one converged picture, after which the program ends; empty for none.
+  std::string screenshot;
+  /// Number of times to fly the camera's path, then print frame times and end; 0 for none.
+  int laps = 0;
+  bool json = false;  ///< true prints the frame times as JSON
 };
 
 /// Declares the subcommand `view`: a window that shows a model or a scene while its data streams.

@@ -13,12 +13,12 @@
 namespace lode::app {
 namespace {
 
-// Seconds between two frames that draw nothing:
-constexpr double kIdleWaitS = 0.25;       ///< streams are settled
-constexpr double kStreamingWaitS = 0.01;  ///< streams refine
-constexpr double kCoarserWaitS = 0.002;   ///< a coarser cut is about to be drawn
-constexpr double kFramesOfFade = 4;       ///< fewer frames do not look like a fade
-constexpr double kNoteS = 6;              ///< time that a note stays on the panel
+// Time between two frames that draw nothing, in seconds.
+constexpr double kIdleWaitS = 0.25;       ///< if all streams are settled
+constexpr double kStreamingWaitS = 0.01;  ///< if a stream refines
+constexpr double kCoarserWaitS = 0.002;   ///< if a coarser cut is about to be drawn
+constexpr double kFramesOfFade = 4;       ///< least number of frames of a fade
+constexpr double kNoteS = 6;              ///< time during which a note stays on the panel
 
 }  // namespace
 
@@ -133,12 +133,12 @@ bool Viewer::isPictureOld(const Input& input) const {
          isQuick() != drawn_.is_quick || (rig_ && rig_->view() != drawn_.view);
 }
 
-/// Returns true if a much coarser cut will arrive soon and drawing should wait for it.
+/// Returns true if drawing should wait, because a much coarser cut will arrive soon.
 bool Viewer::isWorthWaiting() const {
   return rig_ && pacing_.isWorthWaiting(drawnThresholdPx(), scene_.uploaded(), Clock::now());
 }
 
-/// Shows the error in the window, which stays open: users may have no terminal.
+/// Shows the error in the window. The window stays open, because users may have no terminal.
 void Viewer::fail(const Error& error) {
   if (!isInteractive() || error.code() == ErrorCode::kUsage) throw error;
   failed_ = error;
@@ -196,7 +196,7 @@ void Viewer::stream() {
   uploads_ms_ += secondsSince(start) * 1e3;
 }
 
-/// Returns the time of the next picture, and whether nodes fade in it. Nothing fades in a screenshot.
+/// Returns the time of the next picture, and whether parts fade. Parts never fade in a screenshot.
 render::DrawTime Viewer::time() const {
   const bool is_fast_enough = pacing_.workMs() * kFramesOfFade <= render::kFadeS * 1e3;
   return {secondsSince(started_), fades_ && is_fast_enough && options_.screenshot.empty(),
@@ -206,7 +206,7 @@ render::DrawTime Viewer::time() const {
 /// Returns true if ambient occlusion is drawn. A screenshot always has it, like the pictures of `render`.
 bool Viewer::darkensHollows() const { return darkens_hollows_ || !options_.screenshot.empty(); }
 
-/// Returns true if a picture gets one sample per pixel. If the CPU draws and the camera moves, a finer
+/// Returns true if the next picture has one sample per pixel. If the CPU draws and the camera moves, a finer
 /// threshold is worth more than antialiasing.
 bool Viewer::isQuick() const {
   return draws_in_software_ && rig_ && !pacing_.isResting() && options_.screenshot.empty();
@@ -236,8 +236,8 @@ const render::Framebuffer& Viewer::target(const core::View& view) {
   return *target;
 }
 
-/// Returns the coarsening of a drawn frame for the frame-rate control. Returns nothing if the frame does not
-/// tell how long frames take while the camera moves.
+/// Returns the coarsening of a drawn frame for the frame-rate control. Returns nothing if the frame is not
+/// typical of frames with a moving camera.
 std::optional<render::Coarsening> Viewer::coarseningOf(const render::DrawCounts& drawn,
                                                        const core::View& view) const {
   std::optional<render::Coarsening> coarsening = render::coarseningOf(drawn.shown, pacing_.thresholdPx());

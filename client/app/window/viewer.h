@@ -32,16 +32,17 @@ class Viewer {
  public:
   /// Opens the window and begins to open the target. @throws Error.
   explicit Viewer(const ViewOptions& options);
-  /// Runs until the user closes the window, then writes a picture or a recording that is still due.
+  /// Runs until the user closes the window. Then writes the picture or recording that is still due.
   /// @return false if the target could not be opened; the window and a line on stderr have shown the reason.
-  /// @throws Error on wrong usage, or if the last picture cannot be written. With --screenshot or --laps also
-  /// if the target cannot be opened; if the picture is incomplete after the timeout or when the window is
-  /// closed; if the flight cannot begin; or if the flight is cut short, after printing its frames.
+  /// @throws Error on wrong usage, or if the last picture cannot be written. With --screenshot or --laps,
+  /// also throws if the target cannot be opened. With --screenshot, throws if the picture is incomplete after
+  /// the timeout or when the window is closed. With --laps, throws if the flight cannot begin, or, after
+  /// printing its frames, if the flight is cut short.
   bool run();
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr int kFramesToSettle = 2;  ///< frames that the panel needs to fit its text
+  static constexpr int kFramesToSettle = 2;  ///< number of frames that the panel needs to fit its text
 
   // viewer.cpp: opening, frames and drawing.
   static double secondsSince(Clock::time_point start);
@@ -127,8 +128,8 @@ class Viewer {
   ColorModeSwitch show_;
   uint64_t memory_bytes_ = 0;
   bool fades_ = options_.common.fade;
-  /// Whether ambient occlusion is drawn. Off by default if the CPU draws, because its cost is the same at
-  /// every threshold.
+  /// True if ambient occlusion is drawn. False by default if the CPU draws, because ambient occlusion costs
+  /// the same at every threshold.
   bool darkens_hollows_ = !draws_in_software_;
   PanelContent content_;
   Clock::time_point started_ = Clock::now(), opened_ = started_, last_frame_ = started_, noted_ = started_;

@@ -47,7 +47,7 @@ void Viewer::saveScreenshots() {
     picture_writer_.write(timedName("png"), window_.readBack());
 }
 
-/// Throws the reason why --screenshot's picture cannot be complete.
+/// Throws an Error with the reason why the picture of --screenshot cannot be complete.
 void Viewer::refuseScreenshot() const {
   if (scene_.overBudget())
     throw Error(ErrorCode::kLimit, options_.common.target +

@@ -15,7 +15,7 @@ constexpr double kLongestStepS = 0.1;  ///< longest time that a flight advances 
 
 }  // namespace
 
-/// Scrolls the panel below the pointer by the wheel if the panel is too high for the window.
+/// If the panel below the pointer is too high for the window, scrolls the panel by the wheel.
 void Viewer::scrollPanel(Input& input) {
   PanelScroll* const scroll = input.wheel != 0 ? panel_.scrolledAt(input.pointer_px) : nullptr;
   if (scroll == nullptr) return;
@@ -47,7 +47,7 @@ void Viewer::noteBookmark(const Input& input) {
     note("no bookmark " + number + " yet: Ctrl+" + number + " sets it");
 }
 
-/// Opens or closes the help. Any key closes it; after that it does not open by itself again.
+/// Opens or closes the help. Any key closes the help. After that, the help no longer opens by itself.
 void Viewer::openOrCloseHelp(const Input& input) {
   if (!content_.help) {
     content_.help = input.toggle_help;
@@ -62,7 +62,7 @@ std::optional<PickedPoint> Viewer::under(const glm::dvec2& pixel_px) {
   return scene_.under(rig_->view(), pixel_px);
 }
 
-/// Picks a point, then copies the picks if requested, so that a click in the same frame is copied, too.
+/// Picks a point, then copies the picks if requested. In this order, a click in the same frame is copied too.
 void Viewer::pick(const Input& input) {
   if (input.pressed || input.clicked || input.double_clicked || input.wheel != 0) pointAt(input);
   if (!input.copy) return;
@@ -80,7 +80,7 @@ void Viewer::pointAt(const Input& input) {
   }
   if (input.double_clicked) {
     rig_->flyTo(hit->position_model);
-    if (!input.clicked) picks_.takeBack();  // undoes the first click of the double click
+    if (!input.clicked) picks_.takeBack();  // undo the pick of the double click's first click
     return;
   }
   rig_->turnAbout(hit->position_model);
@@ -95,8 +95,8 @@ double Viewer::coveredShare() const {
   return app::coveredShare(window_px, kTextPx * static_cast<float>(window_.contentScale()));
 }
 
-/// Returns the surface point below the pointer; if there is none, the point in the middle of the picture, or
-/// else the ground below the eye.
+/// Returns the surface point below the pointer. If there is none, returns the surface point in the middle of
+/// the picture, or else the ground below the eye.
 std::optional<glm::dvec3> Viewer::startOfWalk(const glm::dvec2& pointer_px, const GroundBelow& ground) {
   const core::View& view = rig_->view();
   for (const glm::dvec2& pixel_px : {pointer_px, glm::dvec2(view.width_px, view.height_px) / 2.0})
@@ -136,8 +136,8 @@ Settings Viewer::settings() const {
           .memory_bytes = memory_bytes_};
 }
 
-/// Applies the settings that the user changed. Leaves other values, which may lie outside the settings'
-/// range.
+/// Applies the settings that the user has changed. Leaves other values as they are, because they may lie
+/// outside the range of the settings.
 void Viewer::apply(const Settings& wanted) {
   const Settings now = settings();
   if (wanted.unlit != now.unlit)

@@ -23,9 +23,8 @@ class Occluders {
   /// @param step   the model's lattice step used for drawing.
   /// @param drawn  depths of the picture; must outlive this object. Empty depths hide nothing.
   Occluders(const core::View& view, double step, const FarthestDepths& drawn);
-  Occluders(const core::View& view, double step,
-            /// Deleted, because drawn_ would refer to a destroyed object.
-            const FarthestDepths&& drawn) = delete;
+  /// Deleted, because drawn_ would refer to a destroyed object.
+  Occluders(const core::View& view, double step, const FarthestDepths&& drawn) = delete;
 
   /// Returns true only if the whole box is behind drawn geometry at every sample.
   bool hide(const core::ModelBox& box) const noexcept;

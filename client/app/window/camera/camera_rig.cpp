@@ -8,11 +8,14 @@
 namespace lode::app {
 namespace {
 
-constexpr double kCrossingSeconds = 4;        ///< time to cross the model when flying at initial speed
-constexpr double kPadHeightsPerSecond = 1.2;  ///< drag of a fully deflected stick, in picture heights
-constexpr double kPadStepsPerSecond = 6;  ///< zoom of a fully deflected stick, or by W and S, in wheel steps
-constexpr double kEyeHeight = 0.005;      ///< initial eye height as a share of the model's size
-constexpr double kDropHeights = 2;        ///< height in eye heights from which standAt() descends
+/// Time in which a flight at the initial speed crosses the model.
+constexpr double kCrossingSeconds = 4;
+constexpr double kPadHeightsPerSecond = 1.2;  ///< speed of turning with a fully deflected stick, in picture
+                                              ///< heights of a drag
+constexpr double kPadStepsPerSecond = 6;  ///< speed of zooming with a fully deflected stick, or by W and S,
+                                          ///< in wheel steps
+constexpr double kEyeHeight = 0.005;      ///< initial eye height, relative to the model's size
+constexpr double kDropHeights = 2;        ///< height from which standAt() descends, in eye heights
 
 double sizeOf(const ModelSummary& model) {
   if (model.box.empty()) return model.lattice.step;
@@ -45,7 +48,8 @@ void CameraRig::frame() {
     framing_.aspect = static_cast<double>(view_.width_px) / view_.height_px;
   startAt(core::framingCamera(model_, framing_));
   const core::ModelBox box = core::toModelBox(model_.box, model_.lattice.step);
-  // Beside the panel, the model is not straight ahead.
+  // Turn about the middle of the model, which is not straight ahead if the panel covers a part of the
+  // picture.
   if (framing_.covered > 0) turnAbout((box.min + box.max) / 2.0);
 }
 
@@ -60,8 +64,8 @@ void CameraRig::restart(core::View from, double distance_model) {
   walk_ = WalkCamera(from, size * kEyeHeight, up_);
 }
 
-/// Returns the camera with the up axis as its up; with the view's up if the camera is rolled or looks along
-/// the up axis.
+/// Returns the camera, with the up axis as its up. If the camera is rolled or looks along the up axis, uses
+/// the view's up instead.
 core::CameraKey CameraRig::camera() const {
   constexpr double kAlong = 1e-5, kUpright = 1e-9;
   const glm::dvec3 eye = model_.lattice.origin + view_.eye_model;
@@ -88,7 +92,7 @@ void CameraRig::standAt(const glm::dvec3& point_model) {
 void CameraRig::turnUp() {
   constexpr std::array<glm::dvec3, 6> kTurns{glm::dvec3{0, 1, 0}, {0, 0, 1},  {1, 0, 0},
                                              {0, -1, 0},          {0, 0, -1}, {-1, 0, 0}};
-  // If z was guessed, y, the other likely axis, comes next.
+  // If z was a guess, switch to y next, which is the other likely axis.
   const auto now = !framing_.up && up_ == kTurns[1] ? kTurns.end() - 1 : std::ranges::find(kTurns, up_);
   framing_.up = kTurns[static_cast<size_t>(now - kTurns.begin() + 1) % kTurns.size()];
   up_ = *framing_.up;
@@ -105,8 +109,8 @@ void CameraRig::useBookmark(size_t number, bool set) {
   restart(bookmark->view, bookmark->distance_model);
 }
 
-/// Returns true if the camera must be updated. A walking camera always must, because the ground may change as
-/// it loads.
+/// Returns true if the camera must be updated. A walking camera is always updated, because the ground may
+/// change while it loads.
 bool CameraRig::isSteered(const Input& input) const noexcept {
   return input.turned_px != glm::dvec2(0) || input.shifted_px != glm::dvec2(0) || input.wheel != 0 ||
          input.pad_turn != glm::dvec2(0) || input.fly.right != 0 || input.fly.up != 0 ||
@@ -121,8 +125,8 @@ void CameraRig::startAgain() {
     restart(start_, start_distance_model_);
 }
 
-/// Leaves the view unchanged to the bit while nothing steers the camera: computing it again would change the
-/// rounding.
+/// Applies the input of a frame. If nothing steers the camera, leaves the view unchanged to the bit;
+/// computing the view again would change its rounding.
 void CameraRig::apply(const Input& input, double seconds, const GroundBelow& ground) {
   if (input.reset_camera) startAgain();
   for (int i = 0; i < input.next_axis; ++i) turnUp();

@@ -14,21 +14,21 @@
 
 namespace lode::app {
 
-/// The camera of the window. It orbits, flies or walks, as the user chooses. Switching the kind of motion
-/// keeps the view.
+/// The camera of the window. The camera orbits, flies or walks, as the user chooses. The view stays the same
+/// when the kind of motion changes.
 class CameraRig {
  public:
-  /// @param model    model or scene to look at; must outlive this object. The box of the model may grow: the
-  ///                 rig reads it again whenever a camera starts.
+  /// @param model    model or scene to look at; must outlive this object. The box of the model may grow, so
+  ///                 the rig reads the box again whenever a camera starts.
   /// @param framing  framing with the up axis, which overrides the up axes of the path's cameras.
-  /// @param path     path whose first key is the initial view, with its roll until the camera moves; nothing:
-  ///                 the initial view frames the model.
+  /// @param path     path whose first key is the initial view. The roll of this view stays until the camera
+  ///                 moves. Without a path, the initial view frames the model.
   CameraRig(const ModelSummary& model, core::Framing framing, const std::optional<core::CameraPath>& path,
             uint32_t width_px, uint32_t height_px);
 
   /// Applies the input of a frame. @param ground  finds the ground for the walking camera.
   void apply(const Input& input, double seconds, const GroundBelow& ground);
-  /// Moves a walking camera above a point, looking ahead horizontally. Ignored if the camera does not walk.
+  /// Moves a walking camera above a point, with a horizontal view. Does nothing if the camera does not walk.
   void standAt(const glm::dvec3& point_model);
   /// Returns the camera in true coordinates, at t = 0.
   core::CameraKey camera() const;
@@ -39,7 +39,7 @@ class CameraRig {
   /// Starts a flight of the orbit camera towards a point.
   void flyTo(const glm::dvec3& point_model) noexcept { orbit_.flyTo(point_model); }
   void resize(uint32_t width_px, uint32_t height_px) noexcept;
-  /// Sets the share of the picture that the panel covers. Framing leaves this share free, see core::Framing.
+  /// Sets the share of the picture that the panel covers. Framing leaves this share free; see core::Framing.
   void frameBeside(double covered) noexcept { framing_.covered = covered; }
 
   const core::View& view() const noexcept { return view_; }

@@ -18,7 +18,7 @@ class Heading {
   /// @param axis  up axis, not 0. If the view looks along the axis, yaw 0 is the direction of the view's up.
   Heading(const core::View& view, glm::dvec3 axis) noexcept;
 
-  /// Turns left and up, in radians. Clamps the pitch so that the direction stays just off the axis.
+  /// Turns left and up, in radians. Limits the pitch, so that the direction never reaches the axis.
   void turn(double left_rad, double up_rad) noexcept;
   glm::dvec3 forward() const noexcept;  ///< view direction; unit length, like the next three vectors
   glm::dvec3 level() const noexcept;    ///< view direction without pitch
@@ -41,16 +41,16 @@ class OrbitCamera {
 
   /// Changes the point, which must be in front of the eye. The view stays the same.
   void turnAbout(const glm::dvec3& point_model) noexcept;
-  /// Starts a flight to a point: calls turnAbout(), then moves until the point is near and in the middle of
+  /// Starts a flight to a point. Calls turnAbout(), then moves until the point is near and in the middle of
   /// the picture.
   void flyTo(const glm::dvec3& point_model) noexcept;
   /// Advances a flight. Any other motion of the camera ends the flight.
   void advance(double seconds) noexcept;
   bool isFlying() const noexcept { return flight_.has_value(); }
 
-  /// Turns by a drag: 180 degrees per picture height. The model follows the pointer.
+  /// Turns the camera by a drag: 180 degrees per picture height. The model follows the pointer.
   void drag(glm::dvec2 pixels, double height_px) noexcept;
-  /// Pans by a drag: surfaces at the point's distance follow the pointer.
+  /// Moves the camera sideways by a drag. Surfaces at the point's distance follow the pointer.
   void shift(glm::dvec2 pixels, const core::View& view) noexcept;
   /// Zooms. Each step forward reduces the distance to 85 %, down to a minimum. The point keeps its pixel.
   void zoom(double steps) noexcept;
@@ -63,34 +63,34 @@ class OrbitCamera {
  private:
   Heading heading_;
   glm::dvec3 point_model_;
-  glm::dvec3 offset_model_;  ///< vector from the eye to point_model_: right, up, forward
+  glm::dvec3 offset_model_;  ///< vector from the eye to point_model_, as right, up and forward
   double closest_model_;
   struct Flight {
-    glm::dvec3 from_model, to_model;  ///< offset_model_ at the start and at the end
+    glm::dvec3 from_model, to_model;  ///< offset_model_ at the start and at the end of the flight
     double elapsed_s = 0;
   };
   std::optional<Flight> flight_;
 };
 
-/// Steering of a flying camera: -1 to 1 along each of the camera's axes.
+/// Steering of a flying camera, from -1 to 1 along each of the camera's axes.
 struct FlyKeys {
   double right = 0, up = 0, forward = 0;
-  bool fast = false;  ///< moves at four times the speed
+  bool fast = false;  ///< true moves at four times the speed
 };
 
-/// A camera that flies: keys move it along its own axes, the mouse turns it, and the wheel changes its speed.
-/// Positions are in the model frame, like those of View. Pure: no clock, no input device.
+/// A flying camera. Keys move the camera along its own axes, the mouse turns it, and the wheel changes its
+/// speed. Positions are in the model frame, like those of View. Pure: no clock, no input device.
 class FlyCamera {
  public:
   /// @param speed_model  initial speed in model units per second.
   FlyCamera(const core::View& start, double speed_model, glm::dvec3 axis) noexcept;
 
-  /// Turns by a drag: one field of view per picture height, so that the point under the pointer follows the
+  /// Turns the camera by a drag: one field of view per picture height, so that the picture follows the
   /// pointer.
   void look(glm::dvec2 pixels, const core::View& view) noexcept;
   void move(const FlyKeys& keys, double seconds) noexcept;
-  /// Changes the speed: each step forward raises it by a quarter. The speed stays within a factor of 10^4 of
-  /// the initial speed.
+  /// Changes the speed. Each step forward raises the speed by a quarter. The speed stays within a factor of
+  /// 10^4 of the initial speed.
   void changeSpeed(double steps) noexcept;
 
   double speedModel() const noexcept { return speed_model_; }

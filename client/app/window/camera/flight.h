@@ -21,7 +21,7 @@ struct FlownFrame {
   int lap = 0;
   double t_s = 0;           ///< time on the path
   double work_ms = 0;       ///< frame time without waiting for the display
-  double upload_ms = 0;     ///< time spent on uploads since the previous frame, part of work_ms
+  double upload_ms = 0;     ///< time spent on uploads since the previous frame; a part of work_ms
   double target_ms = 0;     ///< target frame time; 0: none
   double scale = 1;         ///< resolution scale per side
   double threshold_px = 0;  ///< threshold in scaled pixels
@@ -43,7 +43,7 @@ class Flight {
 
   /// Adds a frame that was drawn. finish() sets the frame's time later. Ignored once the flight is over.
   void draw(uint64_t number, FlownFrame frame);
-  /// Sets the time of a frame. Ignores frames that draw() did not add.
+  /// Sets the work time of a frame. Ignores frames that draw() did not add.
   void finish(uint64_t number, double work_ms);
 
   /// Returns a line per lap: the number of frames, and statistics of frame times, upload times and
@@ -69,12 +69,12 @@ class Flight {
 /// steer during the flight.
 class Pilot {
  public:
-  /// @param path  path to fly; nothing: an orbit.
+  /// @param path  path to fly; an orbit if there is no path.
   Pilot(const ViewOptions& options, std::optional<core::CameraPath> path);
 
   enum class State { kWaiting, kFlying, kOver };
   /// Moves the camera along the path.
-  /// @throws Error if no picture is drawn yet and none will come, because nothing more loads or the time is
+  /// @throws Error if there is no first picture and never will be, because nothing more loads or the time is
   /// over.
   State fly(const ViewedScene& scene, bool is_time_over, CameraRig& rig);
 

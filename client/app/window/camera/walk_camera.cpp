@@ -12,13 +12,14 @@ constexpr double kHeightsASecond = 2.5;  ///< initial speed, in eye heights
 constexpr double kFastWalkFactor = 4;
 constexpr double kWalkSpeedStep = 1.25, kWalkSpeedRange = 1e4;
 constexpr double kGrowthASecond = 2, kHeightRange = 1e3;
-constexpr double kClimb = 1;  ///< eye heights above the eye to search for rising ground
-/// Share of the eye height that the camera keeps at once; it recovers the rest smoothly.
+/// Height above the eye from which the search for ground starts, in eye heights.
+constexpr double kClimb = 1;
+/// The camera rises at once to this share of the eye height above the ground, and smoothly from there on.
 constexpr double kLeast = 0.25;
-constexpr double kSettleS = 0.15;  ///< time constant of adapting the height
-constexpr double kSettled = 1e-3;  ///< share of the eye height that is too small to notice
+constexpr double kSettleS = 0.15;  ///< time constant with which the height adapts
+constexpr double kSettled = 1e-3;  ///< differences below this share of the eye height count as zero
 
-constexpr double kMostUncertain = 0.01;  ///< limit of a part's error, as a share of the part's size
+constexpr double kMostUncertain = 0.01;  ///< limit of a part's error, relative to the part's size
 
 /// Converts a part's projected error back to model units. Limits the result by the part's size, because the
 /// error of a part around the eye was projected at the near distance.
@@ -64,7 +65,7 @@ void WalkCamera::move(const FlyKeys& keys, double seconds, const GroundBelow& gr
 void WalkCamera::follow(const std::optional<Ground>& ground, double climb_model, double seconds) noexcept {
   is_settling_ = false;
   if (!ground) return;
-  // > 0: the ground is above the foot.
+  // The foot's depth below the ground; positive if the ground is above the foot.
   const double foot_model = climb_model + height_model_ - ground->depth_model;
   double rise_model = std::max(0.0, foot_model);
   if (foot_model < -ground->uncertainty_model) rise_model = foot_model + ground->uncertainty_model;

@@ -11,7 +11,7 @@
 
 namespace lode::app {
 
-/// Ground below a point according to the loaded data.
+/// The ground below a point, as far as data is loaded.
 struct Ground {
   double depth_model = 0;        ///< distance from the point straight down to the ground
   double uncertainty_model = 0;  ///< distance by which finer data may move the ground up or down
@@ -19,11 +19,11 @@ struct Ground {
 /// Function that returns the ground below a point, or nothing.
 using GroundBelow = std::function<std::optional<Ground>(const glm::dvec3& point_model)>;
 
-/// A camera that walks: keys move it over the ground at a constant eye height, the mouse turns it, and the
-/// wheel changes its speed. The camera has no gravity: it follows the ground smoothly, also over edges, and
-/// keeps its height if no ground is below. It descends only as far as the uncertainty of the ground allows,
-/// to keep the eye above finer data and to avoid falling through parts that still load.
-/// Positions are in the model frame, like those of View. Pure: no clock, no input device.
+/// A walking camera. Keys move the camera over the ground at a constant eye height, the mouse turns it, and
+/// the wheel changes its speed. The camera does not fall. It follows the ground smoothly, even over edges,
+/// and keeps its height if there is no ground below. It descends only as far as the uncertainty of the ground
+/// allows, so that the eye stays above finer data that may load later. Positions are in the model frame, like
+/// those of View. Pure: no clock, no input device.
 class WalkCamera {
  public:
   /// @param eye_height_model  initial height of the eye above the ground, > 0. @param axis  up axis.
@@ -31,7 +31,7 @@ class WalkCamera {
 
   /// Turns by a drag, like FlyCamera::look().
   void look(glm::dvec2 pixels, const core::View& view) noexcept;
-  /// Moves horizontally; the keys for up and down change the eye height.
+  /// Moves the camera horizontally. The keys for up and down change the eye height.
   void move(const FlyKeys& keys, double seconds, const GroundBelow& ground);
   /// Changes the speed, like FlyCamera::changeSpeed().
   void changeSpeed(double steps) noexcept;

@@ -15,7 +15,7 @@ namespace lode::app {
 namespace fs = std::filesystem;
 
 void checkPictureFile(std::string_view target, const fs::path& picture) {
-  std::error_code failed;  // reported when the file is written
+  std::error_code failed;  // ignored here; the error is reported when the file is written
   const fs::file_status status = fs::status(picture, failed);
   if (fs::is_fifo(status) || fs::is_character_file(status)) return;
   if (isStandardOutput(picture)) return;

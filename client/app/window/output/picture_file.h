@@ -21,8 +21,8 @@ std::string frameName(size_t frame);
 /// Makes the folder for the frames of a film, and the folders above this folder. @throws Error kIo.
 void makeFilmFolder(const std::filesystem::path& folder);
 
-/// Refuses a folder that contains later frames of another film, because these frames would become part of a
-/// video made from the folder.
+/// Refuses a folder that contains frames of another film with higher numbers, because a video made from the
+/// folder would include them.
 /// @param frames  number of frames of the new film.
 /// @throws Error kUsage, kIo.
 void refuseOtherFilm(const std::filesystem::path& folder, size_t frames);

@@ -12,7 +12,7 @@
 namespace lode::app {
 
 /// A picture that the user requests by a key. The picture is due when the window is at rest, so that it shows
-/// the detail of a resting camera and the panel's final text, but at the latest after kLongestWait.
+/// full detail and the panel's final text. It is due after kLongestWait at the latest.
 class PictureRequest {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -45,7 +45,7 @@ class PictureWriter {
 
   struct Written {
     std::filesystem::path file;
-    std::exception_ptr failure;  ///< Error that prevented the file; null: the file is written
+    std::exception_ptr failure;  ///< exception that prevented the file; null if the file is written
   };
   /// Returns the result of the oldest picture whose result was not yet returned. Returns nothing if the
   /// picture is still being written.

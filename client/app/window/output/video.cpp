@@ -31,7 +31,7 @@ void makeVideo(const std::filesystem::path& ffmpeg, const std::filesystem::path&
   const Unfinished until_renamed(unfinished);
   char rate[32];
   std::snprintf(rate, sizeof rate, "%.6g", fps);
-  // Most players need yuv420p, which needs even sides. The file states the colour matrix, because players
+  // Most players need yuv420p, which needs even sides. Write the colour matrix into the file, because players
   // would otherwise guess the matrix from the size of the picture.
   ChildProcess encoder(ffmpeg,
                        {"-y",

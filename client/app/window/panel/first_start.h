@@ -4,11 +4,11 @@
 
 namespace lode::app {
 
-/// Remembers whether this user has seen the help, by means of an empty file. If the folder is not writable,
-/// the help appears again at the next start.
+/// Remembers whether this user has seen the help: an empty file marks that he has. If the folder is not
+/// writable, the help appears again at the next start.
 class FirstStart {
  public:
-  /// @param folder  folder of the empty file. helpWasSeen() creates it.
+  /// @param folder  folder of the empty file; helpWasSeen() creates the folder.
   explicit FirstStart(std::filesystem::path folder);
 
   /// Returns true if the user has not seen the help.

@@ -11,7 +11,7 @@
 
 namespace lode::app {
 
-/// A text over the picture: the state of the stream and, if the user can help, the advice to do so.
+/// A text over the picture. It tells the state of the stream and, if the user can help, how.
 struct Notice {
   enum class Kind : uint8_t {
     kNone,
@@ -34,10 +34,11 @@ enum class OnGpu : uint8_t {
 
 /// Returns the most serious notice that applies. @param offline  true if only the cache is used.
 Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu);
-/// Summarizes the warnings of a build: the first warning, and the number of the others, which are on stderr.
-std::string warningOf(std::span<const std::string> warnings);
-/// Summarizes the missing models of a scene: the first three, and the number of the others, which are on
+/// Summarizes the warnings of a build: the first warning, and the number of further warnings, which are on
 /// stderr.
+std::string warningOf(std::span<const std::string> warnings);
+/// Summarizes the missing models of a scene: the first three models, and the number of further models, which
+/// are on stderr.
 std::string missingText(std::span<const std::string> missing);
 /// Returns a notice that the target could not be opened, with the reason and the key that closes the window.
 Notice noticeOf(const Error& error);
@@ -46,7 +47,7 @@ Notice noticeOf(const Error& error);
 /// has the number of the preceding stage. Returns unknown names unchanged.
 std::string describeStage(std::string_view stage);
 
-/// Returns a text that says that the model is outside the view or only a dot, and which key helps. Returns an
+/// Returns a text for a model that is outside the view or only a dot, with the key that helps. Returns an
 /// empty text if the model is visible.
 std::string_view lostSightText(const core::ModelBox& model, const core::View& view);
 

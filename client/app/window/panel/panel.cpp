@@ -69,7 +69,7 @@ void drawFigures(std::span<const Figure> figures, const std::vector<bool>& shown
   if (std::ranges::find(shown, true) == shown.end() ||
       !ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit))
     return;
-  // Fixed column widths: widths that follow the contents would lag a frame behind.
+  // Fix the column widths, because widths that follow the contents would be a frame late.
   ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, namePx());
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthFixed, valuePx());
   ImGui::PushTextWrapPos(0);  // wraps at the end of the column
@@ -206,8 +206,8 @@ struct Word {
   ImVec4 colour;
 };
 
-/// Returns the texts that the panel never drops. Missing models, warnings and the explanation are among them
-/// only while the panel is visible.
+/// Returns the texts that are always shown. Missing models, warnings and the explanation are among these only
+/// while the panel is visible.
 std::vector<Word> wordsOf(const PanelContent& content) {
   const Notice& notice = content.notice;
   const ImVec4& colour = notice.kind == Notice::Kind::kFailure   ? kBad
@@ -239,7 +239,7 @@ constexpr const char* kKeys = "F1: help";
 
 }  // namespace
 
-/// Draws first the parts that fit into the window, then the others, to which the user can scroll.
+/// Draws the parts that fit into the window, then the remaining parts, to which the user can scroll.
 void Panel::drawOpen(const PanelContent& content) const {
   const float outside_px = 2 * (kPanelMarginPx + ImGui::GetStyle().WindowPadding.y);
   float room_px = ImGui::GetIO().DisplaySize.y - outside_px - wordsPx(content);
@@ -260,7 +260,7 @@ void Panel::drawOpen(const PanelContent& content) const {
             std::span(content.legend).subspan(is_legend_whole ? legend.size() : legend.size() - 1));
 }
 
-/// Draws some parts of the panel. @param shown  for each part in order: true to draw the part.
+/// Draws some parts of the panel. @param shown one flag per part, in order; true draws the part.
 void Panel::drawParts(const PanelContent& content, std::span<const Figure> figures,
                       const std::vector<bool>& shown, std::span<const render::LegendEntry> legend) const {
   const auto rest = shown.begin() + static_cast<std::ptrdiff_t>(figures.size());

@@ -6,7 +6,7 @@
 namespace lode::app {
 namespace {
 
-constexpr double kAlmost = 0.99;  ///< largest progress before the picture has converged
+constexpr double kAlmost = 0.99;  ///< largest progress while the picture has not converged
 
 OnGpu onGpu(const ViewedScene& scene) {
   if (scene.overBudget()) return OnGpu::kFull;

@@ -32,7 +32,7 @@ class RefiningProgress {
 struct PanelContent {
   std::string title;     ///< name of the model or the target
   bool is_open = false;  ///< true if the model is open
-  std::string waiting;   ///< current step of opening; empty once the model is open
+  std::string waiting;   ///< current step of opening the model; empty once the model is open
   double waited_s = 0;
   double waiting_part = -1;           ///< finished share of the step of opening, 0 to 1; negative: unknown
   uint64_t triangles = 0, nodes = 0;  ///< numbers of drawn triangles and nodes
@@ -42,16 +42,17 @@ struct PanelContent {
   core::RequestCounts requests;                    ///< open requests
   uint64_t resident_bytes = 0, resident_budget_bytes = 0, gpu_bytes = 0, gpu_budget_bytes = 0;
   bool textured = false;
-  uint64_t tiles = 0, tiles_left_out = 0;  ///< texture tiles on the GPU; tiles without room in memory
+  uint64_t tiles = 0, tiles_left_out = 0;  ///< number of texture tiles on the GPU, and of tiles that do not
+                                           ///< fit in memory
   float threshold_px = 1, error_px = 0;
-  double target_ms = 0;  ///< target frame time if the threshold is coarsened for it, else 0
+  double target_ms = 0;  ///< target frame time for which the threshold is coarsened; 0 if it is not coarsened
   double aimed_ms = 0;   ///< target frame time while the camera moves; 0: none
   double scale = 1;      ///< resolution scale per side; thresholds are in scaled pixels
   bool converged = false;
-  bool limited = false;             ///< memory allows no more detail of this view
-  bool exhausted = false;           ///< offline: the cache has no more detail of this view
-  bool incomplete = false;          ///< parts of this view failed to load
-  bool waiting_for_server = false;  ///< the connection is lost
+  bool limited = false;             ///< the memory budget prevents more detail
+  bool exhausted = false;           ///< the program is offline, and the cache has no more detail
+  bool incomplete = false;          ///< parts of the view could not be loaded
+  bool waiting_for_server = false;  ///< the connection is lost; the program reconnects
   double progress = 0;              ///< progress of refinement, see RefiningProgress
   std::string_view lost;            ///< text of lostSightText() if the model is out of sight
   double frame_ms = 0, upload_ms = 0;

@@ -9,8 +9,9 @@ namespace lode::app {
 namespace {
 
 constexpr const char* kNoBreak = "\u00a0";  ///< no-break space
-constexpr double kLeastTripMs = 0.05;       ///< shorter times would print as 0.0
-constexpr double kAlmostInTime = 1.1;       ///< tolerance of the target frame time
+constexpr double kLeastTripMs = 0.05;       ///< shorter times would be shown as 0.0
+/// Frames up to this multiple of the target time count as in time.
+constexpr double kAlmostInTime = 1.1;
 
 std::string countOf(uint64_t value) {
   std::string digits = std::to_string(value);
@@ -62,8 +63,8 @@ std::string tilesOf(const PanelContent& content) {
   return content.tiles_left_out == 0 ? tiles : tiles + ", no memory for " + countOf(content.tiles_left_out);
 }
 
-/// Describes the threshold and the frame rate for which it is coarsened. The frame-rate control treats this
-/// rate as a minimum and does not always reach it.
+/// Describes the threshold, and the frame rate for which the threshold is coarsened. The real rate can be
+/// higher, or lower if the control reaches its limits.
 std::string thresholdOf(const PanelContent& content) {
   std::string text = formatted("%.2f px", content.threshold_px);
   if (content.target_ms <= 0) return text;

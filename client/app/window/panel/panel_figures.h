@@ -12,7 +12,8 @@ struct Figure {
   const char* name = "";
   std::string value;
   double part = -1;  ///< length of the row's bar, 0 to 1; negative: no bar
-  int rank = 0;  ///< order of dropping: if the window is too low, rows with higher ranks are dropped first
+  /// Order in which rows are dropped if the window is too low; rows with higher ranks go first.
+  int rank = 0;
 
   bool operator==(const Figure&) const = default;
 };

@@ -7,15 +7,15 @@
 
 namespace lode::app {
 
-/// Collects the characters that the font atlas needs: Latin, and all other characters that occurred in texts.
-/// An atlas with all characters of a font would have tens of thousands of entries. Pure.
+/// Collects the characters that the font atlas needs: Latin, and all other characters that have occurred in
+/// texts. Not all characters of a font, because these are tens of thousands. Pure.
 class PanelCharacters {
  public:
   /// Adds the characters of a text. @param text  UTF-8; invalid bytes are skipped.
   /// @return true if at least one character is new.
   bool add(std::string_view text);
-  /// Returns character ranges for Dear ImGui, up to the character `most`: pairs of first and last character,
-  /// then a zero.
+  /// Returns character ranges for Dear ImGui, up to the character `most`. The list contains pairs of a first
+  /// and a last character, then a zero.
   template <typename Letter>
   std::vector<Letter> ranges(char32_t most) const {
     std::vector<Letter> ranges{0x20, 0x17f};

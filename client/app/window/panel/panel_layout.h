@@ -10,7 +10,7 @@
 
 namespace lode::app {
 
-/// Returns the maximal width of the panel in a window, so that the model stays visible beside the panel.
+/// Returns the largest width of the panel in a window. The limit keeps the model visible beside the panel.
 /// Pure.
 /// @param em_px  size of the font.
 float panelWidthPx(float window_px, float em_px);
@@ -21,15 +21,15 @@ double coveredShare(glm::vec2 window_px, float em_px);
 
 /// A part that the panel drops if the window is too low.
 struct PanelPart {
-  int rank = 0;  ///< order of dropping: parts with higher ranks are dropped first
+  int rank = 0;  ///< order in which parts are dropped; parts with higher ranks go first
   float height_px = 0;
 };
 
 /// Returns true for each part that fits into the room. Adds parts by rank until one does not fit. Pure.
 std::vector<bool> partsThatFit(std::span<const PanelPart> parts, float room_px);
 
-/// Shortens a legend to half of the room, but not below three rows. The last row states the number of dropped
-/// entries. Pure.
+/// Shortens a legend to half of the room, but to no less than three rows. The last row then tells the number
+/// of dropped entries. Pure.
 std::vector<render::LegendEntry> legendThatFits(std::span<const render::LegendEntry> legend, float row_px,
                                                 float room_px);
 

@@ -17,8 +17,8 @@
 
 namespace lode::app {
 
-/// A model of the scene in the window, with its instances. It has no instances before it is open. Views,
-/// points and placements "of the scene" are in the frame of ViewedScene::summary(). Use it only on the thread
+/// A model of the scene in the window, with its instances. A model has no instances until it is open. Views,
+/// points and placements of the scene are in the frame of ViewedScene::summary(). Use it only on the thread
 /// of its OpenGL context.
 struct InstancedModel {
   /// Begins to open the target. @param number  index in Scene::models.
@@ -41,8 +41,8 @@ struct InstancedModel {
   core::ModelBox box() const { return core::toModelBox(opened.model->box, opened.model->lattice.step); }
   /// Returns a ray caster for the cut drawn at an instance; null if no cut is drawn.
   const core::CutProbe* probe(size_t instance);
-  /// Frees the ray casters of cuts that are no longer drawn, because a ray caster keeps all meshes of its
-  /// cut.
+  /// Frees the ray casters of cuts that are no longer drawn, because a ray caster keeps all meshes of its cut
+  /// alive.
   void dropOldProbes();
 
   const size_t number;

@@ -41,7 +41,7 @@ ModelOpener::ModelOpener(Target target, stream::StreamOptions options, core::Fra
 ModelOpener::~ModelOpener() {
   stopping_.request_stop();
   {
-    const std::lock_guard lock(mutex_);  // with the lock, run() cannot miss the notification
+    const std::lock_guard lock(mutex_);  // the lock keeps run() from missing the notification
   }
   stop_.notify_all();
   thread_.join();

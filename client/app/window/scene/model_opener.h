@@ -18,9 +18,9 @@
 
 namespace lode::app {
 
-/// Opens a target on a thread of its own: builds the store of a PLY file, starts the child server of a local
-/// file, and connects. The thread lives as long as this object, because a child process ends with the thread
-/// that started it. Thread safe.
+/// Opens a target on its own thread: builds the store of a PLY file, starts the child server of a local file,
+/// and connects. The thread lives as long as this object, because a child process ends with the thread that
+/// started it. Thread safe.
 class ModelOpener {
  public:
   /// @param framing  framing without the coarsest mesh; becomes Progress::framing.
@@ -61,7 +61,7 @@ class ModelOpener {
 /// seconds. Not thread safe.
 class RetryingOpener {
  public:
-  /// @param target  text for parseTarget(). A refused text counts as a failed attempt.
+  /// @param target  text for parseTarget(). An invalid text counts as a failed attempt.
   RetryingOpener(std::string target, stream::StreamOptions options, core::Framing framing,
                  std::chrono::milliseconds timeout);
 
@@ -83,9 +83,10 @@ class RetryingOpener {
   const core::Framing framing_;
   const std::chrono::milliseconds timeout_;
   bool target_is_server_ = false;
-  std::optional<ModelOpener> opener_;              ///< empty between two attempts
-  std::optional<Clock::time_point> next_attempt_;  ///< empty if the error cannot go away by itself
-  ModelOpener::Progress progress_;                 ///< progress at the last poll
+  std::optional<ModelOpener> opener_;  ///< current attempt; empty between two attempts
+  /// Time of the next attempt; empty if another attempt cannot succeed.
+  std::optional<Clock::time_point> next_attempt_;
+  ModelOpener::Progress progress_;  ///< progress at the last poll
 };
 
 }  // namespace lode::app

@@ -10,7 +10,7 @@
 
 namespace lode::app {
 
-/// A surface point at a pixel.
+/// The surface point that the user has picked at a pixel.
 struct PickedPoint {
   glm::dvec3 position_model;  ///< position in the frame of ViewedScene::summary()
   glm::dvec3 position;        ///< position in true coordinates
@@ -18,7 +18,7 @@ struct PickedPoint {
   NodeKey node;
   uint32_t lod = 0;
   float error_px = 0;
-  double step = 1;  ///< lattice step, which is the precision of the position
+  double step = 1;  ///< lattice step; the position is no more precise than this
   std::optional<glm::u8vec3> colour;
   std::string model;  ///< name of the model; empty on the ground and in a scene of one model
 };
@@ -31,7 +31,7 @@ class Picks {
  public:
   void add(PickedPoint point);
   void clear() noexcept;
-  /// Undoes the last change, because the first click of a double click has already picked a point.
+  /// Undoes the last pick. Called for a double click, whose first click has already picked a point.
   void takeBack() { picks_ = before_; }
 
   /// Describes the last point in lines: coordinates, node, LOD, error, colour, and the distance to the point

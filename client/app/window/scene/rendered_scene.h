@@ -22,7 +22,7 @@ namespace lode::app {
 class RenderedScene {
  public:
   struct Picture {
-    bool is_drawn = false;        ///< false if an instance without a converged cut prevented the picture
+    bool is_drawn = false;        ///< false if there is no picture, because an instance has no converged cut
     bool has_converged = false;   ///< true if all instances have converged, see hasConverged()
     stream::StreamStatus status;  ///< status for the first instance that did not converge, else for the last
     float max_error_px = 0;       ///< largest error of all instances
@@ -36,8 +36,8 @@ class RenderedScene {
 
   /// Returns the camera path of --camera, or the camera that frames the scene.
   const core::CameraPath& path() const { return path_; }
-  /// Draws the scene from the camera at time `t` of the path: one instance after the other, each once it has
-  /// converged. @throws Error; kLimit if a model does not fit into its GPU memory.
+  /// Draws the scene from the camera at time `t` of the path. Draws one instance after the other, each as
+  /// soon as it has converged. @throws Error; kLimit if a model does not fit into its GPU memory.
   Picture draw(double t, const render::Framebuffer& target, render::DrawStyle style);
 
  private:

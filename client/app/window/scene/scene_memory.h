@@ -9,19 +9,19 @@
 
 namespace lode::app {
 
-/// Divides the memory budget among the models of a scene so that all models reach the same error. Until one
-/// model is short of memory, all parts are equal. After that, each part is in proportion to the memory that
-/// the model needs for the requested error. Pure.
+/// Divides the memory budget among the models of a scene so that all models reach the same error. All parts
+/// are equal until a model is short of memory. Then each part is proportional to the memory that the model
+/// needs for the requested error. Pure.
 class SceneMemory {
  public:
   SceneMemory(uint64_t budget_bytes, size_t models);
 
   struct Need {
-    uint64_t bytes = 0;     ///< memory for the requested error, in any unit common to all models
+    uint64_t bytes = 0;     ///< memory that the requested error needs, in any unit that all models share
     bool is_short = false;  ///< the model's part is too small for these bytes
   };
-  /// Tells the view; call it in each frame. While the view stays the same, parts change only a few times, so
-  /// that the picture settles.
+  /// Sets the view; call setView() in each frame. While the view stays the same, parts change only a few
+  /// times, so that the picture settles.
   void setView(const core::View& view, float threshold_px);
   /// Lets parts change again in the same view, because a model was added.
   void allowChanges() noexcept { changes_ = 0; }
@@ -45,8 +45,8 @@ struct GpuShare {
   uint64_t held_bytes = 0;  ///< GPU bytes that the model uses
 };
 /// Returns the GPU budget of each model: the bytes of the common budget that the other models do not use, but
-/// at least the model's part. The part is needed when the common budget shrinks below the bytes in use: a
-/// model can free memory only by uploading a smaller cut. Pure.
+/// at least the model's own part. If the common budget shrinks below the bytes in use, the model needs its
+/// part to upload a smaller cut, which then frees memory. Pure.
 std::vector<uint64_t> gpuBudgets(uint64_t budget_bytes, std::span<const GpuShare> models);
 
 }  // namespace lode::app

@@ -22,8 +22,8 @@ namespace {
 constexpr uint64_t kGroundBytes = 1u << 20;  ///< memory budget for the ground's two triangles
 constexpr double kGroundRadii = 40;          ///< half of the ground's side, in radii of the scene
 constexpr double kShadowWidening = 1.3;      ///< extent of a shadow relative to the model's box
-/// Darkness of the shadow below a model that stands on the ground. The shadow fades as the model rises, and
-/// ends when the model's distance from the ground equals its height.
+/// Darkness of the shadow below a model that stands on the ground. A shadow fades as its model rises, and is
+/// gone when the model's distance from the ground equals its height.
 constexpr double kShadowDepth = 0.55;
 
 constexpr double kRoom = 64;  ///< room on each side of the scene, relative to the scene's longest side
@@ -35,8 +35,8 @@ glm::dvec3 cornerOf(const ModelSummary& model, const Placement& placement, unsig
   return placement.position + placement.rotation * (placement.scale * model.lattice.toWorld(at));
 }
 
-/// Returns an elliptic shadow that the two most level sides of the model's box span. Returns nothing if the
-/// model is too far above or below the ground.
+/// Returns an elliptic shadow whose axes follow the two most level sides of the model's box. Returns nothing
+/// if the model is too far above or below the ground.
 std::optional<render::ContactShadow> shadowOf(const ModelSummary& model, const Placement& placement,
                                               const glm::dvec3& up, double ground_height) {
   const glm::dvec3 first = cornerOf(model, placement, 0);

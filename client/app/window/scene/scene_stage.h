@@ -12,16 +12,16 @@
 
 namespace lode::app {
 
-/// Returns a number that no other instance of the scene has.
+/// Returns the unique number of an instance in the scene.
 /// @param model     index in Scene::models.
 /// @param instance  index among the instances of that model.
 constexpr uint32_t instanceNumber(size_t model, size_t instance) noexcept {
   return static_cast<uint32_t>((model + 1) << 16 ^ instance);
 }
 
-/// Returns a lattice for a scene that still misses models. The lattice surrounds the box of the open models,
-/// with room on each side of 64 times the longest side of the box. The placement of a missing model does not
-/// tell where the model lies: a georeferenced model may lie millions of units from its placement. Pure.
+/// Returns a lattice for a scene in which models are still missing. The lattice surrounds the box of the open
+/// models, with room of 64 times the box's longest side on each side. The placement of a missing model does
+/// not show where the model will be: a georeferenced model can lie millions of units away. Pure.
 /// @param whole  summary with the box of the open models.
 Lattice latticeWithRoom(const ModelSummary& whole);
 
@@ -32,7 +32,7 @@ LatticeBox boxIn(const Lattice& lattice, const ModelSummary& whole);
 /// OpenGL context.
 class SceneStage {
  public:
-  /// @param models  summary of each model, by index in Scene::models; null: the model is missing.
+  /// @param models  summaries of the models, indexed as in Scene::models; null if a model is missing.
   SceneStage(const Scene& scene, std::span<const ModelSummary* const> models);
   ~SceneStage();
 

@@ -13,10 +13,10 @@ struct ModelStatus {
   const core::View& view;  ///< view of the model's first instance
 };
 
-/// Combines the status of all streams of a scene into one. The combined cut has no parts. It is null until
-/// each model has a cut, and it has the scene's view once the cut of each model is for the model's current
-/// view. The combined status is settled, converged or ended if all models are. Its failure and its trouble
-/// are those of the first model that has one. Pure.
+/// Combines the status of all streams of a scene into one. The combined cut has no parts. The combined cut is
+/// null until each model has a cut. It has the scene's view once each model's cut is for the model's current
+/// view. The combined status is settled, converged or ended if this is true for all models. Its failure and
+/// its trouble come from the first model that has one. Pure.
 /// @param models  all models that have instances.
 stream::StreamStatus sceneStatus(std::span<const ModelStatus> models, const core::View& scene_view);
 

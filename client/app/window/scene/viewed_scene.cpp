@@ -65,8 +65,8 @@ void ViewedScene::openNext() {
   gpu_budget_bytes_ += memory.gpu.budget_bytes;
 }
 
-/// Opens local files one after the other, because each may need a build. Opens models on servers at the same
-/// time, because a server may not answer.
+/// Opens the models. Opens local files one after the other, because each may need a build. Opens models on
+/// servers at the same time, because a server may not answer.
 ViewedScene::Opening ViewedScene::open() {
   if (stage_) return {.is_open = true};
   for (const auto& model : models_) model->poll();
@@ -187,7 +187,7 @@ void ViewedScene::update(const core::View& view, float threshold_px) {
         view_cuts && view_cuts->cuts.size() == model->instances.size())
       model->renderer.show(view_cuts);
     else
-      model->status.view_cuts = nullptr;  // the cut is still for the view of ModelOpener
+      model->status.view_cuts = nullptr;  // the cut is still for the view that ModelOpener set
     model->dropOldProbes();
   }
   mergeStatus(view);
@@ -210,7 +210,7 @@ void ViewedScene::shareMemory() {
     if (model->isOpen()) applyShare(*model);
 }
 
-/// Tells the stream of a model the budgets of the model's part of the memory.
+/// Sets the budgets of a model's stream, from the model's part of the memory.
 void ViewedScene::applyShare(const InstancedModel& model) {
   const render::MemoryShares memory = render::shareMemory(memory_.parts()[model.number]);
   model.opened.streamer->setMemoryBudget(memory.stream_bytes, memory.drawn_bytes);
@@ -283,8 +283,8 @@ ViewedScene::GpuUse ViewedScene::gpuUse() const {
   return use;
 }
 
-/// Returns the instances whose boxes may be in the picture. The nearest one, which hides most of the others,
-/// is the first.
+/// Returns the instances whose boxes may be in the picture. The nearest instance, which may hide others,
+/// comes first.
 std::vector<ViewedScene::VisibleInstance> ViewedScene::visibleInstances(const core::View& view) const {
   std::vector<VisibleInstance> found;
   for (const auto& model : models_) {

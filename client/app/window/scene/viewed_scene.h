@@ -27,9 +27,9 @@
 
 namespace lode::app {
 
-/// Whether a scene is shown if some of its models cannot be opened.
+/// Reaction to models of a scene that cannot be opened.
 enum class MissingModels : uint8_t {
-  kRefused,  ///< opening the scene fails
+  kRefused,  ///< the scene cannot be opened
   kAllowed   ///< the scene is shown without these models
 };
 
@@ -89,10 +89,11 @@ class ViewedScene {
   double drawnThresholdRad() const;
   /// Returns a number that grows whenever another cut is drawn.
   uint64_t drawnSerial() const;
-  // The next two functions tell whether the next picture differs from the last although no cut has arrived:
-  /// Returns true if parts fade.
+  // The next two functions return true if the next picture will differ from the last picture even without a
+  // new cut.
+  /// Returns true while parts fade.
   bool fading() const;
-  /// Returns true if colours that depend on the age of parts change.
+  /// Returns true while colours that depend on the age of parts change.
   bool ageing() const;
 
   struct GpuUse {
