@@ -37,7 +37,7 @@ vec3 toLinear(vec3 srgb) {
 }
 
 void main() {
-  // Noise of half a step hides the bands of a slow gradient. Source: Jimenez, Next Generation
+  // Add noise of half a colour step, to hide the bands of a slow gradient. Source: Jimenez, Next Generation
   // Post-Processing in Call of Duty: Advanced Warfare, 2014 (interleaved gradient noise).
   float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
   vec3 srgb = mix(bottom_srgb, top_srgb, height);

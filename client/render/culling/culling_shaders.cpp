@@ -10,31 +10,34 @@ namespace lode::render {
 const char* const kFindShader = LODE_CHUNKS R"glsl(
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Page { uint page[]; };
-layout(std430, binding = 3) buffer Found { uvec2 found[]; };  // by pass and chunk
+layout(std430, binding = 3) buffer Found { uvec2 found[]; };  // a bit per cluster; by pass, then by chunk
 layout(binding = 1) uniform sampler2D depths;
 
 struct Camera {
-  ivec4 eye_high;  // in lattice steps; w: 1 if the depths can hide
-  vec4 eye_low, right, up, behind;  // w of right, up, behind: scale x, scale y, near in steps
+  ivec4 eye_high;  // in lattice steps; w is 1 if the depths can hide boxes
+  vec4 eye_low, right, up, behind;  // the w of right, up and behind are scale x, scale y and the near
+                                    // distance in steps
 };
 struct CameraPair { Camera now, before; };
-layout(std430, binding = 4) readonly buffer Cameras { CameraPair cameras[]; };  // by instance
+layout(std430, binding = 4) readonly buffer Cameras { CameraPair cameras[]; };  // indexed by instance
 
-layout(location = 0) uniform uint pass;  // 1: depths of this picture; 0: of the last
+// Pass 1 uses the depths of this picture, pass 0 the depths of the last picture.
+layout(location = 0) uniform uint pass;
 layout(location = 1) uniform uint chunks_of_pass;
 layout(location = 2) uniform uint first_chunk;
-layout(location = 3) uniform bool has_boxes;  // whether the page is readable
+layout(location = 3) uniform bool has_boxes;  // true if this shader can read the boxes of the page
 layout(location = 4) uniform vec2 depth_size_px;
 
-const float kSlack = 1e-5;       // float error relative to the distance
-const float kSlackPx = 1.0;      // rasterization may exceed a box by this much
-const float kDepthSlack = 1e-4;  // relative error of a depth
-const float kLeastNearness = 1e-2;  // relative to a box's distance and size; nearer, float errors exceed these
+const float kSlack = 1e-5;       // error of float coordinates, relative to the distance
+const float kSlackPx = 1.0;      // rasterization exceeds a box by at most this distance
+const float kDepthSlack = 1e-4;  // relative error of a drawn depth
+const float kLeastNearness = 1e-2;  // least distance along the view, relative to a box's distance and size;
+                                    // float errors of nearer boxes are too large
 const float kSquarePx = 8.0;
 
 shared uint bits[2];
 
-struct Box { vec3 middle, half_size; };  // relative to the eye, in steps
+struct Box { vec3 middle, half_size; };  // relative to the eye, in lattice steps
 
 Box boxFrom(Camera camera, uint word) {
   ivec3 low = ivec3(page[word], page[word + 1u], page[word + 2u]) - camera.eye_high.xyz;
@@ -51,7 +54,7 @@ bool isInPicture(Camera camera, Box box) {
   return true;
 }
 
-/// True only if the whole box is behind the depths: see Occluders.
+/// Returns true only if the whole box is behind the depths; see Occluders.
 bool isHidden(Camera camera, Box box) {
   vec3 forward = -camera.behind.xyz;
   float nearest = dot(box.middle, forward) - dot(box.half_size, abs(forward));
@@ -84,7 +87,8 @@ bool isHidden(Camera camera, Box box) {
 
 bool isFound(uint place, uint number, Chunk chunk) {
   if (number >= chunk.clusters) return false;
-  if (pass == 1u && (found[place][number >> 5] >> (number & 31u) & 1u) != 0u) return false;  // drawn already
+  // Skip a cluster that pass 0 has found, because it is already drawn.
+  if (pass == 1u && (found[place][number >> 5] >> (number & 31u) & 1u) != 0u) return false;
   if (!has_boxes) return true;
   uint word = chunk.first_box_word + number * 6u;
   Camera now = cameras[chunk.instance].now;
@@ -126,7 +130,7 @@ const uint kClusterIndices = 384u;
 shared uint sums[256];
 shared uint indices;
 
-/// Returns the first cluster at or after `from` whose bit equals `is_found`; 64: none.
+/// Returns the first cluster at or after `from` whose bit equals `is_found`; 64 if there is none.
 uint next(uvec2 bits, uint from, bool is_found) {
   if (!is_found) bits = ~bits;
   if (from < 32u) {

@@ -24,18 +24,18 @@ layout(location = 9) uniform float exposure;
 const vec3 kSun = vec3(0.84, 0.80, 0.73), kSky = vec3(0.30, 0.335, 0.385), kGround = vec3(0.095, 0.085, 0.075);
 const float kHeadlight = 0.08, kGlint = 0.05, kShoulder = 0.55;
 
-/// Light that a surface of this colour and normal sends to the eye.
+/// Returns the light that a surface of this colour and normal sends to the eye.
 vec3 lit(vec3 paint, vec3 n, vec3 to_eye) {
   vec3 light = mix(kGround, kSky, dot(n, up) * 0.5 + 0.5);
   light += kSun * max(dot(n, to_sun), 0.0) + kHeadlight * max(dot(n, to_eye), 0.0);
   float facing = max(dot(n, normalize(to_sun + to_eye)), 0.0);
   float square = facing * facing, eighth = square * square * square * square;
-  float glint = eighth * eighth * eighth * eighth * eighth;  // facing to the power of 40, by multiplications
+  float glint = eighth * eighth * eighth * eighth * eighth;  // `facing` to the power of 40
   return exposure * (paint * light + kGlint * glint);
 }
 
-/// Tone mapping: compresses colours above the shoulder below 1, so that sunlit white keeps its shading. Scales
-/// all three channels alike, which keeps the hue.
+/// Compresses colours above the shoulder to values below 1, so that sunlit white keeps its shading (tone
+/// mapping). Scales all three channels alike, so that the hue stays.
 vec3 toned(vec3 colour) {
   float most = max(colour.r, max(colour.g, colour.b)), room = 1.0 - kShoulder;
   if (most <= kShoulder) return colour;

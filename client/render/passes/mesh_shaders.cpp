@@ -13,15 +13,15 @@ const char* const kMeshVertexShader = R"glsl(
 layout(location = 0) in uvec2 position_code;
 layout(location = 1) in vec4 normal;
 layout(location = 2) in vec4 colour_srgb;
-layout(location = 3) in uvec3 draw_state;  // DrawState
-layout(location = 4) in uvec3 texture_code;  // coordinates, material
+layout(location = 3) in uvec3 draw_state;  // the fields of DrawState
+layout(location = 4) in uvec3 texture_code;  // texture coordinates and material
 
 layout(location = 0) uniform ivec3 eye_high;
 layout(location = 1) uniform vec3 eye_low;
 layout(location = 2) uniform float lattice_step;
 layout(location = 3) uniform mat3 view_rotation;
-layout(location = 4) uniform vec3 projection;  // scale x, scale y, near
-layout(location = 5) uniform vec3 uv_frame;    // origin, step per code
+layout(location = 4) uniform vec3 projection;  // scale x, scale y and near distance
+layout(location = 5) uniform vec3 uv_frame;    // origin, and step per code
 
 invariant gl_Position;
 out Corner { CORNER };
@@ -34,7 +34,7 @@ void main() {
   ivec3 position = ivec3(position_code.x & 0x1fffffu,
                          position_code.x >> 21 | (position_code.y & 0x3ffu) << 11,
                          position_code.y >> 10 & 0x1fffffu);
-  // The integer difference is exact and the same for every node: shared boundaries stay closed.
+  // The integer difference is exact and the same for every node, so that shared boundaries stay closed.
   vec3 relative = (vec3(position - eye_high) - eye_low) * lattice_step;
   position_view = view_rotation * relative;
   normal_view = view_rotation * normal.xyz;
@@ -62,7 +62,8 @@ out vec4 pixel;
 
 layout(location = 3) uniform mat3 view_rotation;
 #ifdef VIEWS
-layout(location = 10) uniform vec3 texel_colours[6];  // 1/4 to 4 texels a pixel; no texture
+// Colours of 1/4 to 4 texels per pixel, then the colour of surfaces without a texture.
+layout(location = 10) uniform vec3 texel_colours[6];
 #endif
 
 const vec3 kNeutral = vec3(0.56, 0.545, 0.515);
@@ -74,7 +75,7 @@ layout(std430, binding = 0) readonly buffer TileTable { uint table[]; };
 const uint kHeadWords = 4u, kTilePx = 512u, kInnerPx = 508u, kGutterPx = 2u, kCellPx = 32u;
 const float kMostTaps = 8.0;
 
-/// Samples a level. `at` is the position in the image, 0..1 from its top left corner.
+/// Samples a level. `at` is the position in the image, 0..1 from the image's top left corner.
 /// @return false if the tile is not resident.
 bool sampleLevel(uint level, vec2 at, out vec4 texel) {
   uint head = material * kHeadWords;
@@ -90,7 +91,7 @@ bool sampleLevel(uint level, vec2 at, out vec4 texel) {
   return true;
 }
 
-/// Samples the finest resident level at or above `wanted`, blended with the next coarser one.
+/// Samples the finest resident level at or above `wanted`, blended with the next coarser level.
 /// @return false if no level is resident.
 bool samplePoint(vec2 at, float wanted, uint levels, out vec4 texel) {
   uint finest = uint(wanted), level = finest;
@@ -102,8 +103,8 @@ bool samplePoint(vec2 at, float wanted, uint levels, out vec4 texel) {
   return true;
 }
 
-/// Samples the material's texture. At a grazing angle it takes several samples along the footprint's longer side,
-/// at the level of its shorter side, to avoid blur (anisotropic filtering).
+/// Samples the material's texture with anisotropic filtering. At a grazing angle, takes several samples along
+/// the longer side of the pixel's footprint, at the level of the shorter side, to avoid blur.
 /// Source: McCormack et al., Feline: Fast Elliptical Lines for Anisotropic Texture Mapping, 1999.
 bool sampleTexture(out vec4 texel) {
   vec2 across = dFdx(uv), down = dFdy(uv);
@@ -131,7 +132,7 @@ bool sampleTexture(out vec4 texel) {
 }
 
 #ifdef VIEWS
-/// Colour for the number of texels of the finest level along a pixel's side.
+/// Returns the colour that stands for the number of finest texels along a pixel's side.
 vec3 texelColour() {
   vec2 across = dFdx(uv), down = dFdy(uv);
   if (material >= texture_count || table[material * kHeadWords + 2u] == 0u) return texel_colours[5];
@@ -144,9 +145,9 @@ vec3 texelColour() {
 #endif
 #endif
 
-/// The vertex normal, flipped to the visible side: both sides are lit. If vertex normals point to opposite sides
-/// and would cancel out, each is flipped before mixing: the interpolated products of components, which do not
-/// depend on the sign, give the sum of (n . facet) n.
+/// Returns the vertex normal, flipped to the visible side, because both sides are lit. If vertex normals
+/// point to opposite sides, they would cancel each other. Then each normal is flipped before mixing: the
+/// products of its components do not depend on its sign, and interpolated they give the sum of (n . facet) n.
 vec3 shownNormal(vec3 facet) {
   float agreement = dot(normal_view, normal_view) / max(dot(normal_squares, vec3(1.0)), 1e-6);
   vec3 mixed = normal_view * (dot(normal_view, facet) < 0.0 ? -1.0 : 1.0);
@@ -155,8 +156,8 @@ vec3 shownNormal(vec3 facet) {
   return normalize(mix(normalize(turned + 1e-4 * facet), mixed, smoothstep(0.25, 0.5, agreement)));
 }
 
-/// True if the pixel's dither value is in the draw's range. The value depends on the pixel only, so adjacent ranges
-/// neither overlap nor leave gaps.
+/// Returns true if the pixel's dither value is in the range of the draw call. The value depends on the pixel
+/// only, so that adjacent ranges neither overlap nor leave gaps.
 /// Source: Jimenez, Next Generation Post-Processing in Call of Duty: Advanced Warfare, 2014 (interleaved
 /// gradient noise).
 bool isShared() {
@@ -175,7 +176,7 @@ void main() {
   vec3 n = facet;
   if ((flags & 1u) != 0u && dot(normal_squares, vec3(1.0)) > 1e-6) n = shownNormal(facet);
   vec3 albedo = (flags & 2u) != 0u ? colour : kNeutral;
-  float coverage = 1.0;  // alpha, for alpha to coverage
+  float coverage = 1.0;  // alpha of the pixel, for alpha to coverage
 #ifdef TEXTURED
   vec4 texel;
   if ((flags & 8u) != 0u && sampleTexture(texel)) {
@@ -197,7 +198,8 @@ void main() {
   if ((flags & 4u) != 0u) albedo = tint;
   vec3 seen = toned(lit(albedo, n, to_eye));
   if ((flags & 16u) != 0u) seen = albedo;
-  if ((flags & 32u) != 0u) seen = pow((n * view_rotation) * 0.5 + 0.5, vec3(2.2));  // in the model frame
+  // Show the normal in the model frame.
+  if ((flags & 32u) != 0u) seen = pow((n * view_rotation) * 0.5 + 0.5, vec3(2.2));
 #ifdef WIRE
   seen *= wire();
 #endif
@@ -239,11 +241,12 @@ const char* const kWireShader = R"glsl(
 in vec3 shares;
 
 const float kLinePx = 1.1;
-const float kCrowdedPx = 3.0, kRoomyPx = 8.0;  // triangle sizes between which lines fade in
+const float kCrowdedPx = 3.0, kRoomyPx = 8.0;  // lines fade in as the triangle grows from the first size to
+                                               // the second
 const float kCrowded = 0.55, kBetween = 0.25;
 
-/// Brightness of the pixel: bright lines on dim faces. Lines of triangles too small for them fade into the
-/// surface.
+/// Returns the brightness of the pixel, which is high on lines and low on faces. In triangles that are too
+/// small for lines, the lines fade into the surface.
 float wire() {
   vec3 across = dFdx(shares), down = dFdy(shares);
   vec3 heights_px = inversesqrt(max(across * across + down * down, 1e-12));
