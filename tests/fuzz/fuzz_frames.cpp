@@ -1,6 +1,5 @@
-// Sends what a hostile server may send: any bytes, cut anywhere, into a client's session that requests what
-// it was told of. The first byte says how they are cut. Headers must come back the same from their own
-// encoding.
+// Feeds the bytes of a hostile server to a client's session, which has requested some blobs. The first byte
+// of the input determines where the bytes are cut. A frame header that decodes must encode to the same bytes.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -31,8 +30,8 @@ void checkHeader(std::span<const std::byte> bytes) {
   }
 }
 
-/// A few small blobs under the numbers that the corpus uses, so that chunks and refusals of requests are
-/// reached.
+/// Returns requests for a few small blobs. The blob numbers are those of the corpus, so that the input can
+/// contain chunks and refusals of these requests.
 std::vector<core::Request> fewRequests() {
   std::vector<core::Request> requests;
   for (uint32_t number = 2; number < 8; ++number)

@@ -1,5 +1,5 @@
-// Decodes bodies of every message from an untrusted peer; the first byte is the frame's type. A message that
-// decodes must decode to the same again after encoding, and error messages must be one line.
+// Decodes message bodies from an untrusted peer. The first byte of the input is the frame's type. A message
+// that decodes must stay the same after encoding and decoding again. Error messages must have one line.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>

@@ -1,5 +1,5 @@
-// Hierarchy pages: the first byte says whether it is the root's page, or below which node it hangs. A page
-// that is taken must be encoded to the very same bytes.
+// Decodes hierarchy pages. The first byte of the input selects the root page or the depth of the page's
+// owner. A page that decodes must encode to the same bytes.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -28,7 +28,7 @@ NodeKey ownerAt(int depth) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
   const auto bytes = std::as_bytes(std::span(data + 1, size - 1));
-  const int depth = data[0] % 10 * 2;  // a page hangs below a node of even depth
+  const int depth = data[0] % 10 * 2;  // owners of pages have even depths
   try {
     const HierarchyPage page = decodePage(bytes, ownerAt(depth), depth == 0);
     require(std::ranges::equal(encodePage(page), bytes));

@@ -1,5 +1,5 @@
-// The PLY reader on any bytes: header and body, all encodings, with and without skip_bad. Whatever it gives
-// out must keep the promises of ply_reader.h; polygons are cut as a build would cut them.
+// Reads any bytes as a PLY file: header and body, in all encodings, with and without skip_bad. The faces and
+// vertices that the reader returns must satisfy ply_reader.h. Polygons are cut into triangles as in a build.
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// What stands before a client's bytes when a balancer is in front. A header must mean the same however much
-// has come behind it, and must not be told from less than all of it.
+// Parses the header that a balancer sends before a client's bytes. The result must not depend on the bytes
+// after the header. A header that is cut short must count as incomplete.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>

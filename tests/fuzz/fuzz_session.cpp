@@ -1,6 +1,6 @@
-// A client that does what it likes, and a disk and a link that do too, against a server's session: a script
-// of steps of a byte each and what they need. What the session sends must keep to the window and to the rules
-// of requests, and all memory that it was charged for must come back.
+// Plays a script of arbitrary events against a server's session: frames of a client, results of the disk,
+// room on the link. One byte of the input selects a step; the next bytes are its arguments. The session must
+// respect the window and the rules of requests, and must return all memory that it has charged.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -66,7 +66,7 @@ std::shared_ptr<const Catalog> catalogOf(uint8_t build) {
   return std::make_shared<const Catalog>(std::move(models));
 }
 
-/// A session between a script and the checks of what it sends.
+/// Runs a script on a session and checks the frames that the session sends.
 class Play {
  public:
   Play(Script& script, MemoryBudget& budget)
@@ -134,13 +134,13 @@ class Play {
     send(requests);
   }
 
-  /// Any frame at all. Only what it grants is looked at here.
+  /// Sends an arbitrary frame. Notes only the credit that the frame grants.
   void raw() {
     const FrameHeader header{0, script_.byte(), script_.byte(), script_.byte()};
     const auto body = script_.bytes(script_.number() % 512);
     if (header.type == static_cast<uint8_t>(FrameType::kCredit)) try {
         granted_ = std::max(granted_, decode<Credit>(body).granted_bytes);
-      } catch (const Error&) {  // NOLINT(bugprone-empty-catch): it grants nothing
+      } catch (const Error&) {  // NOLINT(bugprone-empty-catch): the frame grants nothing
       }
     session_.receive(header, body, now_);
   }
@@ -158,7 +158,7 @@ class Play {
       case 2:
         return session_.failChunk(WireError::kDamagedStore, "damaged");
       case 3:
-        step();  // something comes in while it is read
+        step();  // another event arrives during the read
         break;
       default:
         break;
@@ -167,7 +167,7 @@ class Play {
   }
 
   void sent(const Chunk& chunk) {
-    takeControl();  // what was queued before it
+    takeControl();  // the control frames that were queued before the chunk
     sent_bytes_ += kBlobChunkHeaderBytes + chunk.bytes;
     require(sent_bytes_ <= granted_);
     require(chunk.bytes > 0 && chunk.bytes <= kMaxChunkBytes);
@@ -186,7 +186,7 @@ class Play {
     parked_.erase(parked_.begin() + static_cast<std::ptrdiff_t>(which));
   }
 
-  /// Control frames come before any chunk that is begun after them.
+  /// Takes the control frames. The session must send them before it begins another chunk.
   void takeControl() {
     const Bytes control = session_.takeControl();
     for (auto rest = std::span(control); !rest.empty();) {
@@ -210,14 +210,15 @@ class Play {
   Session session_;
   std::vector<Chunk> parked_;
   uint64_t granted_ = kInitialWindowBytes, sent_bytes_ = 0;
-  std::map<uint32_t, uint32_t> sent_;  ///< bytes of requests that are under way
+  std::map<uint32_t, uint32_t> sent_;  ///< number of bytes sent so far, by open request
 };
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Script script(std::as_bytes(std::span(data, size)));
-  MemoryBudget budget(script.byte() % 2 == 0 ? 1u << 30 : 2u << 10);  // plenty, or room for a few requests
+  // Room for everything, or for a few requests.
+  MemoryBudget budget(script.byte() % 2 == 0 ? 1u << 30 : 2u << 10);
   Play(script, budget).run();
   require(budget.used() == 0);
   return 0;

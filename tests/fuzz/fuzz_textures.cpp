@@ -1,5 +1,5 @@
-// The texture set of a model. A set that is taken must be encoded to the very same bytes, and every tile must
-// have its place and size.
+// Decodes texture sets. A set that decodes must encode to the same bytes, and each of its tiles must have an
+// index and a size.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Token files as an operator may write them, or a disk may spoil them: never more than an error of one line.
+// Parses any bytes as a token file. The parser must fail with an error of one line, or succeed.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
   std::sort(paths.begin(), paths.end());
   for (const std::filesystem::path& path : paths) {
     std::printf("%s\n", path.filename().c_str());
-    std::fflush(stdout);  // the last name printed is the one that crashed
+    std::fflush(stdout);  // after a crash, the last printed name is the file that caused it
     std::ifstream file(path, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(file), {}};
     LLVMFuzzerTestOneInput(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());

@@ -1,8 +1,8 @@
-"""A window under keys and a pointer that the X server sends, for tests: TEST.py BIN_DIR MODELS_DIR [TEST ...]
+"""Drives a window by keys and a pointer that the X server sends, for tests: TEST.py BIN_DIR MODELS_DIR [TEST
+...]
 
-Each test has an Xvfb of its own; xdotool presses and moves, xclip reads the clipboard. What the window did is told by what it
-leaves: recorded cameras (P), pictures (F12), texts that are copied (C), its exit status.
-"""
+Each test has its own Xvfb. xdotool presses keys and moves the pointer; xclip reads the clipboard. The tests
+check the results of the window: recorded cameras (P), pictures (F12), copied texts (C), its exit status. """
 import contextlib
 import json
 import math
@@ -64,7 +64,8 @@ def served_without_blobs():
 
 
 class Window:
-    """`lodestream view` on a display, with its files in a folder; ended with the `with`."""
+    """Runs `lodestream view` on a display, with its files in a folder. The end of the `with` ends the
+    program."""
 
     def __init__(self, screen, folder, target, *options, **pipes):
         self.folder, self.pipes = pathlib.Path(folder), pipes
@@ -100,13 +101,13 @@ class Window:
 
     @contextlib.contextmanager
     def one_frame(self):
-        """Sends all keys pressed inside the `with` at once."""
+        """Sends all keys that are pressed inside the `with` together, at its end."""
         self.process.send_signal(signal.SIGSTOP)
         yield
         self.process.send_signal(signal.SIGCONT)
 
     def drag(self, start, *ends):
-        """Moves the pointer from point to point; the window draws at each."""
+        """Moves the pointer from point to point. The window draws a picture at each point."""
         self.move(start)
         self.xdotool("mousedown", 1)
         for end in ends:
@@ -126,7 +127,8 @@ class Window:
         return eventually(read)
 
     def picture(self):
-        """Saves a picture of the window nearly at rest: all keys pressed before have had their effect."""
+        """Saves a picture of the window when it is nearly at rest, so that all earlier keys have had their
+        effect."""
         self.key("F12")
         return self.saved_picture()
 
@@ -138,7 +140,7 @@ class Window:
         return self.saved("png", whole)
 
     def recorded(self, act):
-        """Records the camera while something is done; returns its keys."""
+        """Records the camera during act(). Returns the keys of the recorded path."""
         self.key("p")
         self.picture()
         act()
@@ -147,7 +149,7 @@ class Window:
         return self.saved("json", json.loads)["keys"]
 
     def hold(self, key):
-        """Waits until a picture has been drawn with it."""
+        """Holds a key until a picture has been drawn."""
         self.xdotool("keydown", key)
         self.picture()
         self.xdotool("keyup", key)
@@ -159,7 +161,8 @@ class Window:
                               text=True, timeout=120).stdout
 
     def leave_at_once(self, within_s=5):
-        """Returns its exit status after Escape. Time that it waits for a CPU does not count."""
+        """Presses Escape and returns the exit status. The program must end in time; time that it waits for a
+        CPU does not count."""
         delay = pathlib.Path(f"/proc/{self.process.pid}/schedstat")
 
         def waited_s():
@@ -174,7 +177,7 @@ class Window:
         return self.process.returncode
 
     def leave(self):
-        """Returns its exit status after Escape."""
+        """Presses Escape and returns the exit status."""
         self.key("Escape")
         return self.process.wait(timeout=120)
 
@@ -184,14 +187,14 @@ def size_of(png):
 
 
 def pixels_of(png):
-    """Returns rows of three bytes per pixel."""
+    """Decodes a PNG. Returns its rows, three bytes per pixel."""
     (width, height), packed, at = size_of(png), b"", 8
     while at < len(png):
         size, kind = struct.unpack(">I4s", png[at:at + 8])
         packed += png[at + 8:at + 8 + size] if kind == b"IDAT" else b""
         at += 12 + size
     lines, row, rows = zlib.decompress(packed), bytearray(3 * width), []
-    for number in range(height):  # http://www.w3.org/TR/png, 9: what each filter adds
+    for number in range(height):  # undo the filters: http://www.w3.org/TR/png, section 9
         kind, *line = lines[number * (3 * width + 1):(number + 1) * (3 * width + 1)]
         above, row = row, bytearray(line)
         for i in range(3 * width if kind else 0):
@@ -203,7 +206,8 @@ def pixels_of(png):
 
 
 def lower_half(png):
-    """Returns the pixels below the panel, whose text differs: it names the last saved picture."""
+    """Returns the pixels below the panel. The panel itself differs, because it names the last saved
+    picture."""
     rows = pixels_of(png)
     return b"".join(rows[len(rows) // 2:])
 
@@ -227,12 +231,12 @@ class WindowTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder, display() as screen, \
                 Window(screen, folder, target, *options, **pipes) as window:
             if is_open:
-                window.picture()  # with the first key the help of the first start goes
+                window.picture()  # the first key closes the help of the first start
             yield window
 
 
 def main():
-    """Ends with status 77 if one of the programs is missing."""
+    """Runs the tests. Exits with status 77 if a program is missing."""
     if missing := [program for program in ("Xvfb", "xdotool", "xclip") if not shutil.which(program)]:
         print(f"skipped: install {', '.join(missing)}")
         sys.exit(77)

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Makes the models that integration tests share: make_models.sh BIN_DIR OUT_DIR. Scans come from LODESTREAM_TEST_DATA.
-# With LODESTREAM_MADE_MODELS set to a folder of them, which another build of the same programs has made, they are copied.
+# Makes the models that integration tests share: make_models.sh BIN_DIR OUT_DIR. Scans come from
+# LODESTREAM_TEST_DATA. If LODESTREAM_MADE_MODELS is the folder of models that another build of the same
+# programs has made, the script copies these.
 set -euo pipefail
 
 daemon="$1/lodestreamd"

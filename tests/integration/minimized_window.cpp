@@ -1,4 +1,5 @@
-/// Preload it to make the window minimized: an X server without a window manager cannot minimize.
+/// Library to preload, which makes the window minimized. An X server without a window manager cannot minimize
+/// windows.
 struct GLFWwindow;
 extern "C" void glfwGetFramebufferSize(GLFWwindow* /*window*/, int* width_px, int* height_px);
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tests of the window in a flight and minimized: see driven_window.py."""
+"""Tests of the window during a flight and while it is minimized; see driven_window.py."""
 import json
 import pathlib
 import subprocess
@@ -34,9 +34,9 @@ class Flight(WindowTest):
 
     def test_that_is_cut_short_is_told_as_far_as_it_came_and_fails(self):
         with self.window(STORE, "--laps", "1000", "--json", is_open=False, stdout=subprocess.PIPE) as window:
-            eventually(lambda: len(window.recorded(lambda: None)) > 1)  # the camera moves by itself
+            eventually(lambda: len(window.recorded(lambda: None)) > 1)  # the camera moves without input
             window.key("Escape")
-            with window.process.stdout as said:  # more than a pipe holds
+            with window.process.stdout as said:  # the output is larger than a pipe's buffer
                 flown = json.load(said)
             self.assertEqual(window.process.wait(timeout=120), 1)
         self.assertTrue(flown["interrupted"])
@@ -44,7 +44,7 @@ class Flight(WindowTest):
 
     def test_is_not_hidden_by_the_help_of_the_first_start(self):
         with self.window(STORE, "--laps", "1000", is_open=False) as window:
-            window.leave()  # a key: with it the help would go, which the cache would remember
+            window.leave()  # a key would close the help, and the cache would remember this
             self.assertEqual(list(window.folder.rglob("help-seen")), [])
 
     def test_that_has_not_begun_fails(self):
@@ -57,7 +57,7 @@ class Flight(WindowTest):
 
     def test_fails_where_the_cache_has_no_first_picture(self):
         with served_without_blobs() as target, tempfile.TemporaryDirectory() as cache:
-            self.refused(target, "--cache", cache, "--timeout", "3")  # it has the model's summary now
+            self.refused(target, "--cache", cache, "--timeout", "3")  # the cache now has the model's summary
             self.refused(target, "--cache", cache, "--offline")
 
     def refused(self, target, *options):

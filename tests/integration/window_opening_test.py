@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Tests of the window if its target cannot be opened, misses a model or loses its server: see driven_window.py."""
+"""Tests of the window if its target cannot be opened, lacks a model or loses its server; see
+driven_window.py."""
 import contextlib
 import json
 import pathlib
@@ -14,13 +15,14 @@ from processes import display, eventually, free_port, running
 
 
 def reds_of(png):
-    """Counts pixels in the colour of errors."""
+    """Counts the pixels that have the colour of errors."""
     pixels = b"".join(pixels_of(png))
     return sum(r > 200 and g < 150 and b < 140 for r, g, b in zip(pixels[::3], pixels[1::3], pixels[2::3]))
 
 
 class Failure(WindowTest):
-    """If the target cannot be opened, the window shows why and stays open; stderr says it at once."""
+    """If the target cannot be opened, the window stays open and shows the reason. stderr has the reason at
+    once."""
 
     def test_stays_in_the_window_and_is_told_by_the_exit_status(self):
         nobody = f"lode://127.0.0.1:{free_port()}/painted"
@@ -35,7 +37,11 @@ class Failure(WindowTest):
                 with self.subTest(target), self.window(target, is_open=False, stderr=subprocess.PIPE) as window:
                     with window.process.stderr as stderr:
                         lines = (line.decode() for line in stderr)
-                        self.assertIn(said, next(line for line in lines if line.startswith("lodestream")))  # libraries may say more
+                        self.assertIn(said, next(line for line in lines if line.startswith("lodestream")))  # libraries
+                                                                                                            # may
+                                                                                                            # print
+                                                                                                            # further
+                                                                                                            # lines
                         self.assertEqual(size_of(window.picture()), (WIDTH, HEIGHT))
                         self.assertGreater(reds_of(window.picture()), 100)
                         window.key(key)
@@ -52,11 +58,12 @@ class Failure(WindowTest):
 
 
 class LackingScenes(WindowTest):
-    """A scene is shown without a missing model."""
+    """The window shows a scene without its missing model."""
 
     @contextlib.contextmanager
     def scene(self, **others):
-        """Makes a scene with an available model on the left and others, maybe missing, on the right."""
+        """Makes a scene with an available model on the left. The other models, on the right, may be
+        missing."""
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder, "scene.json")
             instances = [{"model": name, "position": [4 * number, 0, 0]} for number, name in enumerate(["here", *others])]
@@ -81,13 +88,13 @@ class LackingScenes(WindowTest):
                 eventually(lambda: self.at_right(window) > 2)
 
     def test_ask_all_their_servers_at_once(self):
-        """Expects that servers that do not answer are awaited together."""
+        """The window waits for all servers that do not answer at the same time."""
         with socket.create_server(("127.0.0.1", 0)) as first, socket.create_server(("127.0.0.1", 0)) as second:
             silent = {f"silent{number}": f"lode://127.0.0.1:{server.getsockname()[1]}/painted"
                       for number, server in enumerate((first, second))}
             with self.scene(**silent) as file, self.window(file, "--timeout", "3600", is_open=False):
                 first.settimeout(60)
-                second.settimeout(15)  # less than a connection is waited for
+                second.settimeout(15)  # shorter than the timeout of a connection
                 with first.accept()[0], second.accept()[0]:
                     pass
 
@@ -104,7 +111,8 @@ class LackingScenes(WindowTest):
         return window.copied()
 
     def at_right(self, window):
-        """Resets the camera, which frames all models, and returns the x of the point picked on the right."""
+        """Resets the camera, so that it frames all models. Returns the x coordinate of a point picked on the
+        right."""
         window.key("r")
         window.picture()
         return place_of(self.picked(window, (WIDTH * 3 // 4, MIDDLE[1])))[0]
@@ -116,7 +124,7 @@ class Connection(WindowTest):
             target = f"lode://127.0.0.1:{silent.getsockname()[1]}/painted"
             with self.window(target, "--timeout", "3600", is_open=False) as window:
                 with silent.accept()[0]:
-                    window.picture()  # with its key the help of the first start goes
+                    window.picture()  # the key also closes the help of the first start
                     self.assertEqual(window.leave_at_once(), 0)
 
     def test_is_made_anew_when_the_server_is_back(self):

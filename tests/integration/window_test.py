@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tests of the window under keys and mouse: cameras, picks, settings: see driven_window.py."""
+"""Tests of the window under keys and mouse (cameras, picks, settings); see driven_window.py."""
 import contextlib
 import json
 import math
@@ -70,7 +70,7 @@ class Walk(WindowTest):
             heights = [eye[2] - self.ground_of(ply, eye) for eye in eyes]
             self.assertGreater(math.dist(eyes[0][:2], eyes[-1][:2]), 0)
             self.assertGreater(min(heights), 0)
-            self.assertLess(max(heights), 0.1)  # of a model that is two wide
+            self.assertLess(max(heights), 0.1)  # the model has a width of 2
 
     def test_begins_on_the_ground_of_a_scene_where_the_pointer_is_and_picks_it(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -78,7 +78,7 @@ class Walk(WindowTest):
             subprocess.run([BIN / "lodestreamd", "sample", "scene", "--triangles", "3000", "-o", scene], check=True,
                            capture_output=True)
             with self.window(scene / "scene.json") as window:
-                beside = (WIDTH // 2, HEIGHT - 20)  # in front of all models
+                beside = (WIDTH // 2, HEIGHT - 20) # a point in front of all models
                 window.click(beside)
                 picked = window.copied()
                 self.assertIn("\nthe ground\n", picked)
@@ -87,7 +87,10 @@ class Walk(WindowTest):
                     window.key("Tab")
                     window.picture()
                 keys = window.recorded(lambda: window.hold("a"))
-        self.assertLess(min(math.dist(key["eye"][:2], place_of(picked)[:2]) for key in keys), 4)  # then it goes aside
+        self.assertLess(min(math.dist(key["eye"][:2], place_of(picked)[:2]) for key in keys), 4)  # later the
+                                                                                                  # camera
+                                                                                                  # moves
+                                                                                                  # aside
         last = keys[-1]
         self.assertGreater(last["eye"][2], 0)
         self.assertLess(last["eye"][2], 0.5)
@@ -102,7 +105,7 @@ class Walk(WindowTest):
 
 
 def at_rest(window):
-    """Returns what a settled picture shows; None if it still changes."""
+    """Returns the figures of a settled picture; None if the picture still changes."""
     one, two = (pixels_of(window.picture()) for _ in range(2))
     return two if one == two else None
 
@@ -121,7 +124,7 @@ class Picks(WindowTest):
 
     def test_show_in_the_picture_until_the_panel_is_hidden(self):
         with self.window() as window:
-            window.click(MIDDLE, button=4, times=6)  # until the model is seen beside the panel, too
+            window.click(MIDDLE, button=4, times=6)  # zoom until the model is visible beside the panel too
             window.picture()
             places = [(WIDTH - 60, MIDDLE[1] + 20), (WIDTH - 30, MIDDLE[1] + 80)]
 
@@ -143,7 +146,7 @@ class Picks(WindowTest):
                 one = place_of(window.copied())
                 with both_in(window):
                     window.click((MIDDLE[0] + 40, MIDDLE[1] + 20), times=2)
-                window.picture()  # once it is there
+                window.picture()  # when the picture is complete
                 window.click(MIDDLE)
                 last = window.copied()
                 distance = float(re.search(r"^distance ([\d.]+)$", last, re.M).group(1))
@@ -165,7 +168,7 @@ class Shown(WindowTest):
             for size in ((WIDTH, HEIGHT), (420, 240)):
                 window.xdotool("windowsize", "--sync", window.id, *size)
                 window.picture()
-                window.xdotool("key", "--delay", "0", *["v"] * 5)  # nodes: the longest legend
+                window.xdotool("key", "--delay", "0", *["v"] * 5)  # the mode "nodes" has the longest legend
                 window.key("h")
                 bare = eventually(lambda: at_rest(window))
                 window.key("h")
@@ -225,7 +228,7 @@ class Shown(WindowTest):
 
 
 class Settings(WindowTest):
-    LEFT = WIDTH - 12 - 21 * 15 + 8  # where their letters begin, and the middle of a row
+    LEFT = WIDTH - 12 - 21 * 15 + 8  # x at which the letters begin; y of the middle of a row
     ROWS = [12 + 8 + 10 + 25 * row for row in range(8)]
 
     def test_are_changed_by_the_mouse_which_then_does_not_move_the_camera(self):
@@ -243,7 +246,7 @@ class Settings(WindowTest):
             keys += window.recorded(lambda: window.click((self.LEFT + 10, self.ROWS[0])))
             self.assertEqual(self.bare(window), lit)
             keys += window.recorded(lambda: window.drag((self.LEFT + 20, self.ROWS[3]), (self.LEFT + 80, self.ROWS[3]),
-                                                        (self.LEFT + 130, HEIGHT - 20)))  # the exposure
+                                                        (self.LEFT + 130, HEIGHT - 20)))  # set the exposure
             keys += window.recorded(lambda: window.click((self.LEFT + 60, self.ROWS[4]), button=4))
             self.assertFalse(self.bare(window) == lit)
             self.assertEqual({tuple(key["eye"]) for key in keys}, {tuple(keys[0]["eye"])})

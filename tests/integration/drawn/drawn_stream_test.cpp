@@ -1,5 +1,5 @@
-// A window's threads in one process with a server: a stream refines, receives and decodes while a renderer
-// draws its cuts. Runs under the thread sanitizer.
+// Runs a server and the threads of a window in one process: a stream refines, receives and decodes while a
+// renderer draws its cuts. The thread sanitizer runs these tests.
 
 #include <filesystem>
 #include <memory>
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 using stream::Streamer;
 using stream::StreamStatus;
 
-/// Skips if no OpenGL 4.5 context can be made.
+/// Fixture that skips its tests if no OpenGL 4.5 context can be created.
 class DrawnStreaming : public Streaming {
  protected:
   void SetUp() override {
@@ -50,7 +50,7 @@ TEST_F(DrawnStreaming, drawsWholeCutsWhileTheCameraMovesAndEndsInThePictureOfASt
   Streamer streamer(served_, threads(2));
   const ModelSummary& model = streamer.waitForModel(kPatience);
   render::ResidencyOptions tight;
-  tight.spare_bytes = 0;  // what a cut no longer has goes at once
+  tight.spare_bytes = 0;  // evicts meshes as soon as the cut no longer has them
   render::Renderer renderer(model.lattice.step, tight);
   const render::Framebuffer target(640, 480, 1);
   streamer.setView(viewAt(0, model), 0.5f);
@@ -66,7 +66,8 @@ TEST_F(DrawnStreaming, drawsWholeCutsWhileTheCameraMovesAndEndsInThePictureOfASt
   const core::View last = viewAt(kFrames / 4, model);
   streamer.setView(last, 0.5f);
   renderer.show(streamer.waitUntilSettled(kPatience).cut);
-  for (int cuts = 0; cuts < 2; ++cuts) renderer.uploadInRenderThread({.wait = true});  // one may be under way
+  // Upload twice, because the upload of an earlier cut may be in progress.
+  for (int cuts = 0; cuts < 2; ++cuts) renderer.uploadInRenderThread({.wait = true});
   ASSERT_TRUE(renderer.upToDate());
 
   Streamer fresh(served_, threads(1));
@@ -78,7 +79,7 @@ TEST_F(DrawnStreaming, drawsWholeCutsWhileTheCameraMovesAndEndsInThePictureOfASt
   EXPECT_TRUE(pictureOf(renderer, last).rgba == pictureOf(other, last).rgba);
 }
 
-/// A closed model of 60,000 triangles, served from two builds by turns.
+/// A closed model of 60,000 triangles. The server serves two builds of the model by turns.
 class DrawnFading : public DrawnStreaming {
  protected:
   DrawnFading() {
@@ -158,7 +159,7 @@ TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhoseRegionsArriveOneByOn
   EXPECT_GT(watch.counts().inside, 500'000u);
 }
 
-/// Each threshold's cut arrives while parts of the one before are missing.
+/// The cut of each threshold arrives while parts of the previous cut are still missing.
 TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhoseNewerCutsKeepComing) {
   constexpr unsigned kCameras = 12;
   std::mt19937 random(5);
@@ -183,7 +184,8 @@ TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhoseNewerCutsKeepComing)
   EXPECT_GT(watch.counts().inside, 500'000u);
 }
 
-/// A larger model: about 40 MB if all of it is drawn, with leaves of so many triangles.
+/// A larger model, which takes about 40 MB if it is drawn completely. The parameter is the number of
+/// triangles per leaf.
 class DrawnWithinMemory : public DrawnStreaming, public testing::WithParamInterface<uint32_t> {
  protected:
   DrawnWithinMemory() {

@@ -9,24 +9,24 @@
 
 namespace lode::test {
 
-/// A picture read from its file; its size is 0 if it cannot be read.
+/// A picture that was read from a file. The size is 0 if the file cannot be read.
 struct Picture {
   int width_px = 0, height_px = 0;
-  std::vector<uint8_t> pixels;  ///< three bytes each
+  std::vector<uint8_t> pixels;  ///< three bytes per pixel
 
   explicit Picture(const std::filesystem::path& file);
 
   const uint8_t* pixel(int x, int y) const {
     return pixels.data() + (static_cast<size_t>(y) * width_px + x) * 3;
   }
-  /// Returns the share of pixels that are not background, from a corner to the lower right one. The
-  /// background is nearly one colour per row: it is dithered.
+  /// Returns the share of pixels that are not background, in the area from (left, top) to the lower right
+  /// corner. Each row of the background has nearly one colour; dithering changes it slightly.
   double covered(int left, int top) const;
-  /// Counts the levels of red in the middle row.
+  /// Counts the distinct values of red in the middle row.
   size_t shades() const;
 };
 
-/// Writes a PNG. @param pixels  three bytes each.
+/// Writes a PNG. @param pixels  three bytes per pixel.
 void writePicture(const std::filesystem::path& file, int width_px, int height_px,
                   const std::vector<uint8_t>& pixels);
 

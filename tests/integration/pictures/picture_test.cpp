@@ -1,4 +1,4 @@
-// Pictures drawn off-screen, and of the window under a virtual display.
+// Tests of pictures that are drawn off-screen, and of pictures of the window under a virtual display.
 
 #include "tests/integration/pictures/picture.h"
 
@@ -148,7 +148,7 @@ TEST(Window, showsAModelUnderAVirtualDisplay) {
   const Picture picture(file);
   ASSERT_EQ(picture.width_px, 1000);
   ASSERT_EQ(picture.height_px, 800);
-  EXPECT_GT(picture.covered(500, 400), 0.1);  // right of the panel and below it
+  EXPECT_GT(picture.covered(500, 400), 0.1);  // the area right of the panel and below it
   EXPECT_LT(picture.covered(500, 400), 0.9);
 }
 

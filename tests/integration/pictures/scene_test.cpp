@@ -1,4 +1,4 @@
-// Scenes, drawn off-screen.
+// Tests of scenes that are drawn off-screen.
 
 #include <optional>
 
@@ -25,7 +25,8 @@ class Scenes : public testing::Test {
                  const std::string& camera = "camera.json") {
     std::vector<std::string> arguments{"render", target,    "--camera", folder_ / camera,
                                        "--size", "160x120", "-o",       folder_ / (name + ".png")};
-    if (target.extension() != ".json") arguments.insert(arguments.end(), {"--up", "z"});  // as scenes have it
+    // The scenes have the same up axis.
+    if (target.extension() != ".json") arguments.insert(arguments.end(), {"--up", "z"});
     const Outcome outcome = lodestream(arguments);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return Picture(folder_ / (name + ".png"));
@@ -35,7 +36,7 @@ class Scenes : public testing::Test {
     writeBytes(folder_ / (name + ".json"), scene);
     return render(name, folder_ / (name + ".json"), camera);
   }
-  /// Returns the largest difference of a channel, without the so many most different pixels.
+  /// Returns the largest difference of a channel. Ignores the `but_for` most different pixels.
   static int difference(const Picture& a, const Picture& b, size_t but_for) {
     std::vector<int> worst;
     for (size_t i = 0; i < a.pixels.size() && i < b.pixels.size(); ++i)
@@ -74,7 +75,7 @@ TEST_F(DrawnScenes, areShownToACameraAsNearAsTheModelWouldBe) {
 }
 
 TEST_F(DrawnScenes, showAModelThatIsMovedTurnedAndScaledToACameraThatIsSoToo) {
-  // The camera turned by a quarter about z, scaled by 2 and moved aside.
+  // The camera is turned by 90 degrees about z, scaled by 2 and moved aside.
   writeBytes(folder_ / "moved.json",
              R"({"keys": [{"t": 0, "eye": [18, 20, 32], "target": [10, 20, 30], "up": [0, 0, 1]}]})");
   const Picture model = render("model", store_);

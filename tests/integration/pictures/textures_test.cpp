@@ -1,4 +1,4 @@
-// Textured models, from the PLY and its image to the picture.
+// Tests of textured models, from the PLY file and its image to the picture.
 
 #include <cmath>
 #include <sstream>
@@ -15,7 +15,7 @@ namespace {
 constexpr int kImagePx = 2048, kSquarePx = 128, kWidthPx = 400, kHeightPx = 300;
 constexpr double kFovYDeg = 45;
 
-/// Returns the colour of a texel's square: one bit per channel, no two neighbours alike.
+/// Returns the colour of a texel's square, one bit per channel. Neighbouring squares have different colours.
 unsigned colourAt(double x_px, double y_px) {
   const auto column = static_cast<unsigned>(x_px / kSquarePx), row = static_cast<unsigned>(y_px / kSquarePx);
   return (column * 3 + row * 5) % 7 + 1;
@@ -74,14 +74,15 @@ class CheckeredSheet : public testing::Test {
             "--size",   std::to_string(kWidthPx) + "x" + std::to_string(kHeightPx)};
   }
 
-  /// Counts pixels well inside a square of the image, and those that show another colour.
+  /// Number of pixels well inside a square of the image, and how many of them show another colour.
   struct Comparison {
     int pixels = 0, wrong = 0;
   };
   /// @param coarser  extra level-0 texels that a drawn texel may cover.
   static Comparison compare(const Picture& picture, double x, double y, double height, double coarser = 0) {
     const double pixel = 2 * height * std::tan(kFovYDeg / 360 * 3.14159265358979) / kHeightPx;
-    const double margin_px = 4 + 2 * pixel * kImagePx + coarser;  // texels: filtering, and lossy tiles
+    // Margin in texels, for filtering and lossy tiles.
+    const double margin_px = 4 + 2 * pixel * kImagePx + coarser;
     Comparison result;
     for (int row = 0; row < kHeightPx; ++row)
       for (int column = 0; column < kWidthPx; ++column) {
@@ -164,7 +165,7 @@ class DamagedSheet : public CheckeredSheet {
     writeBytes(file, bytes);
   }
 
-  /// Expects success with a warning that says how much is missing and why.
+  /// Expects success, with a warning that tells how much is missing and why.
   static nlohmann::json expectNotConverged(const Outcome& outcome) {
     EXPECT_EQ(outcome.status, 1);
     EXPECT_NE(outcome.err.find("did not converge"), std::string::npos) << outcome.err;

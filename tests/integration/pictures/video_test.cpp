@@ -1,4 +1,4 @@
-// Videos that are not made: a signal interrupts the drawing of their frames, or they would replace their
+// Tests of videos that cannot be made, because a signal interrupts the drawing or the video would replace its
 // model.
 
 #include <csignal>

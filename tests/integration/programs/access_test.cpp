@@ -1,4 +1,4 @@
-// Tokens and TLS options of the client and the server.
+// Tests of the options for tokens and TLS, of client and server.
 
 #include <string>
 #include <vector>

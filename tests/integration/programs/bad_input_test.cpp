@@ -1,4 +1,4 @@
-// Bad input: commands fail with one line that names the file, and leave nothing behind.
+// Tests of bad input. Commands fail with one line that names the file, and leave no file behind.
 
 #include <cmath>
 #include <cstdlib>
@@ -19,10 +19,11 @@ namespace {
 struct BadPly {
   const char* what;
   std::string bytes;
-  std::vector<std::string> named;  ///< expected in the message, besides the file's name
+  std::vector<std::string> named;  ///< texts that the message must contain, besides the file's name
 };
 
-/// Returns the header of three float vertices and one triangle. @param format  with its version.
+/// Returns the header of a file with three float vertices and one triangle. @param format format with its
+/// version.
 std::string header(const std::string& format, int faces = 1) {
   return "ply\nformat " + format +
          "\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face " +
@@ -128,7 +129,8 @@ TEST(BadInput, isNamedByFetchWhichLeavesNothingBehind) {
     SCOPED_TRACE(name);
     expectFailure(lodestream({"fetch", folder / name, "-o", folder / "cut.ply"}, cache), {name});
   }
-  std::filesystem::remove(folder / "cache" / "lodestream" / "stores");  // only if it is empty
+  // Succeeds only if the folder is empty.
+  std::filesystem::remove(folder / "cache" / "lodestream" / "stores");
   std::filesystem::remove(folder / "cache" / "lodestream");
   std::filesystem::remove(folder / "cache");
   EXPECT_EQ(folder.contents(),
@@ -155,7 +157,7 @@ TEST(BadInput, isNamedByFetchIfItsCameraIsNone) {
   }
 }
 
-/// Occupies a loopback port with a socket that listens or does not.
+/// Occupies a loopback port by a socket, which may listen.
 class TakenPort {
  public:
   explicit TakenPort(bool listens) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {

@@ -1,4 +1,5 @@
-// The client opens a PLY: it builds a store, keeps it in the cache and reuses it.
+// Tests of a client that opens a PLY file. The client builds a store, keeps the store in its cache and reuses
+// it.
 
 #include <csignal>
 #include <filesystem>
@@ -70,7 +71,7 @@ TEST_F(BuiltStore, isBuiltAnewOfAFileThatChangesAndKeepsItsSizeAndTime) {
   EXPECT_NE(readBytes(stores().at(0)), before);
 }
 
-/// Returns when the process is stopped.
+/// Stops a process, and returns when it is stopped.
 void stop(pid_t process) {
   kill(process, SIGSTOP);
   const std::string status = "/proc/" + std::to_string(process) + "/stat";
@@ -124,7 +125,7 @@ TEST_F(BuiltStore, isBuiltAnewWhenTheFileHasChangedAndTheOneBeforeGoes) {
   EXPECT_NE(stores(), before);
 }
 
-/// PNG of one pixel, in hexadecimal digits.
+/// A PNG file of one pixel, in hexadecimal digits.
 constexpr std::string_view kRed =
     "89504e470d0a1a0a0000000d4948445200000001000000010802000000907753de0000000c49444154789c63f8"
     "cfc0000003010100c9fe92ef0000000049454e44ae426082";
@@ -173,7 +174,7 @@ TEST_F(BuiltStore, isBuiltAnewAfterAnImageThatCameWhileItWasBuilt) {
   bytes.insert(bytes.find("element"), "comment TextureFile red.png\n");
   writeBytes(ply, bytes);
   Program program("lodestream", fetchOf(ply), environment_);
-  waitForFile(folder_ / "cache", ".lode");  // it has the name when the build is over
+  waitForFile(folder_ / "cache", ".lode");  // the store gets this name when the build is over
   writeImage(folder_ / "red.png", kRed);
   EXPECT_EQ(program.wait().status, 0);
   EXPECT_EQ(Json::parse(fetch(ply).out).value("tiles", -1), 1);

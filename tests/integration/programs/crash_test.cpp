@@ -1,4 +1,5 @@
-// A client is killed while it writes its cache, or its disk is full: the next client shows the same picture.
+// Tests of a client that is killed while it writes its cache, or whose disk is full. The next client must
+// show the same picture.
 
 #include <chrono>
 #include <csignal>
@@ -17,7 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Strings = std::vector<std::string>;
 
-constexpr double kMostBytesOfAFile = 2000;  // about what a blob of these models takes
+constexpr double kMostBytesOfAFile = 2000;  // typical size of a blob of these models
 
 struct Kills {
   int all = 0, while_writing = 0;
@@ -58,7 +59,7 @@ class KilledClient : public testing::Test {
     EXPECT_TRUE(readBytes(folder_ / "found.ply") == expected_);
   }
 
-  /// @param moment  as a fraction of a client's run time. @return whether the client was still running.
+  /// @param moment  time as a fraction of a client's run time. @return true if the client was still running.
   bool killsAt(double moment, const std::string& cache) const {
     Program client("lodestream", fetch({"--cache", cache}));
     std::this_thread::sleep_for(moment * undisturbed_);
@@ -66,7 +67,8 @@ class KilledClient : public testing::Test {
     return client.wait().status == 128 + SIGKILL;
   }
 
-  /// The system kills a client in the write that exceeds a file size limit. @return whether it did.
+  /// Runs a client with a limit of the file size. The system kills the client at the write that exceeds the
+  /// limit. @return true if the client was killed.
   bool killsWhileWriting(int longest_bytes, const std::string& cache) const {
     Strings limited{"--core=0", "--fsize=" + std::to_string(longest_bytes), LODE_BIN_DIR "/bin/lodestream"};
     const Strings fetching = fetch({"--cache", cache});
@@ -74,9 +76,9 @@ class KilledClient : public testing::Test {
     return Program("prlimit", limited).wait().status == 128 + SIGXFSZ;
   }
 
-  /// Kills clients alternately at a random moment and within a random file of their cache. After every third,
-  /// a client shows the whole model, then again without the server. @return number of killed clients, and of
-  /// those that left a partial file.
+  /// Kills clients, by turns at a random moment and within a random file of their cache. After every third
+  /// kill, a client shows the whole model, then shows it again without the server. @return number of killed
+  /// clients, and how many of them left a partial file.
   Kills killMany(int kills, uint32_t seed) const {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> part(0, 1);
@@ -88,7 +90,8 @@ class KilledClient : public testing::Test {
       const bool within_a_file = rounds % 2 == 0;
       const bool hit = within_a_file
                            ? killsWhileWriting(1 + static_cast<int>(drawn * kMostBytesOfAFile), cache)
-                           : killsAt(drawn * drawn, cache);  // early: later all is in the cache
+                           : killsAt(drawn * drawn, cache);  // an early moment, because later everything is
+                                                             // in the cache
       if (hit) ++killed.all;
       const bool left_a_part = unfinishedFiles(cache) > unfinished;
       if (left_a_part) ++killed.while_writing;

@@ -1,4 +1,4 @@
-// Tests of damaged stores: a changed byte anywhere, or a missing end.
+// Tests of damaged stores, in which a byte is changed or the end is missing.
 
 #include <algorithm>
 #include <iterator>
@@ -17,7 +17,7 @@ namespace {
 
 enum class Part { kHeader, kPayload, kOriginal, kPage, kTable, kFooter };
 
-/// Position and part of a changed byte.
+/// Position of a changed byte, and the part of the store that contains it.
 struct Damage {
   uint64_t offset = 0;
   Part part = Part::kHeader;
@@ -26,7 +26,7 @@ struct Damage {
 constexpr uint64_t kHeaderBytes = 188, kFooterBytes = 24;
 constexpr int kPlacesInAPart = 10;
 
-/// Random positions in every part of a store, from a seed.
+/// Chooses random positions in every part of a store, from a seed.
 class DamagePlan {
  public:
   explicit DamagePlan(const std::filesystem::path& store) : reader_(store) {
@@ -75,14 +75,15 @@ class DamagePlan {
 
 class DamagedStore : public testing::Test {
  protected:
-  /// Streams the original triangles of all leaves into cut.ply. @return the outcome: never converged, because
-  /// no lattice is as fine as the requested precision.
+  /// Streams the original triangles of all leaves into cut.ply. @return the outcome. The stream never
+  /// converges, because no lattice is as fine as the requested precision.
   Outcome fetchAll(const std::filesystem::path& store) const {
     std::filesystem::remove(cut_);
     return lodestream({"fetch", store, "--pixels", "0.01", "--timeout", "60", "-o", cut_});
   }
 
-  /// Calls the function with a damaged.lode for each payload of a coarser level that has a changed byte.
+  /// For each payload of a coarser level, changes a byte in a copy of the store, damaged.lode, and calls the
+  /// function.
   template <typename Act>
   void damagePayloads(const Act& act) const {
     DamagePlan plan(sound_);
@@ -130,7 +131,7 @@ TEST_F(DamagedStore, givesNoWrongCut) {
     SCOPED_TRACE("byte " + std::to_string(damage.offset));
     writeBytes(damaged_, plan.apply(readBytes(sound_), damage));
     const Outcome outcome = fetchAll(damaged_);
-    if (std::filesystem::exists(cut_) && damage.part == Part::kPayload) {  // an LOD that was not needed
+    if (std::filesystem::exists(cut_) && damage.part == Part::kPayload) {  // the damaged LOD was not needed
       EXPECT_TRUE(readBytes(cut_) == right_cut);
     } else {
       expectFailure(outcome, {"damaged.lode"});

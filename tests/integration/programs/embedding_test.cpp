@@ -1,4 +1,4 @@
-// The library for other programs, as they meet it: installed, found, compiled against and run.
+// Tests of the library for other programs: programs find the installed library, compile with it and run.
 
 #include <filesystem>
 #include <string>
@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An installed tree, without the sources and the build that it came from.
+/// An installed tree. The sources and the build from which it was installed are not accessible.
 class Embedding : public testing::Test {
  protected:
   void SetUp() override {
@@ -68,7 +68,7 @@ TEST_F(Embedding, buildsAndRunsTheExamplesWithFindPackage) {
   expectWalk(build / "embed_c", server.url("small"));
 }
 
-/// Converges with options of zeros, or not.
+/// Program that opens a stream with zeros as options. It succeeds if the stream converges.
 constexpr const char* kZeroOptions = R"(
 #include <lodestream.h>
 #include <stdio.h>
@@ -99,7 +99,8 @@ TEST_F(Embedding, takesOptionsOfZerosForTheDefault) {
   EXPECT_EQ(run(program, {server.url("small")}), "converged\n");
 }
 
-/// Fails to open no address; then says what the last error is when no cut is there yet.
+/// Program that fails to open a stream without an address. Then it prints the last error while there is no
+/// cut.
 constexpr const char* kNothingYet = R"(
 #include <lodestream.h>
 #include <stdio.h>

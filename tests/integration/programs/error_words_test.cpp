@@ -1,4 +1,4 @@
-// Errors without a usable server: one line that says what failed and, once, what to do.
+// Tests of errors without a usable server. The message has one line: what failed and, once, what to do.
 
 #include <csignal>
 #include <optional>

@@ -1,5 +1,4 @@
-// The main job: models served on loopback, fetched until they have converged, and what fetch and list say of
-// it.
+// Tests of fetch and list. Models are served on loopback and fetched until they have converged.
 
 #include <algorithm>
 #include <array>
@@ -22,7 +21,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Triangles of a cut's file, by the numbers of their positions: vertices at one place have one number.
+/// The triangles of a cut's file, as numbers of positions. Vertices at one position have one number.
 struct CutFile {
   std::vector<std::array<uint32_t, 3>> triangles;
 
@@ -44,7 +43,7 @@ struct CutFile {
         });
   }
 
-  /// Edges that an odd number of triangles uses.
+  /// Counts the edges that an odd number of triangles use.
   size_t openEdges() const {
     std::vector<std::pair<uint32_t, uint32_t>> edges;
     for (const auto& [a, b, c] : triangles)
@@ -90,7 +89,7 @@ class Fetch : public testing::TestWithParam<Model> {
     return Json::parse(outcome.out, nullptr, false);
   }
 
-  /// A path that frames the model and then goes near to one of its sides.
+  /// Writes a camera path that frames the model, then approaches one of its sides.
   std::string writeApproach() const {
     const ModelSummary model = store::Reader(GetParam().store()).summary();
     const glm::dvec3 low = model.lattice.toWorld(model.box.min), high = model.lattice.toWorld(model.box.max);

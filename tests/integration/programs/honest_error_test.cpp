@@ -17,9 +17,9 @@ namespace lode::test {
 namespace {
 
 constexpr size_t kSamplesOfLod = 30000;
-constexpr size_t kMaxLods = 200;  ///< checked per model, evenly spread
+constexpr size_t kMaxLods = 200;  ///< largest number of LODs to check per model, evenly spread
 
-/// Original surface below a node.
+/// Returns the original surface below a node.
 TriangleSoup leavesBelow(const store::Reader& reader, NodeKey key) {
   TriangleSoup soup;
   for (const Node& node : reader.nodes()) {
@@ -83,8 +83,9 @@ TEST_P(HonestError, isAtLeastWhatDenseSamplingFinds) {
 
 INSTANTIATE_TEST_SUITE_P(Of, HonestError, testing::ValuesIn(models()), nameOf);
 
-// In this sample an LOD of 8,689 triangles deviates most where its source already deviates most, inside a
-// triangle of a leaf. If that point is not sampled, the stored error is 0.91 of the true one.
+// In this sample, the LOD of 8,689 triangles deviates most at the place where its source deviates most. This
+// place is inside a triangle of a leaf. Without a sample at this place, the stored error would be 0.91 times
+// the true error.
 TEST(HonestErrorOfSample, countsAWorstPlaceThatIsNoVertexInTheLodsAbove) {
   const WorkFolder folder;
   const std::string model = folder / "a.ply", store = folder / "a.lode";

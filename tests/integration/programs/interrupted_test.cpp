@@ -1,4 +1,5 @@
-// A signal ends lodestreamd commands while they write: they remove partial files and report it.
+// Tests of lodestreamd commands that a signal ends while they write. They remove partial files and report the
+// signal.
 
 #include <chrono>
 #include <csignal>
@@ -19,7 +20,8 @@ using Strings = std::vector<std::string>;
 
 class InterruptedCommand : public testing::Test {
  protected:
-  /// Sends a signal once the command has created a file or folder, and expects that it removes it.
+  /// Sends a signal when the command has created a file or folder. Expects that the command removes the file
+  /// or folder.
   void expectNothingLeft(const Strings& command, int signal) const {
     const Strings before = folder_.contents();
     Program program("lodestreamd", command);

@@ -44,7 +44,7 @@ class Invariants : public testing::TestWithParam<Model> {
 
 using Corners = std::array<uint64_t, 3>;
 
-/// Positions of a triangle, smallest first, with its orientation.
+/// Returns the corners of a triangle, rotated so that the smallest comes first.
 Corners canonical(Corners corners) {
   std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
   return corners;
@@ -118,7 +118,7 @@ size_t crowdedEdges(const store::Reader& reader, const store::NodeTree& tree, co
   return crowded;
 }
 
-/// Excludes the root: that of a porous model has too few triangles for all handles.
+/// Excludes the root, because the root of a porous model has too few triangles for all handles.
 TEST_P(Invariants, randomCutsOfManifoldsHaveNoEdgeOfMoreThanTwoTriangles) {
   if (!GetParam().is_closed) GTEST_SKIP() << GetParam().name << " has boundaries";
   ASSERT_EQ(crowdedEdges(*reader_, *tree_, store::leafCut(*tree_)), 0u);
@@ -161,7 +161,7 @@ std::unordered_map<uint64_t, VertexAttributes> singleWedges(const Mesh& mesh) {
   return single;
 }
 
-/// Returns the computed normals of the original surface at each position: several on a crease.
+/// Returns the computed normals of the original surface at each position. A position on a crease has several.
 std::unordered_map<uint64_t, std::set<uint16_t>> originalNormals(const store::Reader& reader) {
   std::unordered_map<uint64_t, std::set<uint16_t>> normals;
   for (const Node& node : reader.nodes()) {
@@ -173,7 +173,7 @@ std::unordered_map<uint64_t, std::set<uint16_t>> originalNormals(const store::Re
   return normals;
 }
 
-/// Nodes may each have one side of a crease; then each has one of the original normals there.
+/// Two nodes may each have one side of a crease. Then each has one of the original normals at the crease.
 TEST_P(Invariants, I5VerticesSharedByPartsOfACutHaveTheSameAttributesInAll) {
   std::unordered_map<uint64_t, std::set<uint16_t>> original;
   if (reader_->summary().attributes.has(AttributeSet::kComputedNormal)) original = originalNormals(*reader_);

@@ -1,4 +1,4 @@
-// Many clients from one process: what loadtest says of a server that answers, and of one that does not.
+// Tests of the reports of loadtest, about a server that answers and about a server that does not.
 
 #include <chrono>
 #include <csignal>
@@ -25,7 +25,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Takes connections, and says nothing.
+/// A server that accepts connections and sends nothing.
 class SilentServer {
  public:
   SilentServer() {
@@ -47,7 +47,7 @@ class SilentServer {
     pollfd waiting{socket_, POLLIN, 0};
     EXPECT_EQ(poll(&waiting, 1, static_cast<int>(std::chrono::milliseconds(kPatience).count())), 1);
   }
-  /// To the next that comes, and closes.
+  /// Sends a text to the next connection, and closes it.
   void sayOnce(std::string_view text) const {
     waitForAConnection();
     const int client = accept(socket_, nullptr, nullptr);
@@ -73,7 +73,7 @@ class Loadtest : public testing::Test {
     return Json::parse(outcome.out);
   }
 
-  /// A path of a tenth of a second, which is replayed every second.
+  /// Writes a camera path of a tenth of a second. Clients replay the path every second.
   std::string shortPath() {
     const std::filesystem::path file = folder_ / "path.json";
     std::ofstream(file) << R"({"fov_y_deg": 45, "keys": [
@@ -178,16 +178,16 @@ TEST_F(Loadtest, thatIsInterruptedTellsWhatItHasSeen) {
   EXPECT_EQ(told.value("started", 0), 1);
 }
 
-/// A load test of a store file that is under way.
+/// A running load test of a store file.
 class LoadtestOfAFile : public testing::Test {
  protected:
   LoadtestOfAFile() { silent_.waitForAConnection(); }
-  /// The server that it has started.
+  /// Returns the server processes that the load test has started.
   Processes servers() const { return processesNaming(store_.string() + " --listen"); }
 
   WorkFolder folder_;
   const std::filesystem::path store_ = makeSmallStore(folder_);
-  const SilentServer silent_;  // is asked when the clients begin
+  const SilentServer silent_;  // server to which the clients connect
   Program test_{
       "lodestream",
       {"loadtest", store_, silent_.url(), "--full", "--clients", "2", "--seconds", "600", "--ramp", "0"}};

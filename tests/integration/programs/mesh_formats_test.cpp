@@ -1,5 +1,5 @@
-// Checks OBJ and GLB with an independent reader: assimp converts each to a PLY, which must hold the triangles
-// of the PLY that we write.
+// Checks OBJ and GLB files with an independent reader. assimp converts each file to a PLY file, which must
+// contain the same triangles as the PLY file that lodestream writes.
 
 #include <algorithm>
 #include <array>
@@ -18,12 +18,12 @@
 namespace lode::test {
 namespace {
 
-using Corner = std::array<double, 6>;  // position and normal, both rounded
+using Corner = std::array<double, 6>;  // rounded position, then rounded normal
 using Triangle = std::array<Corner, 3>;
 
 double rounded(double value, double step) { return std::round(value / step) + 0.0; }
 
-/// All triangles by value, sorted, each with its smallest corner first.
+/// Returns all triangles by value, sorted. The smallest corner of each triangle comes first.
 std::vector<Triangle> trianglesOf(const std::filesystem::path& ply) {
   std::vector<Corner> corners;
   std::vector<Triangle> triangles;
@@ -104,7 +104,7 @@ TEST(StandardOutput, takesAPlyFromExportAndFetchWhereItIsAFile) {
   }
 }
 
-/// A file opened under this name would overwrite existing content.
+/// Opening the file under this name would overwrite its content.
 TEST(StandardOutput, isLeftAloneWhereItHasSomethingInItOrIsAppendedTo) {
   const WorkFolder folder;
   const std::string store = makeSmallStore(folder), log = (folder / "log").string();

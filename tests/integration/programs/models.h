@@ -19,14 +19,14 @@ struct Model {
   bool exists() const { return std::filesystem::exists(store()) && std::filesystem::exists(input); }
 };
 
-/// All of them; those made of scans exist only with LODESTREAM_TEST_DATA.
+/// Returns all models. Models made from scans exist only if LODESTREAM_TEST_DATA is set.
 const std::vector<Model>& models();
 
-/// What a failing test calls it.
+/// Prints the name of the model in the messages of a failing test.
 inline void PrintTo(const Model& model, std::ostream* out) { *out << model.name; }
 inline std::string nameOf(const testing::TestParamInfo<Model>& model) { return model.param.name; }
 
-/// Skips the running test, saying why, if the model was not made.
+/// Skips the running test, with the reason, if the model was not made.
 #define LODE_REQUIRE_MODEL(model) \
   if (!(model).exists())          \
   GTEST_SKIP() << "no " << (model).store() << ": set LODESTREAM_TEST_DATA to a folder of scans"

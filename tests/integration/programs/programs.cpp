@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kCannotStart = 127;
 
-/// Between fork and exec.
+/// Runs a program in the forked child. Makes only calls that are safe between fork and exec.
 [[noreturn]] void become(const std::vector<char*>& arguments, const std::vector<char*>& environment, int out,
                          int err) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -46,7 +46,7 @@ std::vector<char*> pointersTo(std::vector<std::string>& texts) {
   return pointers;
 }
 
-/// @return false if there is nothing to read until the deadline.
+/// Waits for input. @return false if there is nothing to read until the deadline.
 bool waitToRead(int file, Clock::time_point deadline) {
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
   pollfd ready{file, POLLIN, 0};
@@ -136,7 +136,7 @@ Outcome lodestreamd(const std::vector<std::string>& arguments, const std::vector
 }
 
 Outcome lodestream(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) {
-  const WorkFolder cache;  // the user's own is none of a test's business
+  const WorkFolder cache;  // tests do not use the cache of the user
   std::vector<std::string> whole{"XDG_CACHE_HOME=" + cache.path().string()};
   whole.insert(whole.end(), environment.begin(), environment.end());
   return Program("lodestream", arguments, whole).wait();

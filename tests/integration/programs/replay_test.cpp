@@ -1,4 +1,4 @@
-// replay: a camera path in real time, and what it says of it.
+// Tests of replay, which follows a camera path in real time and reports on it.
 
 #include <array>
 #include <string>
@@ -83,7 +83,7 @@ TEST(Replay, recordsATraceThatALoadTestReplays) {
   EXPECT_GT(json["latency_ms"]["visible"]["count"], 0);
 }
 
-/// A trace of the small model, whose file the test may change.
+/// A trace of the small model. A test may change the file of the trace.
 class ReplayedTrace : public testing::Test {
  protected:
   void SetUp() override {

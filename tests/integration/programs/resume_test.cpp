@@ -1,5 +1,5 @@
-// lodestreamd build --resume: a build is killed at any moment, the same command continues, and the store
-// equals that of an undisturbed build.
+// Tests of lodestreamd build --resume. A build is killed at any moment, and the same command continues it.
+// The store must equal the store of an undisturbed build.
 
 #include <algorithm>
 #include <chrono>
@@ -51,10 +51,11 @@ class ResumedBuild : public testing::Test {
     return all;
   }
 
-  /// Kills builds, including resumed ones, each at a random moment of an undisturbed build's duration, until
-  /// the given number were killed. Lets every sixth build finish, so that some do on a slow machine. A
-  /// finished build must have written the same bytes and no other file.
-  /// @return number of builds that continued a killed one.
+  /// Kills builds until the given number is killed. Each build is killed at a random moment within the
+  /// duration of an undisturbed build; resumed builds are killed too. Every sixth build may finish, so that
+  /// some builds finish even on a slow machine. A finished build must have written the same bytes and no
+  /// other file.
+  /// @return number of builds that continued a killed build.
   int killMany(int kills, uint32_t seed) const {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> part(0, 1);
@@ -93,7 +94,8 @@ class ResumedBuild : public testing::Test {
     EXPECT_EQ(folder_.contents(), before_);
   }
 
-  /// Builds, and sends a signal once the journal has the scan. @return the build's outcome.
+  /// Starts a build, and sends a signal when the journal has recorded the scan. @return the outcome of the
+  /// build.
   Outcome signalAfterScan(const Strings& more, int signal) const {
     const auto journal = folder_ / ".a.lode.building/journal";
     const auto bytes = [&] {

@@ -1,4 +1,4 @@
-// Command lines of lodestreamd for scripts: exit statuses, one line on stderr, JSON keys.
+// Tests of lodestreamd's command lines as scripts use them: exit statuses, one line on stderr, JSON keys.
 
 #include <cstdlib>
 #include <filesystem>
@@ -43,7 +43,8 @@ class ServerCommands : public testing::Test {
     EXPECT_LE(forecast, 1.5 * actual);
     EXPECT_GE(forecast, actual / 1.5);
   }
-  /// The forecast does not include a sanitizer's memory.
+  /// Expects that the memory is within half of the forecast. With a sanitizer, expects nothing, because the
+  /// forecast does not include the sanitizer's memory.
   static void expectMemoryWithinHalf([[maybe_unused]] double forecast, [[maybe_unused]] double actual) {
 #ifndef LODE_SANITIZED
     expectWithinHalf(forecast, actual);
@@ -89,7 +90,7 @@ TEST_F(ServerCommands, tellProgramsHowFarEachStageOfABuildIs) {
     if (stages.empty() || stages.back() != stage) stages.push_back(stage);
   }
   EXPECT_EQ(last, 1) << stages.back();
-  std::erase(stages, "border");  // present only in large models
+  std::erase(stages, "border");  // only large models have this stage
   EXPECT_EQ(stages,
             (std::vector<std::string>{"scan", "dereference", "sort", "partition", "simplify", "pack"}));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "a.lode"));

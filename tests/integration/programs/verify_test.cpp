@@ -1,4 +1,4 @@
-// Tests of lodestreamd verify as scripts call it.
+// Tests of lodestreamd verify, as scripts call it.
 
 #include <string>
 #include <utility>

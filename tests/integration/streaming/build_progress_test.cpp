@@ -1,4 +1,4 @@
-// A PLY as target: the client builds it with lodestreamd and reports the progress.
+// Tests of a PLY file as target. The client builds a store by lodestreamd and reports the progress.
 
 #include <cstdlib>
 #include <fstream>
@@ -28,7 +28,7 @@ TEST(BuildOfATarget, tellsItsStagesAndHowFarTheyAreAndNothingWhereItWasDoneBefor
   EXPECT_TRUE(stages.empty());
 }
 
-/// Two files, and disk space for the store of one.
+/// Two files, and cache space for the store of one of them.
 class StoresOfTargets : public testing::Test {
  protected:
   StoresOfTargets() {

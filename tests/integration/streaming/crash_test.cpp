@@ -1,4 +1,5 @@
-// A server is killed repeatedly while clients stream from it: each client continues with the next server.
+// Tests of a server that is killed repeatedly while clients stream. Each client continues with the next
+// server.
 
 #include <atomic>
 #include <cmath>
@@ -36,7 +37,7 @@ class KilledServer : public testing::Test {
     start();
   }
 
-  /// Starts on a free port, and later always on the same port.
+  /// Starts the server: the first time on a free port, later always on the same port.
   void start() {
     const std::string listen = "127.0.0.1:" + std::to_string(served_.address.port);
     server_ = std::make_unique<Program>(
@@ -60,7 +61,7 @@ class KilledServer : public testing::Test {
     return streamer;
   }
 
-  /// Returns a view close to the model, from another side at each step.
+  /// Returns a view close to the model. Each step looks from another side.
   static core::View viewAt(int step, const ModelSummary& model) {
     core::CameraPath path = core::framingCamera(model);
     core::CameraKey& key = path.keys.front();
@@ -78,15 +79,15 @@ class KilledServer : public testing::Test {
     return status.cut ? app::weldCut(*status.cut, streamer.model()->attributes) : Mesh();
   }
 
-  /// Kills the server at random moments while four clients change views, and compares their final cuts with
-  /// that of an undisturbed client.
+  /// Kills the server at random moments while four clients change views. Compares their final cuts with the
+  /// cut of an undisturbed client.
   void killManyTimes(int kills, uint32_t seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> part(0, 1);
     std::vector<std::unique_ptr<Streamer>> clients(4);
     int step = 0;
     for (int kill = 0; kill < kills && !HasFailure(); ++kill) {
-      if (kill % 20 == 0)  // the clients' caches have filled: start with empty ones
+      if (kill % 20 == 0)  // the clients' caches are full, so start again with empty caches
         for (auto& client : clients) client = connect();
       for (const auto& client : clients) client->setView(viewAt(++step, *client->model()), kThresholdPx);
       std::this_thread::sleep_for(part(random) * 20ms);

@@ -1,4 +1,4 @@
-// The C API against a server: views, cuts and textures.
+// Tests of the C API with a server: views, cuts and textures.
 
 #include <chrono>
 #include <functional>
@@ -22,7 +22,7 @@ using lodestream::Status;
 using lodestream::Stream;
 using lodestream::View;
 
-constexpr uint32_t kNewsMs = 60'000;  // longer than any wait in these tests
+constexpr uint32_t kNewsMs = 60'000;  // longer than all waits in these tests
 
 /// A program that embeds the library.
 class EmbeddedStream : public Streaming {
@@ -205,7 +205,8 @@ TEST_F(EmbeddedStream, givesMeshesOfOneNameTheSameArrays) {
   Stream stream = open();
   stream.setView(viewOf(stream, 1.7));
   std::map<uint64_t, bool> has_uvs;
-  std::vector<Cut> held;  // mesh ids are unique among held cuts
+  // References that keep the cuts, because mesh ids are unique only among existing cuts.
+  std::vector<Cut> held;
   for (Status status{}; status.is_settled == 0;) {
     status = stream.step(kNewsMs);
     const Cut& cut = held.emplace_back(stream.takeCut());

@@ -1,5 +1,5 @@
-// Server and client in one process, so that sanitizers see the threads of both: views that change during
-// transfers, streams that end early, a server that shuts down.
+// Tests with server and client in one process, so that sanitizers see the threads of both. Views change
+// during transfers, streams end early, and the server shuts down.
 
 #include "client/stream/streamer.h"
 
@@ -24,7 +24,7 @@ using namespace std::chrono_literals;
 using stream::Streamer;
 using stream::StreamStatus;
 
-constexpr float kOnlyTheRootPx = 1e6f;  // the root's coarsest LOD is within this threshold
+constexpr float kOnlyTheRootPx = 1e6f;  // threshold that the root's coarsest LOD meets
 
 TEST_F(Streaming, convergesForTheLastViewHoweverOftenItChanged) {
   Streamer streamer(served_, threads(3));
@@ -80,7 +80,7 @@ TEST_F(Streaming, leavesNoThreadAndNoConnectionBehindWheneverItEnds) {
   const size_t threads_before = ownEntries("task"), descriptors_before = ownEntries("fd");
   for (int step = 0; step < 30; ++step) {
     Streamer streamer(served_, threads(2));
-    if (step % 3 == 0) continue;  // during the connection attempt
+    if (step % 3 == 0) continue;  // end the stream during the connection attempt
     const ModelSummary& model = streamer.waitForModel(kPatience);
     streamer.setView(viewAt(step, model), 0.01f);
     if (step % 3 == 1) {
@@ -101,7 +101,7 @@ TEST_F(Streaming, freesItsCutsOnItsOwnThreadAndNotWhereTheyWereShownLast) {
     streamer.setView(viewAt(1, model), threshold_px);
     ASSERT_NE(streamer.waitUntilSettled(kPatience).cut, cut);
   }
-  EXPECT_EQ(cut.use_count(), 2);  // this reference and the stream's
+  EXPECT_EQ(cut.use_count(), 2);  // this test and the stream refer to the cut
   const std::weak_ptr<const core::Cut> shown = cut;
   cut.reset();
   const auto deadline = std::chrono::steady_clock::now() + kPatience;
@@ -138,7 +138,7 @@ TEST_F(Streaming, goesOnWhenTheServerComesBack) {
   EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
 }
 
-/// The server does not have the model for a while.
+/// For a while, the server does not have the model.
 TEST_F(Streaming, goesOnWhenAServerHasTheModelAgainAndEndsWhereItIsNotToAwaitThat) {
   stream::StreamOptions options = threads(2);
   Streamer ends(served_, options);

@@ -47,7 +47,7 @@ class Streaming : public testing::Test {
     server_->reload();
   }
 
-  /// Starts on a free port, and later always on the same port.
+  /// Starts the server: the first time on a free port, later always on the same port.
   void startServer() {
     serve::ServeOptions options;
     options.stores = {folder_ / store_};
