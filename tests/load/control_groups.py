@@ -1,5 +1,5 @@
-"""Control groups of version 1 or 2 for a command whose memory and whose disk are to be small. As root; each ends in the number of
-the process that made it, and one whose process is gone is cleared up by the next.
+"""Control groups of version 1 or 2 that limit the memory and the disk of a command. They need root. The name of a group ends
+with the id of the process that made it. If that process has ended, the next process removes the group.
 """
 import contextlib
 import errno
@@ -12,12 +12,13 @@ CONTROLLERS = ("memory", "io")
 
 
 def abandoned(names):
-    """Those that end in the number of a process which is gone: runs that were killed left them."""
+    """Returns the names that end with the id of a process that no longer exists. Killed runs have left these groups."""
     return [name for name in names if not pathlib.Path(f"/proc/{str(name).rsplit('-', 1)[1]}").exists()]
 
 
 def version():
-    """1, 2, or None where neither has what limits memory and disks; 1 where a system has both, as it is there that these are."""
+    """Returns the version that can limit memory and disks: 1, 2 or None. A system with both versions has these controllers in
+    version 1."""
     if all((ROOT / kind).is_dir() for kind in ("blkio", "memory")):
         return 1
     offered = ROOT / "cgroup.controllers"
@@ -25,7 +26,7 @@ def version():
 
 
 def whole_disk(device):
-    """MAJOR:MINOR of the disk that a partition is of: only disks can be throttled."""
+    """Returns MAJOR:MINOR of the disk to which a partition belongs, because only whole disks can be throttled."""
     number = f"{os.major(device)}:{os.minor(device)}"
     there = pathlib.Path("/sys/dev/block", number)
     return (there.resolve().parent / "dev").read_text().strip() if (there / "partition").exists() else number
@@ -33,7 +34,7 @@ def whole_disk(device):
 
 @contextlib.contextmanager
 def made(groups):
-    """Groups that go with the `with`."""
+    """Makes groups. The end of the `with` removes them."""
     for parent in {group.parent for group in groups}:
         for left in abandoned(parent.glob(f"{NAME}-*")):
             left.rmdir()
@@ -55,7 +56,7 @@ def version_1(disk, bytes_per_second, memory_bytes):
 
 def move_all(there, to):
     for process in (there / "cgroup.procs").read_text().split():
-        with contextlib.suppress(ProcessLookupError):  # it has ended meanwhile
+        with contextlib.suppress(ProcessLookupError):  # the process has ended meanwhile
             (to / "cgroup.procs").write_text(process)
 
 
@@ -64,7 +65,7 @@ def switch(sign, controllers):
 
 
 def make_room(rest):
-    """All processes of the root move into a group below it."""
+    """Moves all processes of the root group into a group below it."""
     rest.mkdir()
     try:
         move_all(ROOT, rest)
@@ -83,8 +84,8 @@ def put_back(rest):
 
 @contextlib.contextmanager
 def controllers_below_the_root():
-    """Children have a controller's files where their parent hands it on, which only one may that has no processes of its own: the
-    system's root is exempt, a container's, which looks like it, is not."""
+    """Enables the controllers for the children of the root group. A group may do this only if it has no processes of its own.
+    The root of the system is exempt; the root of a container, which looks the same, is not."""
     lacking = [name for name in CONTROLLERS if name not in (ROOT / "cgroup.subtree_control").read_text().split()]
     rest = ROOT / f"{REST}-{os.getpid()}"
     with contextlib.ExitStack() as ending:
@@ -110,6 +111,6 @@ def version_2(disk, bytes_per_second, memory_bytes):
         stack.enter_context(made([group]))
         (group / "io.max").write_text(f"{disk} rbps={bytes_per_second}")
         (group / "memory.max").write_text(str(memory_bytes))
-        with contextlib.suppress(FileNotFoundError, PermissionError):  # a system without swap has none
+        with contextlib.suppress(FileNotFoundError, PermissionError):  # a system without swap does not have this file
             (group / "memory.swap.max").write_text("0")
         yield [group]

@@ -1,4 +1,4 @@
-"""Scenarios of many clients of one server: how late their requests come."""
+"""Scenarios with many clients of one server. They measure the latency of requests."""
 import statistics
 
 from stage import Plot, Sampler, print_table, probe_row, rates, result
@@ -13,7 +13,7 @@ def crowd_row(run):
 
 
 def crowd_plot(title, sampler, *probes):
-    """probes: (name, what probe.py told)."""
+    """probes: pairs of a name and the JSON object that probe.py printed."""
     plot, samples = Plot(title), sampler.samples
     plot.panel("a request's ms", *((name, *zip(*probe["times"])) for name, probe in probes if probe["times"]), log=True)
     plot.panel("connections", ("", [s["t"] for s in samples], [s.get("connections", 0) for s in samples]))
@@ -23,7 +23,7 @@ def crowd_plot(title, sampler, *probes):
 
 
 def arrive(stage, clients, seconds, title):
-    """So many within a quarter of the time, who all are served."""
+    """Lets the clients arrive within a quarter of the time. The server must serve all of them."""
     server = stage.server("--max-connections", clients + 100)
     with Sampler([server]) as sampler:
         probe, crowd = stage.probe(server.listen, seconds), stage.crowd(server.listen, clients, seconds)
@@ -38,17 +38,17 @@ def arrive(stage, clients, seconds, title):
 
 
 def steady(stage):
-    """A crowd that stays: 500 clients go round a model for 30 s."""
+    """A steady crowd: 500 clients circle a model for 30 s."""
     arrive(stage, *((20, 4) if stage.short else (500, 30)), "steady crowd")
 
 
 def flash(stage):
-    """A flash crowd: a thousand clients within 5 s of each other."""
+    """A flash crowd: a thousand clients arrive within 5 s."""
     arrive(stage, *((50, 4) if stage.short else (1000, 20)), "flash crowd")
 
 
 def greedy(stage):
-    """One greedy client, with 256 requests open all the time, among polite ones."""
+    """One greedy client, which always has 256 open requests, among polite clients."""
     clients, seconds = (10, 3) if stage.short else (50, 10)
     server = stage.server()
     rows, probes = [], []

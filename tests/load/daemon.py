@@ -18,7 +18,8 @@ STORE = os.path.join(MODELS, "painted.lode")
 
 
 class Daemon:
-    """lodestreamd serve on ports of loopback that it picks; ended with the `with`, by SIGTERM, with exit status 0."""
+    """Runs lodestreamd serve on free loopback ports. The end of the `with` ends the server by SIGTERM, and expects exit status
+    0."""
 
     def __init__(self, *arguments, shell="", **options):
         command = [os.path.join(BIN, "lodestreamd"), "serve", *arguments, "--listen", "127.0.0.1:0", "--metrics", "127.0.0.1:0"]
@@ -52,7 +53,7 @@ class Daemon:
         return float(found.group(1))
 
     def open(self, model="painted"):
-        """A connection that has the model open, and its Opened."""
+        """Opens a model. Returns the connection and the message Opened."""
         with contextlib.ExitStack() as failing:
             connection = failing.enter_context(contextlib.closing(Connection(self.address)))
             opened, most = connection.open(model)
@@ -66,7 +67,7 @@ class Daemon:
 
 
 def refusal(address):
-    """The Error that a connection gets before it says anything."""
+    """Connects and returns the Error that the server sends before the client sends anything."""
     host, port = address.rsplit(":", 1)
     with socket.create_connection((host, int(port)), timeout=120) as client:
         size, kind, *_ = HEADER.unpack(client.recv(HEADER.size, socket.MSG_WAITALL))
@@ -75,7 +76,7 @@ def refusal(address):
 
 
 def requests(count, request_class=0):
-    """So many, each for one of the first blobs of STORE."""
+    """Returns `count` requests, each for one of the first blobs of STORE."""
     changes = [wire.RequestChangeT() for _ in range(count)]
     for number, change in enumerate(changes, 1):
         change.request, change.blob, change.requestClass = number, 1 + number % 90, request_class

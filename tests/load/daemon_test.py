@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""lodestreamd as its surroundings treat it: open files, its service manager, signals under load.
+"""Tests of lodestreamd in its surroundings: limits of open files, the service manager, signals under load.
 
     daemon_test.py BIN_DIR MODELS_DIR SOURCE_DIR
 """
@@ -135,7 +135,7 @@ class ServiceManager(unittest.TestCase):
                 self.assertEqual(daemon.process.returncode, 0)
 
     def pipe_of_tokens(self, folder):
-        """A pipe in a file's place: who reads it waits, as for a disk that does not answer."""
+        """Puts a pipe in place of a file. A reader of the pipe waits, as for a disk that does not answer."""
         tokens = os.path.join(folder, "tokens")
         with contextlib.suppress(FileNotFoundError):
             os.remove(tokens)
@@ -170,7 +170,7 @@ class ServiceManager(unittest.TestCase):
             tokens, log = self.pipe_of_tokens(folder), os.path.join(folder, "log")
             command = [os.path.join(BIN, "lodestreamd"), "serve", folder, "--listen", "127.0.0.1:0", "--token-file", tokens]
             with open(log, "w") as said, running(command, stdout=subprocess.PIPE, stderr=said, text=True) as process:
-                with self.once_it_is_read(tokens) as writer:  # the stores have been read
+                with self.once_it_is_read(tokens) as writer:  # the server has read the stores before
                     shutil.copy(STORE, os.path.join(folder, "second.lode"))
                     process.send_signal(signal.SIGHUP)
                     writer.write("one never *\n")
@@ -183,7 +183,7 @@ class ServiceManager(unittest.TestCase):
 
     def test_sees_nobody_let_in_after_the_drain_delay_while_requests_are_open(self):
         with Daemon(STORE) as daemon, contextlib.closing(daemon.open()[0]) as connection:
-            connection.send("Requests", 3, handle=1, changes=requests(4000))  # more than the window takes
+            connection.send("Requests", 3, handle=1, changes=requests(4000))  # more than the window allows
             daemon.process.send_signal(signal.SIGTERM)
             eventually(lambda: self.nobody_listens(daemon.address))
             self.assertIsNone(daemon.process.poll())
@@ -197,7 +197,7 @@ class ServiceManager(unittest.TestCase):
 
 
 class Latency(unittest.TestCase):
-    """What histograms say of a client that lets its requests wait for seconds."""
+    """The latency histograms, with a client that lets its requests wait for seconds."""
 
     REQUESTS, HELD_S = 4000, 3.0
 
@@ -224,15 +224,16 @@ class Latency(unittest.TestCase):
             connection.send("Credit", grantedBytes=1 << 40)
             connection.send("Requests", 3, handle=1, changes=requests(self.REQUESTS, request_class=2))
             sent = [0]
-            while len(sent) < 20 or sent[-1] != sent[-20]:  # until it stands still
+            while len(sent) < 20 or sent[-1] != sent[-20]:  # until the server sends nothing more
                 sent.append(daemon.metric('lodestream_model_sent_bytes_total{model="painted"}'))
                 time.sleep(0.01)
             connection.send("Requests", 4, handle=1, changes=requests(self.REQUESTS + 1)[-1:])
             eventually(lambda: daemon.metric('lodestream_requests_total{class="visible"}') == 1)
-            before = -struct.unpack("i", fcntl.ioctl(connection.socket, termios.FIONREAD, bytes(4)))[0]  # what has come already
+            before = -struct.unpack("i", fcntl.ioctl(connection.socket, termios.FIONREAD, bytes(4)))[0]  # number of bytes that
+                                                                                                         # have already arrived
             while BLOB.unpack_from(body := connection.receive()[2])[0] <= self.REQUESTS:
                 before += HEADER.size + len(body)
-            self.assertLess(before, 96 << 10)  # without bounds of the server's own megabytes
+            self.assertLess(before, 96 << 10)  # megabytes, if the server did not limit the kernel's buffer
 
     def test_of_a_window_that_is_shut_is_told_from_the_servers(self):
         self.assertLess(self.expect_told_from_the_servers(granted_at_first=0), 0.5)
@@ -268,7 +269,7 @@ RULES = os.path.join(SOURCE, "docker", "prometheus", "rules.yml")
 
 
 class OperatorsPage(unittest.TestCase):
-    """docs/operations.md names what there is, all of it and nothing else."""
+    """docs/operations.md names exactly the options, metrics and log kinds that exist."""
 
     def setUp(self):
         with open(os.path.join(SOURCE, "docs", "operations.md")) as page:
@@ -308,7 +309,7 @@ class OperatorsPage(unittest.TestCase):
 
 
 class UnderLoad(unittest.TestCase):
-    """Eight clients read whole models, every blob's name compared, while an operator works."""
+    """Eight clients read whole models and compare every digest, while an operator changes models and tokens."""
 
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
@@ -328,7 +329,7 @@ class UnderLoad(unittest.TestCase):
             try:
                 daemon.read_whole(model)
                 self.reads[model] += 1
-            except (SystemExit, Exception) as error:  # what the server said, a broken connection, wrong bytes
+            except (SystemExit, Exception) as error:  # an Error of the server, a broken connection, or wrong bytes
                 if not self.stop.is_set() and not any(text in str(error) for text in allowed):
                     self.mistakes.append(f"{model}: {error!r}")
                 time.sleep(0.01)
@@ -348,7 +349,7 @@ class UnderLoad(unittest.TestCase):
         self.assertEqual(self.mistakes, [])
 
     def replace(self, model, store):
-        """By renaming, as builds do."""
+        """Replaces a store by renaming, as builds do."""
         shutil.copy(store, self.path(model) + ".new")
         os.rename(self.path(model) + ".new", self.path(model))
 
@@ -358,7 +359,7 @@ class UnderLoad(unittest.TestCase):
         eventually(lambda: self.reads["steady"] >= before + 2 or self.mistakes)
 
     def content(self, daemon):
-        """What there is to read of the model that changes; None if it is not offered."""
+        """Returns the content of the model that changes; None if the server does not have it."""
         try:
             return daemon.read_whole("changing")
         except SystemExit as said:
@@ -384,7 +385,8 @@ class UnderLoad(unittest.TestCase):
 
     def test_a_store_that_is_overwritten_in_place_is_damaged_to_its_readers_and_to_nobody_else(self):
         with Daemon(self.folder.name, stderr=subprocess.DEVNULL) as daemon:
-            # A chunk that is read within the 20 ms between two looks at the file may be wrong: its name tells the client.
+            # A chunk that the server reads within the 20 ms between two checks of the file may be wrong. The digest shows this
+            # to the client.
             with self.readers(daemon, allowed=(f"(code {DAMAGED_STORE})", "has another name")):
                 with open(self.path("changing"), "r+b") as store:
                     for at in range(2000, os.path.getsize(self.path("changing")) - 2000, 5000):
@@ -397,7 +399,7 @@ class UnderLoad(unittest.TestCase):
     def test_it_ends_with_0_within_its_deadline_though_a_client_never_takes_what_it_requested(self):
         with Daemon(self.folder.name, "--drain-deadline", "1", stderr=subprocess.DEVNULL) as daemon:
             with self.readers(daemon), contextlib.closing(daemon.open("steady")[0]) as connection:
-                connection.send("Requests", 3, handle=1, changes=requests(4000))  # more than the window takes
+                connection.send("Requests", 3, handle=1, changes=requests(4000))  # more than the window allows
                 eventually(lambda: self.reads["steady"] > 2)
                 self.stop.set()  # from here on connections may break
                 daemon.process.send_signal(signal.SIGTERM)

@@ -1,4 +1,4 @@
-"""Scenarios of servers that end under load: what their clients notice."""
+"""Scenarios with servers that end under load. They measure the effect on clients."""
 import signal
 import time
 
@@ -7,13 +7,13 @@ from stage import Sampler, percentile, print_table, result
 
 
 def longest_gap(times, seconds):
-    """The longest time between two requests of a probe that came."""
+    """Returns the longest time between two answered requests of a probe."""
     moments = [0, *(t + ms / 1000 for t, ms in times), seconds]
     return max(b - a for a, b in zip(moments, moments[1:]))
 
 
 def under_load(stage, title, servers, listen, seconds, act, allowed_failures):
-    """A crowd and a probe for so long, and what act() does meanwhile."""
+    """Runs a crowd and a probe for some seconds, and act() meanwhile."""
     clients = 20 if stage.short else 200
     with Sampler(servers) as sampler:
         probe, crowd = stage.probe(listen, seconds), stage.crowd(listen, clients, seconds)
@@ -32,7 +32,7 @@ def under_load(stage, title, servers, listen, seconds, act, allowed_failures):
 
 
 def restart(stage):
-    """The only server is ended, and started again two seconds later."""
+    """The only server ends and starts again two seconds later."""
     server, seconds = stage.server(), 8 if stage.short else 24
 
     def act():
@@ -62,7 +62,7 @@ def rolling_upgrade(stage):
 
 
 def one_killed(stage):
-    """One of two servers behind HAProxy is killed; the other goes on for all."""
+    """One of two servers behind HAProxy is killed. The other server serves all clients."""
     servers = [stage.server(), stage.server()]
     listen, seconds = stage.haproxy(servers), 8 if stage.short else 24
 

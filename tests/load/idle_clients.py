@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Opens a model over so many connections and does nothing: idle_clients.py HOST:PORT MODEL COUNT [tls]
+"""Opens a model over COUNT connections, which then stay idle: idle_clients.py HOST:PORT MODEL COUNT [tls]
 
-Prints a line when all are there, and keeps them until its input ends. tests/bench/bench_serving.py runs it; it needs what
-read_model.py needs.
+Prints a line when all connections are open, and keeps them open until its stdin ends. tests/bench/bench_serving.py runs this
+script. It has the same requirements as read_model.py.
 """
 import resource
 import ssl
@@ -12,7 +12,7 @@ from read_model import Connection
 
 
 class TlsConnection(Connection):
-    """Of a server whose certificate nobody vouches for."""
+    """A TLS connection that accepts any certificate."""
 
     def __init__(self, address):
         super().__init__(address)

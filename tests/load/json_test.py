@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""docs/json.md names every key that `--json` prints: json_test.py BIN_DIR MODELS_DIR SOURCE_DIR"""
+"""Tests that docs/json.md names every key that `--json` prints: json_test.py BIN_DIR MODELS_DIR SOURCE_DIR"""
 import json
 import os
 import re
@@ -10,7 +10,8 @@ import unittest
 
 from daemon import BIN, SOURCE, STORE, Daemon
 
-NAMED_BY_DATA = {"reached_px_ms", "seconds_above_px", "errors_by_kind"}  # keys of these: thresholds, kinds of errors
+NAMED_BY_DATA = {"reached_px_ms", "seconds_above_px", "errors_by_kind"}  # objects whose keys are data: thresholds, kinds of
+                                                                         # errors
 QUAD = """ply
 format ascii 1.0
 comment TextureFile missing.png
@@ -35,7 +36,7 @@ end_header
 
 
 def keys_of(value):
-    """Every key in it, but those that are data."""
+    """Returns all keys of a JSON value, at any depth, except keys that are data."""
     if isinstance(value, list):
         return set().union(*map(keys_of, value))
     if not isinstance(value, dict):
@@ -44,7 +45,7 @@ def keys_of(value):
 
 
 class JsonPage(unittest.TestCase):
-    """Each section is of one command."""
+    """Each section of docs/json.md describes one command."""
 
     def setUp(self):
         with open(os.path.join(SOURCE, "docs", "json.md")) as page:
@@ -61,7 +62,7 @@ class JsonPage(unittest.TestCase):
         return os.path.join(self.folder, name)
 
     def expect_named(self, command, *arguments, option="--json", status=0):
-        """Runs it in the folder. @return the keys that it printed."""
+        """Runs a command in the folder. Expects that the page names all printed keys. Returns the keys."""
         program, name = command.split()
         run = [os.path.join(BIN, program), name, *arguments, option]
         done = subprocess.run(run, cwd=self.folder, capture_output=True, text=True)

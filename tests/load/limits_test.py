@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""That each limit and deadline of lodestreamd serve is what its option says, and not its default.
+"""Tests that each limit and deadline of lodestreamd serve follows its option instead of its default.
 
     limits_test.py BIN_DIR MODELS_DIR SOURCE_DIR
 """
@@ -14,7 +14,7 @@ from read_model import HEADER, LIMIT, Connection
 
 
 class Limits(unittest.TestCase):
-    PING = HEADER.pack(12, 14, 0, 0, 1) + bytes.fromhex("080000000400040004000000")  # a table without fields
+    PING = HEADER.pack(12, 14, 0, 0, 1) + bytes.fromhex("080000000400040004000000")  # a FlatBuffers table without fields
 
     def test_of_open_models_is_what_was_asked_for(self):
         with Daemon(STORE, "--max-open-models", "1") as daemon, contextlib.closing(daemon.open()[0]) as connection:
@@ -23,11 +23,11 @@ class Limits(unittest.TestCase):
 
     def held_by_a_client_that_pings_and_never_reads(self, *arguments):
         with Daemon(STORE, *arguments) as daemon, contextlib.closing(daemon.open()[0]) as connection:
-            # The least of several: what was just sent may still be counted.
+            # Take the least of several values, because bytes that were just sent may still be counted.
             before = min(daemon.metric("lodestream_memory_bytes") for _ in range(10))
             connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
             connection.socket.settimeout(1)
-            with self.assertRaises(TimeoutError):  # the server reads nothing more
+            with self.assertRaises(TimeoutError):  # the server no longer reads
                 for _ in range(10000):
                     connection.socket.sendall(self.PING * 1000)
             return daemon.metric("lodestream_memory_bytes") - before
@@ -35,7 +35,7 @@ class Limits(unittest.TestCase):
     def test_of_answers_that_nobody_reads_is_kept(self):
         held = self.held_by_a_client_that_pings_and_never_reads
         for limit, kept in ((4096, held("--max-queued-bytes", "4KiB")), (65536, held())):
-            self.assertIn(kept // limit, (1, 2))  # a full queue, and one that is being sent
+            self.assertIn(kept // limit, (1, 2)) # one full queue, and perhaps a second one that is being sent
 
     def test_of_bytes_a_second_is_kept(self):
         with Daemon(STORE, "--max-rate", "400KB", "--max-rate-per-connection", "300KB") as daemon:
@@ -65,7 +65,7 @@ class Limits(unittest.TestCase):
                     self.assertIn(f"code {LIMIT}", self.last_word(second))
 
     def expect_ended(self, reason, option, client):
-        """Within seconds, where the default is ten and more."""
+        """Expects that the server ends the connection within seconds. The default deadlines are ten seconds and more."""
         with Daemon(STORE, option, "0.3") as daemon, contextlib.closing(client(daemon)):
             start = time.monotonic()
             eventually(lambda: daemon.metric(f'lodestream_connections_ended_total{{reason="{reason}"}}') == 1)
@@ -94,7 +94,7 @@ class Limits(unittest.TestCase):
             yield connection
 
     def last_word(self, connection):
-        """The Error that ends a connection."""
+        """Returns the Error that ends a connection."""
         with self.assertRaises(SystemExit) as said:
             while True:
                 connection.receive()

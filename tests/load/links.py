@@ -1,4 +1,4 @@
-"""Scenarios of links and disks that are slow. All need root: for network namespaces, or control groups."""
+"""Scenarios with slow links and slow disks. All need root, for network namespaces or control groups."""
 import shutil
 import subprocess
 
@@ -9,7 +9,8 @@ SERVER_SIDE = "10.9.0.1"
 
 
 def over_link(stage, clients, seconds, beside=False, full=False, **link):
-    """A crowd on the far side of a link, of full clients or such that replay, and a probe there, or on the server's own side."""
+    """Runs a crowd on the far side of a link, and a probe there or (beside) on the server's side. full: full clients instead of
+    trace clients."""
     with long_link(stage.bin, **link) as (near, far), stage.server(prefix=near, host=SERVER_SIDE) as server:
         probe = stage.probe(server.listen, seconds, every=0.05 if beside else 0.5, prefix=near if beside else far)
         crowd = stage.crowd(server.listen, clients, seconds, prefix=far, full=full) if clients else None
@@ -17,7 +18,7 @@ def over_link(stage, clients, seconds, beside=False, full=False, **link):
 
 
 def slow(stage):
-    """Clients that share a link of 2 Mbit/s, and one on a fast link beside them."""
+    """Clients share a link of 2 Mbit/s, and one client has a fast link."""
     clients, seconds = (3, 4) if stage.short else (20, 20)
     link = dict(delay_ms=40, mbit_s=2, queue_ms=400, beside=True)
     stage.plot, rows = Plot("clients on a slow link, and one beside them on a fast one"), []
@@ -34,7 +35,7 @@ def slow(stage):
 
 
 def lossy(stage):
-    """A link of 10 Mbit/s and 50 ms that loses nothing, 1 % and 3 % of its packets."""
+    """A link of 10 Mbit/s and 50 ms loses 0, 1 and 3 % of its packets."""
     clients, seconds = (2, 4) if stage.short else (4, 20)
     stage.plot, rows = Plot("a link that loses packets"), []
     for loss in (0, 1, 3):
@@ -49,7 +50,8 @@ def lossy(stage):
 
 
 def larger_than_memory(stage):
-    """A store of 100 MB read at random in a control group of 48 MB, from a disk of 20 MB/s, beside a small one in memory."""
+    """Clients read a store of 100 MB at random, from a disk of 20 MB/s, in a control group of 48 MB. A small store stays in
+    memory."""
     seconds, readers, folder = (4 if stage.short else 15), 4, stage.folder / "served"
     hot, cold = folder / "hot.lode", folder / "cold.lode"
     for made in (folder, stage.folder / "files"):
@@ -59,7 +61,8 @@ def larger_than_memory(stage):
     stage.plot, rows = Plot("a store larger than memory"), []
     with slow_disk(cold, 20 << 20, 48 << 20) as slowly:
         with stage.server(prefix=slowly, store=folder) as server:
-            result(stage.probe(server.listen, 1, store=hot))  # into memory, and counted to the server
+            result(stage.probe(server.listen, 1, store=hot))  # loads the store into memory, which is charged to the server's
+                                                              # group
             for name, count in (("alone", 0), ("beside them", readers)):
                 forget(cold)
                 others = [stage.probe(server.listen, seconds, 8, store=cold) for _ in range(count)]

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""What `lodestream loadtest` tells of a server that stands still for a second, and who watches: loadtest_test.py BIN_DIR MODELS_DIR SOURCE_DIR"""
+"""Tests of `lodestream loadtest` with a server that is stopped for a second, and without a terminal: loadtest_test.py BIN_DIR
+MODELS_DIR SOURCE_DIR"""
 import contextlib
 import json
 import os
@@ -25,7 +26,7 @@ def lodestream(*arguments, **options):
 
 class Latency(unittest.TestCase):
     def trace(self, url, folder):
-        """Every blob that a camera's path requests, one after the other at a steady rate."""
+        """Makes a trace of all blobs that a camera path requests, at a steady rate."""
         camera, trace = (os.path.join(folder, name) for name in ("camera.json", "trace.json"))
         with open(camera, "w") as file:
             json.dump(CAMERA, file)
@@ -50,13 +51,14 @@ class Latency(unittest.TestCase):
             daemon.process.send_signal(signal.SIGCONT)
             told = json.loads(test.communicate(timeout=300)[0])
         late = told["latency_ms"]["visible"]
-        # A quarter of the requests are meant for that second, and each is late by what is left of it: a tenth by 0.6 s and more.
+        # A quarter of the requests fall into the second in which the server is stopped. Each is late by the rest of the second,
+        # so a tenth of all requests is late by at least 0.6 s.
         self.assertGreater(late["count"], 100)
         self.assertGreater(late["p90"], 300)
 
 
 def load(daemon, seconds, **options):
-    """By clients that all begin at once, and so have most of what they get in the first second."""
+    """Runs clients that all start at once, so that they receive most bytes in the first second."""
     return lodestream("loadtest", f"lode://{daemon.address}/painted", "--clients", 4, "--seconds", seconds, "--ramp", 0, "--decode-off",
                       "--json", **options)
 

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""What lodestreamd serve says in its log, what it never says, and who may stop reading it: log_test.py BIN_DIR MODELS_DIR SOURCE_DIR"""
+"""Tests of the log of lodestreamd serve: its lines, its secrets, and readers that stop reading: log_test.py BIN_DIR MODELS_DIR
+SOURCE_DIR"""
 import contextlib
 import json
 import os
@@ -17,7 +18,7 @@ from read_model import HEADER, VERSION, Connection, Reader
 class LogTest(unittest.TestCase):
     @contextlib.contextmanager
     def log(self):
-        """A file for a server to write to, and what gives the whole lines that it has written."""
+        """Returns a file for the server's log, and a function that returns the complete lines in it."""
         with tempfile.NamedTemporaryFile("a") as file:
             def said():
                 with open(file.name) as written:
@@ -28,13 +29,13 @@ class LogTest(unittest.TestCase):
 
 class Log(LogTest):
     def descriptors(self):
-        """Pairs of ends, the reader's and the writer's, of what a log may go to."""
+        """Yields pairs of descriptors, for reading and for writing, of each kind of file that a log may use."""
         yield os.pipe()
         reader, writer = socket.socketpair()
         yield reader.detach(), writer.detach()
 
     def expect_served_and_counted(self, daemon):
-        for _ in range(30):  # a line each
+        for _ in range(30):  # each connection causes a line
             with contextlib.closing(daemon.open()[0]):
                 pass
         eventually(lambda: daemon.metric("lodestream_log_lines_dropped_total") >= 10)
@@ -77,24 +78,24 @@ class Log(LogTest):
                     with contextlib.closing(Connection(daemon.address)) as connection:
                         connection.send("Hello", 1, minVersion=VERSION, maxVersion=VERSION, token=token)
                         connection.socket.sendall(more)
-                        with self.assertRaises(SystemExit):  # the Error
+                        with self.assertRaises(SystemExit):  # the server answers with an Error
                             while True:
                                 connection.receive()
                     eventually(lambda: self.last(said, kind, "mistake"))
 
     def last(self, said, kind, reason):
-        """The last line, where it is of that kind and reason."""
+        """Returns the last line if it has this kind and reason."""
         line = json.loads((said() or ["{}"])[-1])
         return line if (line.get("kind"), line.get("reason")) == (kind, reason) else None
 
 
 class Secrets(LogTest):
-    """Tokens, and folders of the machine: in no line of the log and in no Error, whatever goes wrong."""
+    """No line of the log and no Error contains a token or a folder of the machine, whatever fails."""
 
     HIDDEN = ("hushhush", "nowhere")
 
     def wrong(self, daemon):
-        """What a server says that is approached wrongly."""
+        """Makes all kinds of mistakes against a server. Returns the server's answers."""
         for token in ("", "hushhush-wrong", "hushhush-old"):
             with contextlib.closing(Connection(daemon.address)) as connection:
                 yield self.error(connection, lambda: connection.open("changing", token))

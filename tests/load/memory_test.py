@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""The memory that lodestreamd takes while it is attacked, sampled: what it counts, and what is resident.
+"""Tests of the memory of lodestreamd during attacks: the memory that it counts, and its resident memory.
 
     memory_test.py BIN_DIR MODELS_DIR SOURCE_DIR
 
-With LODE_SANITIZED in the environment, only what it counts: a sanitizer's own memory is resident too.
+With LODE_SANITIZED in the environment, tests only the counted memory, because the sanitizer's own memory is resident too.
 """
 import contextlib
 import functools
@@ -23,14 +23,14 @@ from processes import eventually
 from read_model import HEADER, Connection
 
 BUDGET, THREADS = 32_000_000, 2
-POOLS = THREADS * 64 * (60 << 10)  # buffers that threads keep, beside the budget
-LEFT = BUDGET // 8  # what may stay resident when an attack is over, beside the buffers
+POOLS = THREADS * 64 * (60 << 10)  # buffers that threads keep, in addition to the budget
+LEFT = BUDGET // 8 # memory that may stay resident after an attack, in addition to the buffers
 SANITIZED = "LODE_SANITIZED" in os.environ
 REQUESTS, MAX_BODY, MAX_CHANGES, MAX_OPEN = 7, 262144, 4096, 64
 
 
 class Recorded:
-    """What a connection would send."""
+    """Records the bytes that a connection would send."""
 
     def __init__(self):
         self.sent = b""
@@ -48,7 +48,7 @@ def frame(name, **fields):
 
 @functools.lru_cache
 def requests(count):
-    """Frames that request so many blobs of the first model that was opened."""
+    """Returns frames that request `count` blobs of the first opened model."""
     changes = [wire.RequestChangeT() for _ in range(count)]
     for number, change in enumerate(changes, 1):
         change.request, change.blob, change.priorityPx = number, 1 + number % 90, 1.0
@@ -80,7 +80,7 @@ ATTACKS = (announce_a_frame_and_stop_before_its_end, request_much_with_the_windo
 
 
 class Peaks:
-    """The most that a daemon counts, and has resident beyond what it had at the start, while the `with` lasts."""
+    """Records two peaks during the `with`: the memory that a server counts, and its resident memory above the start."""
 
     def __init__(self, daemon):
         self.daemon, self.rest, self.counted, self.grown = daemon, self.resident(daemon), 0, 0
@@ -106,7 +106,8 @@ class Peaks:
 
 
 def attack(daemon, clients, attacks, count):
-    """So many connections that take turns; not all are let in, and some are closed before they have said all."""
+    """Opens `count` connections that attack by turns. The server may refuse some, and may close some before they have sent
+    everything."""
     said = [one() for one in attacks]
     for number in range(count):
         with contextlib.suppress(SystemExit, OSError, struct.error):
@@ -156,7 +157,7 @@ class System(unittest.TestCase):
             self.assertIsNone(daemon.process.poll(), "it has ended")
 
             def all_are_gone():
-                with contextlib.suppress(OSError, http.client.HTTPException):  # who asks is a connection, too
+                with contextlib.suppress(OSError, http.client.HTTPException):  # the request for metrics is a connection too
                     return daemon.metric("lodestream_connections") == 0
 
             eventually(all_are_gone)

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""How long a Ping waits on a connection whose own blobs come from a disk: pong_times.py HOST:PORT MODEL FIRST LAST SECONDS
+"""Measures the time to a Pong on a connection whose blobs come from a disk: pong_times.py HOST:PORT MODEL FIRST LAST SECONDS
 
-Keeps eight requests open and one Ping under way. Prints one JSON object. tests/bench/bench_serving.py runs it; it needs what
-read_model.py needs.
+Always has eight open requests and one unanswered Ping. Prints one JSON object. tests/bench/bench_serving.py runs this script.
+It has the same requirements as read_model.py.
 """
 import json
 import random
@@ -18,7 +18,7 @@ OPEN_REQUESTS = 8
 
 
 def frames(connection):
-    """Types and bodies as they come, Pongs too."""
+    """Yields the types and bodies of the frames in the order of their arrival, Pongs included."""
     while True:
         size, kind, *_ = HEADER.unpack(connection.input.read(HEADER.size))
         yield kind, connection.input.read(size)

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Single requests at their times, and how late each comes:
+"""Sends single requests at regular times, and measures their latency:
 
     probe.py HOST:PORT MODEL LAST_BLOB SECONDS [--every S] [--open N] [--ca-file F] [--seed S]
 
-A request every 50 ms, or --every so many seconds, for a blob from 1 to LAST_BLOB at random, as visible; what is late counts from when
-it was meant for, whatever was late before it. A connection that ends is made again. With --open it is greedy instead: it keeps so
-many requests open, with an endless window; with --ca-file it speaks TLS, and believes those authorities. Prints one JSON object. It
-needs what read_model.py needs.
+Requests a random blob from 1 to LAST_BLOB, as visible, every 50 ms or every --every seconds. The latency of a request counts
+from its intended time, even if an earlier request delayed it. Reconnects after each failure. With --open N, the probe is greedy
+instead: it always has N open requests, and an endless window. With --ca-file, the probe uses TLS and trusts these authorities.
+Prints one JSON object. Has the same requirements as read_model.py.
 """
 import argparse
 import contextlib
@@ -20,7 +20,7 @@ import lodestream_generated as wire
 from read_model import BLOB, Connection
 
 RETRY_S, ENDLESS = 0.1, 1 << 60
-GONE = (OSError, SystemExit, AssertionError, struct.error)  # refused, reset, cut off, an Error, GoAway and the end
+GONE = (OSError, SystemExit, AssertionError, struct.error)  # a refusal, a reset, a cut, an Error, GoAway or the end
 
 
 class TlsConnection(Connection):
@@ -58,7 +58,7 @@ class Probe:
         self.connection.send("Requests", 3, handle=1, changes=changes)
 
     def take(self):
-        """The number of the request that the next chunk ends, or 0."""
+        """Reads the next chunk. Returns the number of the request that the chunk ends, or 0."""
         _, _, body = self.connection.receive()
         request, total, offset = BLOB.unpack_from(body)
         self.bytes += len(body) - BLOB.size
@@ -73,7 +73,8 @@ class Probe:
 
 
 def until_it_comes(probe, end):
-    """Tries again where the connection fails. Returns how often that was, and whether it came."""
+    """Waits for the answer, and repeats the request if the connection fails. Returns the number of failures, and whether the
+    answer arrived."""
     failed = 0
     while time.monotonic() < end:
         try:
@@ -87,7 +88,7 @@ def until_it_comes(probe, end):
 
 
 def politely(probe, seconds, every):
-    """Lists of when each request was meant for, in seconds from the start, and how many milliseconds later it came."""
+    """Returns one pair per request: its intended time in seconds since the start, and its latency in milliseconds."""
     start = time.monotonic()
     end, times, failed, count = start + seconds, [], 0, 0
     while (due := start + count * every) < end:

@@ -1,4 +1,4 @@
-"""Processes that benchmarks and scenarios start: they end with who started them, however that ends."""
+"""Processes for benchmarks and scenarios. A process ends with the process that started it, however the latter ends."""
 import contextlib
 import ctypes
 import os
@@ -21,7 +21,8 @@ PR_SET_PDEATHSIG = 1
 
 
 def start(command, **options):
-    """A process that the system kills when this one ends, however it does. A terminal's Ctrl-C comes to this one alone."""
+    """Starts a process. The system kills it when this process ends, however it ends. Ctrl-C in a terminal does not reach the
+    started process."""
     return subprocess.Popen([str(part) for part in command], preexec_fn=lambda: LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL),
                             start_new_session=True, **options)
 
@@ -45,7 +46,7 @@ def wait_for(port):
 
 
 def eventually(what, seconds=120):
-    """What it gives as soon as that is true."""
+    """Calls what() until its result is true, and returns the result."""
     end = time.monotonic() + seconds
     while not (found := what()):
         assert time.monotonic() < end, "it did not come to that"
@@ -64,7 +65,7 @@ def resident_bytes(process, kind="VmRSS"):
 
 
 class Authority:
-    """One that vouches for certificates: certificate.pem, and what it issues, in a folder."""
+    """A certificate authority. Its folder contains certificate.pem and the certificates that it issues."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder, "authority")
@@ -73,12 +74,12 @@ class Authority:
         self.openssl("req", "-x509", "-subj", "/CN=an authority", "-keyout", self.folder / "authority.key", "-out", self.certificate)
 
     def openssl(self, *arguments):
-        # With a use for each key: Python 3.13 believes no other.
+        # State the usage of the key, because Python 3.13 accepts no other certificates.
         subprocess.run(["openssl", *map(str, arguments), "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",
                         "-addext", "keyUsage=critical,digitalSignature,keyCertSign"], check=True, capture_output=True)
 
     def issue(self, host):
-        """cert.pem and key.pem anew, each renamed into place. Returns their folder."""
+        """Issues cert.pem and key.pem, and renames each into place. Returns their folder."""
         new = [self.folder / "new.pem", self.folder / "new.key"]
         self.openssl("req", "-x509", "-CA", self.certificate, "-CAkey", self.folder / "authority.key", "-subj", f"/CN={host}", "-addext",
                      f"subjectAltName=DNS:{host}",
@@ -90,7 +91,7 @@ class Authority:
 
 @contextlib.contextmanager
 def display():
-    """The name of a screen that nobody sees."""
+    """Starts an invisible display. Yields its name."""
     reader, writer = os.pipe()
     with running(["Xvfb", "-displayfd", writer, "-screen", "0", "1400x900x24", "-nolisten", "tcp"], pass_fds=[writer],
                  stderr=subprocess.DEVNULL):
@@ -100,7 +101,7 @@ def display():
 
 
 def self_signed(folder):
-    """cert.pem and key.pem of localhost."""
+    """Writes cert.pem and key.pem for localhost."""
     subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",
                     "-subj", "/CN=localhost", "-keyout", folder / "key.pem", "-out", folder / "cert.pem"],
                    check=True, capture_output=True)

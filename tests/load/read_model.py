@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Reads a whole model from a server and checks the name of every blob: a client written from docs/protocol.md and
-docs/store-format.md alone. Needs Debian's python3-flatbuffers and, on PYTHONPATH, what `flatc --python --gen-onefile
---gen-object-api proto/lodestream.fbs` makes. Prints one JSON object with what it read.
+"""Reads a whole model from a server and checks the digest of every blob. This client was written from docs/protocol.md and
+docs/store-format.md alone. It needs Debian's python3-flatbuffers and, on PYTHONPATH, the output of `flatc --python
+--gen-onefile --gen-object-api proto/lodestream.fbs`. Prints one JSON object with the results.
 
     read_model.py HOST:PORT MODEL [TOKEN]
 """
@@ -21,14 +21,14 @@ TYPES = dict(Hello=1, Welcome=2, Open=5, Opened=6, Requests=7, Credit=8, Blob=9,
              ModelReplaced=13, Ping=14, Pong=15)
 NAMES = {number: name for name, number in TYPES.items()}
 NO_SUCH_MODEL, LIMIT, DAMAGED_STORE = 5, 7, 8  # codes of an Error
-VERSION = 4  # of the protocol
+VERSION = 4  # version of the protocol
 OPTIONAL, MAX_BODY, WINDOW, MAX_CHANGES, INNER_TEXELS = 1, 262144, 65536, 4096, 508
 
 Ref = collections.namedtuple("Ref", "number bytes name")
 
 
 class Bytes:
-    """What store-format.md calls u8, u64, varint and so on, one after the other."""
+    """Reads the values that store-format.md calls u8, u64, varint and so on, one after the other."""
 
     def __init__(self, data):
         self.data, self.at = data, 0
@@ -49,14 +49,15 @@ class Bytes:
 
 
 def page_references(data):
-    """The pages and the payloads that a page names, or None where there is none, and how many LODs its first node has."""
+    """Returns the references of a page to other pages and to payloads (None for an empty reference), and the number of LODs of
+    its first node."""
     page, pages, payloads, lods = Bytes(data), [], [], []
     assert page.read("B") == 2, "version of the page"
     for _ in range(page.varint()):
         page.varint(), page.read("QQB")  # key, box, children
         pages.append(page.reference())
         lods.append(page.varint())
-        page.varint()  # how many of them are far LODs
+        page.varint()  # number of far LODs
         for _ in range(lods[-1]):
             payloads.append(page.reference())
             for _ in range(3 if payloads[-1] else 0):
@@ -67,7 +68,7 @@ def page_references(data):
 
 
 def tile_references(data):
-    """Tiles that a texture set names."""
+    """Returns the tiles to which a texture set refers."""
     textures, tiles = Bytes(data), []
     for _ in range(textures.read("BddiI")[-1]):
         textures.read(f"{textures.read('H')}s")  # the image's name
@@ -82,7 +83,7 @@ def tile_references(data):
 
 
 def to_ref(message):
-    digest = message.Digest()._tab  # a struct of 16 bytes; flatc 2.0 cannot read them at once
+    digest = message.Digest()._tab  # a struct of 16 bytes, which the code of flatc 2.0 can read only byte by byte
     return Ref(message.Number(), message.Bytes(), bytes(digest.Bytes[digest.Pos : digest.Pos + 16]))
 
 
@@ -90,7 +91,7 @@ class Connection:
     def __init__(self, address):
         host, port = address.rsplit(":", 1)
         self.socket = socket.create_connection((host.strip("[]"), int(port)), timeout=300)
-        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)  # small frames shall not wait for acknowledgements
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)  # sends small frames at once
         self.input, self.credited = self.socket.makefile("rb"), 0
 
     def close(self):
@@ -104,7 +105,7 @@ class Connection:
         self.socket.sendall(HEADER.pack(len(builder.Output()), TYPES[name], 0, 0, call) + builder.Output())
 
     def open(self, model, token=""):
-        """Hello and Open together. Returns Opened, and how many requests may be open."""
+        """Sends Hello and Open together. Returns Opened, and the largest number of open requests."""
         self.send("Hello", 1, minVersion=VERSION, maxVersion=VERSION, token=token, program="read_model.py")
         self.send("Open", 2, model=model)
         (name, call, welcome), (also, follows, opened) = self.receive(), self.receive()
@@ -112,7 +113,7 @@ class Connection:
         return opened, welcome.MaxOpenRequests()
 
     def receive(self):
-        """The next frame that says something: its type, its call and its message, or of a Blob the raw body."""
+        """Returns the next frame, except Pongs: its type, its call id, and its message, or the raw body of a Blob."""
         while True:
             size, kind, flags, zero, call = HEADER.unpack(self.input.read(HEADER.size))
             assert size <= MAX_BODY and zero == 0 and flags & ~OPTIONAL == 0, "a bad header"
@@ -131,7 +132,8 @@ class Connection:
 
 
 class Reader:
-    """Requests everything that it hears of, best first left to the server, as many at a time as allowed."""
+    """Requests all blobs to which received blobs refer. Always has as many open requests as allowed, and leaves the order to
+    the server."""
 
     def __init__(self, connection, opened, max_requests):
         self.connection, self.handle, self.max_requests = connection, opened.Handle(), max_requests
@@ -164,7 +166,7 @@ class Reader:
         if kind == "pages":
             pages, payloads, lods = page_references(data)
             coarsest = payloads[lods - 1]
-            if request == 0 and coarsest:  # it comes unasked, too
+            if request == 0 and coarsest:  # the server sends this blob without a request too
                 self.open[0] = ("payloads", coarsest, bytearray())
                 self.seen.add(coarsest.number)
             self.want("pages", pages)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The Python client against lodestreamd: read_model_test.py BIN_DIR MODELS_DIR."""
+"""Tests lodestreamd with the Python client: read_model_test.py BIN_DIR MODELS_DIR."""
 import json
 import os
 import random
@@ -14,7 +14,7 @@ from read_model import NO_SUCH_MODEL
 
 BIN, MODELS = sys.argv.pop(1), sys.argv.pop(1)
 CLIENT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "read_model.py")
-HEADER_AND_FOOTER_BYTES, TABLE_ENTRY_BYTES = 212, 28  # of a store: docs/store-format.md
+HEADER_AND_FOOTER_BYTES, TABLE_ENTRY_BYTES = 212, 28  # sizes in a store: docs/store-format.md
 
 
 def daemon(*arguments):
@@ -31,7 +31,7 @@ def write_png(path, width, height, seed):
 
 
 def write_textured(path, edge):
-    """A flat sheet of edge x edge squares that wears a picture of three levels."""
+    """Writes a flat sheet of edge x edge squares, with a texture of three levels."""
     write_png(os.path.join(os.path.dirname(path), "sheet.png"), 1100, 300, seed=1)
     with open(path, "w") as ply:
         ply.write(f"ply\nformat ascii 1.0\ncomment TextureFile sheet.png\nelement vertex {(edge + 1) ** 2}\n")

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""How long single requests take, one after the other: request_times.py HOST:PORT MODEL FIRST LAST COUNT
+"""Measures the latency of single requests, one after the other: request_times.py HOST:PORT MODEL FIRST LAST COUNT
 
-Prints one JSON object. tests/bench/bench_serving.py runs it; it needs what read_model.py needs.
+Prints one JSON object. tests/bench/bench_serving.py runs this script. It has the same requirements as read_model.py.
 """
 import json
 import random

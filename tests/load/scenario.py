@@ -12,9 +12,10 @@ lossy               a link that loses 0, 1 and 3 % of its packets
 larger_than_memory  a store of 100 MB in 48 MB of memory, from a slow disk
 soak                half an hour of crowds, reloads, new certificates and stores, killed clients and a damaged store
 
-Prints a table and writes a plot, NAME.svg, of what went otherwise too. Everything stays on loopback or in network namespaces of its own, ends by itself
-within a bounded time and leaves nothing behind. BIN_DIR holds both programs, and for slow, lossy and larger_than_memory, which
-need root, wan and serving_store. Exit status 1: it went otherwise than the scenario says; 77: something that it takes is not there; 130: Ctrl-C.
+Prints a table and writes a plot, NAME.svg, even if the scenario fails. All traffic stays on loopback or in network namespaces.
+A scenario ends by itself within a bounded time and leaves nothing behind. BIN_DIR contains both programs. The scenarios slow,
+lossy and larger_than_memory need root, and wan and serving_store in BIN_DIR. Exit status 1: the scenario failed; 77: a
+requirement is missing; 130: Ctrl-C.
 """
 import argparse
 import contextlib
@@ -44,7 +45,7 @@ MESSAGES = "lodestream_generated.py"
 
 
 def missing(scenario, programs, messages):
-    """What there is not that it takes, or None."""
+    """Returns the requirement that is missing, or None."""
     command = COMMANDS.get(scenario)
     if command and not shutil.which(command):
         return f"Debian's package {PACKAGES[command]}"
@@ -61,7 +62,7 @@ def missing(scenario, programs, messages):
 
 
 def left_behind():
-    """Whether a process that was started is still there."""
+    """Returns true if a started process still exists."""
     with contextlib.suppress(ChildProcessError):
         os.waitpid(-1, os.WNOHANG)
         return True
@@ -69,7 +70,7 @@ def left_behind():
 
 
 def end(number, _):
-    """All that ends by leaving goes; a second signal does not keep it from that."""
+    """Leaves all `with` blocks, which end the processes. A second signal does not interrupt this."""
     for ending in ENDINGS:
         signal.signal(ending, signal.SIG_IGN)
     if number == signal.SIGALRM:
@@ -79,7 +80,7 @@ def end(number, _):
 
 
 def play(scenario, stage, plot):
-    """plot: a path or None. It is written where the scenario fails, too: that is when somebody wants to look."""
+    """Plays a scenario. plot: path of the plot, or None. The plot is written even if the scenario fails."""
     try:
         scenario(stage)
     finally:

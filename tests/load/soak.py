@@ -1,4 +1,5 @@
-"""A server under load for long while everything around it changes: nothing grows, and nothing fails that was not made to."""
+"""Scenario with a server that is under load for long while everything around it changes. Nothing may grow, and only intended
+failures may happen."""
 import contextlib
 import math
 import os
@@ -15,15 +16,17 @@ from stage import SAMPLE_EVERY_S, Plot, percentile, print_table, result
 
 ACTIONS = ("reload", "replace", "renew_certificate", "kill_a_crowd", "damage")
 ACT_EVERY_S, CROWD_S, MODELS = 2, (5, 15), ("steady", "changing", "damaged")
-MOST_FULL_CLIENTS = 4  # of a crowd; they decode, so that a core carries some fifty
-LULL_EVERY_S, LULL_S = 60, 8  # the server gives back what is free within seconds
+MOST_FULL_CLIENTS = 4  # largest crowd of full clients; a core can serve about fifty, because they decode
+LULL_EVERY_S, LULL_S = 60, 8  # in a lull, the server returns free memory within seconds
 STANDARD_ERRORS = 3
-LEAST_ALLOCATED, LEAST_RESIDENT, LEAST_DESCRIPTORS = 1 << 18, 5 << 20, 2  # of 4 MiB that are free the server may keep any part
+# Growth below these values does not count. The server may keep up to 4 MiB of free memory.
+LEAST_ALLOCATED, LEAST_RESIDENT, LEAST_DESCRIPTORS = 1 << 18, 5 << 20, 2
 
 
 def growth(values):
-    """How much more is held at the end of a run than after its first quarter, in which threads get their arenas and pools fill, and
-    by how much that may be wrong: of a straight line through what is held in its lulls, and its standard error."""
+    """Returns the growth from the first quarter of a run to its end, and the standard error of the growth. Both come from a
+    straight line through the values in lulls. The first quarter does not count, because threads then get their arenas and pools
+    fill."""
     rest = values[len(values) // 4:]
     count = len(rest)
     slope, start = statistics.linear_regression(range(count), rest)
@@ -32,14 +35,14 @@ def growth(values):
 
 
 def grows(values, least):
-    """Whether that is more than chance, and than some least amount."""
+    """Returns true if the values grow more than by chance, and by more than `least`."""
     grown, error = growth(values)
     return grown > max(least, STANDARD_ERRORS * error)
 
 
 class Watch:
-    """What the server's process holds, every quarter of a second while the `with` lasts. Resident is what is its own, without the
-    program's file, whose pages come when they are first run."""
+    """Records the memory and descriptors of the server's process, four times a second during the `with`. Resident memory does
+    not include the program's file, whose pages are loaded when their code first runs."""
 
     def __init__(self, server):
         self.server, self.seconds, self.allocated, self.resident, self.descriptors, self.lulls = server, [], [], [], [], []
@@ -54,13 +57,13 @@ class Watch:
             self.descriptors.append(len(os.listdir(f"/proc/{process.pid}/fd")))
 
     def lull(self, until):
-        """Nobody comes until then."""
+        """Waits until a time. No client connects meanwhile."""
         since = time.monotonic() - self.began
         time.sleep(max(0, until - time.monotonic()))
         self.lulls.append((since, time.monotonic() - self.began))
 
     def in_lulls(self, values):
-        """The least in each."""
+        """Returns the least value in each lull."""
         return [min(value for t, value in zip(self.seconds, values) if since <= t <= until) for since, until in self.lulls]
 
     def __enter__(self):
@@ -73,7 +76,7 @@ class Watch:
 
 
 class Surroundings:
-    """What an operator, a disk and clients do to a server, by chance from a seed."""
+    """Random actions of an operator, a disk and clients on a server, from a seed."""
 
     def __init__(self, stage):
         self.stage, self.random = stage, random.Random(1)
@@ -119,7 +122,8 @@ class Surroundings:
             store.write(b"damaged")
 
     def keep_crowds(self, until):
-        """Two crowds at a time, every third of full clients. Returns what those told that have ended by themselves."""
+        """Keeps two crowds running. Every third crowd has full clients. Returns the reports of the crowds that have ended by
+        themselves."""
         ended = [crowd for crowd in self.crowds if crowd.poll() is not None]
         self.crowds = [crowd for crowd in self.crowds if crowd.poll() is None]
         while len(self.crowds) < 2 and until - time.monotonic() > CROWD_S[0]:
@@ -133,9 +137,9 @@ class Surroundings:
 
 
 def play(around, watch, until, lull_every, act_every):
-    """Crowds and what is done to the server, with lulls between. Returns what crowds told."""
+    """Runs crowds and actions, with lulls between. Returns the reports of the crowds."""
     told = []
-    while (lull := time.monotonic() + lull_every) <= until + 1:  # what went by since the beginning is no lull less
+    while (lull := time.monotonic() + lull_every) <= until + 1:  # the time since the start must not cost a lull
         while time.monotonic() < lull - LULL_S:
             told += around.keep_crowds(lull - LULL_S)
             around.act()

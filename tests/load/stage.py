@@ -1,6 +1,6 @@
-"""What scenarios are played on: servers, a balancer, clients, their figures over time, a table and a plot at the end.
+"""The stage of scenarios: servers, a balancer, clients, their figures over time, and a table and a plot at the end.
 
-Everything that is started ends with the scenario, and everything that is written lies in a folder that goes.
+All started processes end with the scenario. All files are in a temporary folder.
 """
 import contextlib
 import json
@@ -23,13 +23,14 @@ SAMPLE_EVERY_S = 0.25
 
 
 def percentile(values, part):
-    """The value that this part of them does not exceed; nan of none."""
+    """Returns a percentile of some values; nan if there are none. part: 0 to 1."""
     ordered = sorted(values)
     return ordered[max(0, math.ceil(part * len(ordered)) - 1)] if ordered else math.nan
 
 
 def parse_metrics(text):
-    """What a server says of itself: sums over labels, by name without `lodestream_`; the buckets of histograms left out."""
+    """Parses a server's metrics. Returns values by name without `lodestream_`, summed over labels. Omits the buckets of
+    histograms."""
     figures = {}
     for name, labels, value in re.findall(r"^lodestream_(\w+)(\{.*\})? (\S+)$", text, re.M):
         if not name.endswith("_bucket"):
@@ -38,13 +39,14 @@ def parse_metrics(text):
 
 
 def rates(samples, name):
-    """Of a counter, its growth a second between samples; where it fell a server has begun anew."""
+    """Returns the growth of a counter per second between samples. Falling counters count as 0, because a server has
+    restarted."""
     pairs = [(a, b) for a, b in zip(samples, samples[1:]) if name in a and name in b and b["t"] > a["t"]]
     return [b["t"] for a, b in pairs], [max(0, b[name] - a[name]) / (b["t"] - a["t"]) for a, b in pairs]
 
 
 class Server:
-    """lodestreamd serve on ports that stay the same when it is started again."""
+    """Runs lodestreamd serve. The ports stay the same when the server is started again."""
 
     def __init__(self, stage, *options, prefix=(), host="127.0.0.1", store=None):
         self.stage, self.prefix, self.host, self.options = stage, prefix, host, options
@@ -61,7 +63,7 @@ class Server:
             sys.exit("lodestreamd did not start")
 
     def end(self, how=signal.SIGTERM):
-        """Waits until it is gone. Returns its exit status."""
+        """Ends the server. Returns its exit status."""
         if self.process.poll() is None:
             self.process.send_signal(how)
         status = self.process.wait(timeout=300)
@@ -75,7 +77,7 @@ class Server:
         self.end()
 
     def figures(self):
-        """None where it does not answer."""
+        """Returns the metrics; None if the server does not answer."""
         with contextlib.suppress(OSError), urllib.request.urlopen(f"http://{self.metrics}/metrics", timeout=2) as answer:
             return parse_metrics(answer.read().decode())
 
@@ -84,7 +86,7 @@ class Server:
 
 
 class Sampler:
-    """The servers' figures, summed, every quarter of a second while the `with` lasts."""
+    """Records the metrics of all servers, summed, four times a second during the `with`."""
 
     def __init__(self, servers):
         self.servers, self.samples, self.began = servers, [], time.monotonic()
@@ -112,10 +114,10 @@ class Sampler:
 
 
 class Stage:
-    """A folder, the programs, a store, the plot that a scenario leaves; ends all that was started on it."""
+    """The folder, programs, store and plot of a scenario. The end of the `with` ends all started processes."""
 
     def __init__(self, programs, folder, store=None, messages=None, short=False, seconds=None):
-        """seconds: of a soak, instead of its own."""
+        """seconds: duration of a soak, if not the default."""
         self.bin, self.folder, self.messages, self.short = pathlib.Path(programs).resolve(), pathlib.Path(folder), messages, short
         self.seconds = seconds
         self.ending, self.probes, self.plot = contextlib.ExitStack(), 0, None
@@ -139,7 +141,7 @@ class Stage:
         return server
 
     def run(self, command, **options):
-        """A process that is killed at the end if it is still there."""
+        """Starts a process, which is killed at the end if it still runs."""
         process = start(command, **options)
         self.ending.callback(self.stop, process)
         return process
@@ -152,7 +154,7 @@ class Stage:
             process.stdout.close()
 
     def haproxy(self, servers):
-        """Balances by connections over servers that say they are ready. Returns where it listens."""
+        """Starts HAProxy, which distributes connections to the servers that are ready. Returns its address."""
         port = free_port()
         lines = "\n".join(f"  server s{number} {server.listen} check addr {server.host} port {server.metrics.rsplit(':', 1)[1]}"
                           for number, server in enumerate(servers))
@@ -179,15 +181,16 @@ frontend clients
         return f"127.0.0.1:{port}"
 
     def crowd(self, listen, clients, seconds, prefix=(), store=None, authority=None, full=False):
-        """`lodestream loadtest`, whose clients all arrive within a quarter of the time; under TLS with an authority. full: clients that
-        walk, refine and decode as one with a window does."""
+        """Starts `lodestream loadtest`, whose clients arrive within a quarter of the time. With an authority, the clients use
+        TLS. full: clients that move, refine and decode as a window does."""
         target = f"lode{'s' if authority else ''}://{listen}/{(store or self.store).stem}"
         kind = ["--full", "--path", "walk", "--cache", "off"] if full else ["--decode-off"]
         return self.run([*prefix, self.bin / "lodestream", "loadtest", target, "--clients", clients, "--seconds", seconds, *kind,
                          "--json", *(["--ca-file", authority] if authority else [])], stdout=subprocess.PIPE, text=True)
 
     def probe(self, listen, seconds, requests=None, every=0.05, prefix=(), store=None, model=None, authority=None):
-        """probe.py, for the blobs of a store; with `requests` a greedy client that keeps so many open."""
+        """Starts probe.py for the blobs of a store. With `requests`, the probe is greedy and always has this number of open
+        requests."""
         store = store or self.store
         blobs = json.loads(subprocess.run([self.bin / "lodestreamd", "info", store, "--json"], check=True, capture_output=True,
                                           text=True).stdout)["payloads"]
@@ -199,15 +202,15 @@ frontend clients
 
 
 def result(process):
-    """What one of a stage's clients has printed, when it is done."""
+    """Waits for a client of the stage, and returns the JSON object that it has printed."""
     told = process.communicate(timeout=600)[0]
-    if not told or process.returncode not in (0, 1):  # 1: it tells of errors
+    if not told or process.returncode not in (0, 1):  # status 1: the result contains errors
         sys.exit(f"a client ended with {process.returncode} and {'a' if told else 'without a'} result")
     return json.loads(told)
 
 
 def probe_row(times, since=0, until=math.inf):
-    """Median, 99th percentile and longest of the requests meant for a part of the time, in words."""
+    """Returns the median, 99th percentile and longest latency of the requests of a part of the time, as texts."""
     late = [ms for t, ms in times if since <= t < until]
     if not late:
         return "none", "none", "none"
@@ -220,17 +223,18 @@ def print_table(heads, rows):
 
 
 class Plot:
-    """Panels above each other over the seconds of a run, the logarithmic ones alike; left out where matplotlib is not there."""
+    """A plot of panels above each other, over the seconds of a run. Logarithmic panels have the same scale. Without matplotlib,
+    there is no plot."""
 
     def __init__(self, title):
         self.title, self.panels = title, []
 
     def panel(self, what, *lines, log=False):
-        """lines: (name, seconds, values)."""
+        """Adds a panel. lines: tuples of name, seconds and values."""
         self.panels.append((what, lines, log))
 
     def decades(self):
-        """Powers of ten around all logarithmic values."""
+        """Returns the powers of ten around all logarithmic values."""
         values = [value for _, lines, log in self.panels if log for _, _, values in lines for value in values if value > 0] or [1]
         return 10.0 ** math.floor(math.log10(min(values))), 10.0 ** (math.floor(math.log10(max(values))) + 1)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The scenarios' own arithmetic and tidiness, without a server: stage_test.py"""
+"""Tests of the arithmetic and the cleanup of scenarios, without a server: stage_test.py"""
 import contextlib
 import errno
 import io
@@ -136,8 +136,8 @@ class Processes(unittest.TestCase):
 
 
 class FakeControlGroups:
-    """The folders of version 2, which keep its rules: files of a controller only where the parent hands it on, no processes where
-    one is handed on, none removed that has some."""
+    """Imitates the folders of version 2 and their rules. A group has a controller's files only if its parent enables the
+    controller. A group that enables controllers has no processes. A group with processes cannot be removed."""
 
     def __init__(self, folder, processes, offered="cpu io memory pids", is_the_systems_root=False):
         self.root, self.exempt = pathlib.Path(folder, "groups"), is_the_systems_root
@@ -215,10 +215,10 @@ class ControlGroups(unittest.TestCase):
             self.assertIn(f"{group}/cgroup.procs", prefix[2])
             self.assertEqual((group / "memory.max").read_text(), "2000")
             self.assertRegex((group / "io.max").read_text(), r"^\d+:\d+ rbps=1000$")
-            self.assertFalse((group / "memory.swap.max").exists())  # as without swap
+            self.assertFalse((group / "memory.swap.max").exists())  # as on a system without swap
             (group / "cgroup.procs").write_text("77")
             self.assertEqual(fake.processes(group), ["77"])
-            fake.put(group, [])  # it ends
+            fake.put(group, [])  # the process ends
 
     def expect_as_before(self, fake, processes, handed_on=()):
         self.assertEqual(fake.groups(), [])
@@ -280,7 +280,7 @@ class ControlGroups(unittest.TestCase):
             self.assertEqual(control_groups.version(), 1)
 
     def test_of_the_systems_version_2_make_room_and_put_back(self):
-        """With a controller that hurts nobody, below a group of its own, by the system's rules."""
+        """Uses a harmless controller, in a separate group, with the system's real rules."""
         above = pathlib.Path("/sys/fs/cgroup/unified")
         if os.geteuid() != 0 or not (above / "cgroup.controllers").is_file() or "hugetlb" not in (above / "cgroup.controllers").read_text():
             self.skipTest("needs root and, beside control groups of version 1, version 2 with hugetlb")
@@ -312,7 +312,7 @@ class Scenarios(unittest.TestCase):
         self.assertIn("in time", str(said.exception))
 
     def test_that_are_interrupted_say_so_in_a_line_and_leave_nothing(self):
-        """With programs and a client that do nothing but wait."""
+        """Uses programs and a client that only wait."""
         with tempfile.TemporaryDirectory() as name:
             folder, temporary = pathlib.Path(name), pathlib.Path(name, "temporary")
             temporary.mkdir()
@@ -330,7 +330,7 @@ class Scenarios(unittest.TestCase):
                     with subprocess.Popen([sys.executable, stage.LOAD / "scenario.py", "steady", folder, "--messages", folder], text=True, cwd=folder,
                                           env=dict(os.environ, TMPDIR=str(temporary)), stderr=subprocess.PIPE, start_new_session=True) as playing:
                         processes.eventually(lambda: all(file.exists() for file in begun))
-                        os.killpg(playing.pid, number)  # as a terminal does, to all that are of its group
+                        os.killpg(playing.pid, number)  # signals the whole process group, as a terminal does
                         said = playing.communicate(timeout=120)[1]
                     self.assertEqual((playing.returncode, said.count("\n"), said.split(":")[0]), (128 + number, 1, "ended by a signal"))
                     self.assertEqual(list(temporary.iterdir()), [])
@@ -362,7 +362,7 @@ class Growth(unittest.TestCase):
     LULLS = 30
 
     def run_that(self, leaks=0, wavers=0, chance=random.Random(1)):
-        """What is held in the lulls of half an hour."""
+        """Returns simulated values in the lulls of half an hour."""
         return [20e6 + leaks * number / self.LULLS + chance.gauss(0, wavers) for number in range(self.LULLS)]
 
     def test_of_what_leaks_is_told(self):

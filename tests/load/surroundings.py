@@ -1,5 +1,5 @@
-"""What a server may stand in: a slow disk, a long link. Both need root, and leave nothing behind, even when they are killed:
-the next one clears up what is named after a process that is gone.
+"""Surroundings of a server: a slow disk, a long link. Both need root. They leave nothing behind: after a kill, the next process
+removes what is named after a process that no longer exists.
 """
 import contextlib
 import os
@@ -13,7 +13,7 @@ from processes import running
 
 @contextlib.contextmanager
 def slow_disk(file, bytes_per_second, memory_bytes):
-    """A prefix for commands that read the file's disk so slowly and keep so little of it in memory."""
+    """Yields a prefix for commands, which limits the speed of the file's disk and the memory."""
     limited = {1: control_groups.version_1, 2: control_groups.version_2}[control_groups.version()]
     with limited(control_groups.whole_disk(os.stat(file).st_dev), bytes_per_second, memory_bytes) as groups:
         join = "; ".join(f"echo $$ > {group}/cgroup.procs" for group in groups)
@@ -21,7 +21,7 @@ def slow_disk(file, bytes_per_second, memory_bytes):
 
 
 def forget(file):
-    """Takes a file out of the page cache."""
+    """Removes a file from the page cache."""
     with open(file, "rb") as opened:
         os.fsync(opened.fileno())
         os.posix_fadvise(opened.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
@@ -29,10 +29,11 @@ def forget(file):
 
 @contextlib.contextmanager
 def long_link(programs, delay_ms=25, mbit_s=10, loss_percent=0, queue_ms=200):
-    """Prefixes for commands in two network namespaces with such a link between them: 10.9.0.1, for servers, and 10.9.0.2.
+    """Yields two prefixes for commands, which run in two network namespaces with a link between. Servers have the address
+    10.9.0.1, clients 10.9.0.2.
 
-    programs: the folder that wan lies in. delay_ms: one way.
-    """
+    programs: the folder that contains wan. delay_ms: delay in one direction.
+"""
     there = subprocess.run(["ip", "netns", "list"], check=True, capture_output=True, text=True).stdout.split()
     for name in abandoned(name for name in there if name.startswith(("lode-near-", "lode-far-"))):
         subprocess.run(["ip", "netns", "del", name], check=True)
@@ -53,7 +54,7 @@ def long_link(programs, delay_ms=25, mbit_s=10, loss_percent=0, queue_ms=200):
 
 @contextlib.contextmanager
 def plain_haproxy(folder, listen, server, prefix=()):
-    """HAProxy in front of one server, as it comes."""
+    """Starts HAProxy in front of one server, with its default settings."""
     config = pathlib.Path(folder, "haproxy.cfg")
     config.write_text(f"""
 defaults

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""How long an urgent request takes behind a queue of others: urgent_request.py HOST:PORT MODEL FIRST LAST COUNT
+"""Measures the latency of an urgent request behind a queue of others: urgent_request.py HOST:PORT MODEL FIRST LAST COUNT
 
-Prefetches blobs FIRST to LAST over and over with a window of 96 KB, and now and then requests one as visible. Prints one
-JSON object. tests/bench/bench_serving.py runs it; it needs what read_model.py needs.
+Prefetches the blobs FIRST to LAST again and again, with a window of 96 KB. From time to time, requests one blob as visible.
+Prints one JSON object. tests/bench/bench_serving.py runs this script. It has the same requirements as read_model.py.
 """
 import json
 import random
@@ -38,7 +38,7 @@ class Client:
         return self.next_request - 1
 
     def take(self):
-        """The number of the request that has ended with the next chunk, or None."""
+        """Reads the next chunk. Returns the number of the request that the chunk ends, or None."""
         _, _, body = self.connection.receive()
         request, total, offset = BLOB.unpack_from(body)
         self.connection.send("Credit", grantedBytes=self.connection.credited + WINDOW)
@@ -48,7 +48,7 @@ class Client:
         return request
 
     def flow(self, until):
-        """Takes prefetches until a request has ended (a number) or the clock has come so far (a float)."""
+        """Receives prefetched blobs until a request has ended (an int: its number) or until a time (a float)."""
         while True:
             self.request(PREFETCH, max(0, OPEN_PREFETCHES - len(self.open)))
             ended = self.take()

@@ -12,20 +12,20 @@
 
 namespace lode::test {
 
-/// Counts background inside a model while its cuts cross-fade. Inside is what every cut covers that was drawn
-/// for this camera since a fade's length ago, with a pixel around.
+/// Counts background pixels inside a model while its cuts cross-fade. A pixel is inside if it and its
+/// neighbours are covered by every cut that was drawn for this camera within the last duration of a fade.
 class BackgroundWatch {
  public:
   struct Counter {
     uint64_t frames = 0, fading_frames = 0;
-    uint64_t mixed_frames = 0;  ///< of a cut that has taken another's place in a part of its regions
-    uint64_t inside = 0;        ///< pixels
-    uint64_t background = 0;    ///< of them
+    uint64_t mixed_frames = 0;  ///< frames that drew a mixture of two cuts
+    uint64_t inside = 0;        ///< number of pixels inside the model, over all frames
+    uint64_t background = 0;    ///< number of these pixels that show background
 
     bool operator==(const Counter&) const = default;
   };
 
-  /// @param upload_bytes  of one frame; none: a cut is uploaded at once.
+  /// @param upload_bytes  upload budget of one frame; by default, a cut is uploaded at once.
   BackgroundWatch(double lattice_step, uint32_t width_px, uint32_t height_px,
                   std::optional<uint32_t> upload_bytes = std::nullopt)
       : fading_(lattice_step),
@@ -34,7 +34,7 @@ class BackgroundWatch {
         upload_(upload_bytes ? render::UploadBudget{.bytes = *upload_bytes, .ms = 1000}
                              : render::UploadBudget{.wait = true}) {}
 
-  /// One frame with a cut. The camera may be another only when uploaded().
+  /// Draws one frame with a cut. The camera may change only if uploaded() is true.
   void frame(const std::shared_ptr<const core::Cut>& cut, const core::View& view, double now_s) {
     if (covered_.empty() || view != view_) {
       view_ = view;
@@ -48,7 +48,7 @@ class BackgroundWatch {
     while ((upload_.wait && !uploaded()) || !fading_.meshes().drawnCut());
     if (!is_same) cover(now_s);
     covered_.back().now_s = now_s;
-    if (!uploaded())  // any of them may still be drawn somewhere
+    if (!uploaded())  // each of the cuts may still be drawn somewhere
       for (Covered& covered : covered_) covered.now_s = now_s;
     const auto isDrawn = [&](const Covered& covered) { return covered.cut == fading_.meshes().drawnCut(); };
     if (std::ranges::none_of(covered_, isDrawn)) ++counts_.mixed_frames;
@@ -56,7 +56,7 @@ class BackgroundWatch {
     fading_.draw(view, target_, style_, {now_s, true});
     count(pixelsOfModel());
   }
-  /// Pixels that a cut covers, drawn alone.
+  /// Returns the pixels that a cut covers if it is drawn alone.
   std::vector<bool> coveredBy(const std::shared_ptr<const core::Cut>& cut, const core::View& view) {
     uploadAlone(cut);
     alone_.draw(view, target_, style_);
@@ -64,7 +64,7 @@ class BackgroundWatch {
   }
   const Counter& counts() const noexcept { return counts_; }
   bool fading() const noexcept { return fading_.fading(); }
-  /// All of the last frame's cut is there.
+  /// Returns true if the last frame's cut is completely resident.
   bool uploaded() const noexcept { return fading_.upToDate(); }
 
  private:
@@ -109,7 +109,8 @@ class BackgroundWatch {
       }
     }
   }
-  /// Its neighbours, too, are covered by all: the outline of a cut is not another's.
+  /// Returns true if all cuts cover the pixel and its neighbours. The neighbours count because outlines of
+  /// cuts differ.
   bool isInside(uint32_t x, uint32_t y) const {
     for (const Covered& covered : covered_) {
       for (uint32_t row = y - 1; row <= y + 1; ++row) {

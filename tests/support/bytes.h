@@ -17,7 +17,7 @@ constexpr uint64_t kMega = 1 << 20;
 
 inline std::span<const std::byte> bytesOf(std::string_view text) { return std::as_bytes(std::span(text)); }
 
-/// The whole file.
+/// Returns the bytes of a whole file.
 inline std::string readBytes(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   EXPECT_TRUE(file) << path;

@@ -9,11 +9,12 @@
 #include <glm/glm.hpp>
 #include <jpeglib.h>
 
-/// JPEG files made by hand, for the tests of every module that reads them.
+/// JPEG files for the tests of all modules that read them.
 namespace lode::test {
 
-/// The image as a JPEG file of quality 95. @param components  1: grey, 3: colour, 4: the texels as CMYK.
-/// @param scans  those of a progressive file, if there are any.
+/// Returns an image as a JPEG file of quality 95. @param components 1: grey, 3: colour, 4: the texels as
+/// CMYK.
+/// @param scans  scans of a progressive file; empty for a baseline file.
 template <typename AnyImage>
 std::vector<std::byte> jpegOf(const AnyImage& image, bool progressive = false, int components = 3,
                               std::span<const jpeg_scan_info> scans = {}) {
@@ -54,7 +55,8 @@ std::vector<std::byte> jpegOf(const AnyImage& image, bool progressive = false, i
   return result;
 }
 
-/// A progressive file's scans: so many, each of one coefficient of one component after the first.
+/// Returns `count` scans of a progressive file. Each scan after the first has one coefficient of one
+/// component.
 inline std::vector<jpeg_scan_info> jpegScans(int count) {
   std::vector<jpeg_scan_info> scans{{3, {0, 1, 2}, 0, 0, 0, 0}};
   for (int i = 0; static_cast<int>(scans.size()) < count; ++i)

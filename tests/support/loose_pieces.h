@@ -8,19 +8,19 @@
 #include "common/mesh.h"
 #include "tests/support/test_meshes.h"
 
-/// Scans with many loose pieces, made from a seed.
+/// Meshes like scans with many loose pieces, made from a seed.
 namespace lode::test {
 
 struct LoosePieces {
   uint32_t pieces = 200;
-  uint32_t largest = 100;         ///< triangles a piece: from 1 to so many, few of them large
-  double edge = 40;               ///< lattice steps
-  uint32_t extent = kMaxLattice;  ///< of the box that they are scattered in
+  uint32_t largest = 100;         ///< largest number of triangles of a piece; most pieces are small
+  double edge = 40;               ///< length of an edge in lattice steps
+  uint32_t extent = kMaxLattice;  ///< side of the box in which the pieces are scattered
   uint32_t seed = 1;
 };
 
-/// Adds strips of triangles far apart to a mesh without attributes; every fourth touches the one before it in
-/// one vertex.
+/// Adds strips of triangles to a mesh without attributes. The strips are far apart, but every fourth strip
+/// shares one vertex with the previous strip.
 inline void addLoosePieces(Mesh& mesh, const LoosePieces& options) {
   std::mt19937 random(options.seed);
   const auto uniform = [&](double low, double high) {
@@ -56,7 +56,7 @@ inline void addLoosePieces(Mesh& mesh, const LoosePieces& options) {
   }
 }
 
-/// A bumpy sphere in the middle of loose pieces that are far from it and from each other.
+/// Makes a bumpy sphere among loose pieces, which are far from the sphere and from each other.
 inline Mesh makeScanWithLoosePieces(uint32_t slices, uint32_t stacks, const LoosePieces& pieces) {
   MeshOptions sphere;
   sphere.extent = pieces.extent / 16;

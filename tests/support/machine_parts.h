@@ -15,7 +15,7 @@
 
 namespace lode::test {
 
-/// A closed model with edges that are meant: faces are triangles, counter-clockwise from outside.
+/// A closed model with intended sharp edges. Faces are triangles, counter-clockwise seen from outside.
 struct MachinePart {
   std::vector<glm::dvec3> positions;
   std::vector<glm::u32vec3> triangles;
@@ -26,9 +26,11 @@ inline MachinePart makeTetrahedron() {
           {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
 }
 
-/// A square box of side 4 and height 1 with a bore of radius 0.9 through it, as a grid that is closed both
-/// ways: around the bore, and from there over the top, the side and the bottom back into it.
-/// @param around  a multiple of 8, so that the box has corners. @param rings  of quads on each of the four.
+/// Makes a square box of side 4 and height 1 with a bore of radius 0.9. The surface is a grid that is closed
+/// in both directions: around the bore, and from the bore over the top, the side and the bottom back into the
+/// bore.
+/// @param around  number of quads around the bore; a multiple of 8, so that the box has corners. @param rings
+/// number of rings of quads on each of the four surfaces.
 inline MachinePart makeBoredBox(uint32_t around, uint32_t rings) {
   MachinePart part;
   for (uint32_t i = 0; i < around; ++i) {
@@ -51,7 +53,7 @@ inline MachinePart makeBoredBox(uint32_t around, uint32_t rings) {
   return part;
 }
 
-/// The cube from 0 to 1, each side of `cells` squares a side.
+/// Makes the cube from 0 to 1, with `cells` x `cells` squares on each side.
 inline MachinePart makeCube(uint32_t cells) {
   MachinePart part;
   const uint32_t row = cells + 1;
@@ -96,7 +98,7 @@ inline void writePart(const MachinePart& part, const std::filesystem::path& file
   for (const glm::u32vec3& t : part.triangles) out << "3 " << t.x << ' ' << t.y << ' ' << t.z << '\n';
 }
 
-/// A part as a node's mesh without attributes. @param scale  lattice steps a unit.
+/// Converts a part to a node's mesh without attributes. @param scale lattice steps per unit.
 inline ingest::NodeMesh nodeOf(const MachinePart& part, double scale) {
   ingest::NodeMesh mesh;
   for (uint32_t i = 0; i < part.positions.size(); ++i) {

@@ -11,7 +11,7 @@
 
 namespace lode::test {
 
-/// Bytes under a file name, without a disk: for tests and fuzzers that open thousands of files.
+/// A file in memory with a path, for tests and fuzzers that open thousands of files.
 class MemoryFile {
  public:
   explicit MemoryFile(std::string_view bytes) : file_(::memfd_create("lode-test", MFD_CLOEXEC)) {
@@ -22,7 +22,7 @@ class MemoryFile {
   MemoryFile(const MemoryFile&) = delete;
   MemoryFile& operator=(const MemoryFile&) = delete;
 
-  /// Good while this object lives, in this process.
+  /// Returns the path of the file, which is valid in this process while this object exists.
   std::filesystem::path path() const { return "/proc/self/fd/" + std::to_string(file_); }
 
  private:

@@ -14,10 +14,10 @@
 #include "server/ingest/simplify/collapse_mesh.h"
 #include "tests/support/test_meshes.h"
 
-/// Nodes of the build, made from meshes and from a seed, and what tests ask of them.
+/// Nodes of a build, made from meshes or from a seed, and helpers that examine them.
 namespace lode::test {
 
-/// A node of one mesh: positions welded, nothing locked.
+/// Converts a mesh to a node's mesh with welded positions. No vertex is locked.
 inline ingest::NodeMesh nodeOf(const Mesh& mesh) {
   ingest::NodeMesh node;
   node.attributes = mesh.attributes;
@@ -30,7 +30,7 @@ inline ingest::NodeMesh nodeOf(const Mesh& mesh) {
   node.lca_depth.assign(node.positions.size(), ingest::kNeverLocked);
   node.wedge_attributes = mesh.vertex_attributes;
   node.triangles = mesh.triangles;
-  if (node.wedge_attributes.empty()) {  // wedges are positions
+  if (node.wedge_attributes.empty()) {  // without attributes, each position is one wedge
     for (glm::u32vec3& t : node.triangles)
       t = {node.wedge_position[t.x], node.wedge_position[t.y], node.wedge_position[t.z]};
     node.wedge_position.resize(node.positions.size());
@@ -39,7 +39,8 @@ inline ingest::NodeMesh nodeOf(const Mesh& mesh) {
   return node;
 }
 
-/// Triangles between random positions: edges of any number of triangles, opposite and identical triangles.
+/// Makes triangles between random positions, with edges of any number of triangles, and opposite and
+/// identical triangles.
 inline ingest::NodeMesh makeTangle(uint32_t positions, uint32_t triangles, uint32_t seed) {
   std::mt19937 random(seed);
   ingest::NodeMesh node;
@@ -63,9 +64,9 @@ inline std::vector<ingest::CollapseMesh::Edge> edgesOf(const ingest::CollapseMes
   return edges;
 }
 
-using PositionEdge = std::array<uint64_t, 2>;  ///< codes, lower first
+using PositionEdge = std::array<uint64_t, 2>;  ///< codes of both ends, lower code first
 
-/// Edges, by position, that an odd number of triangles use.
+/// Returns the edges, by position, that an odd number of triangles use.
 inline std::set<PositionEdge> oddEdges(const ingest::NodeMesh& node) {
   std::set<PositionEdge> odd;
   for (const glm::u32vec3 t : node.triangles) {
@@ -79,7 +80,7 @@ inline std::set<PositionEdge> oddEdges(const ingest::NodeMesh& node) {
   return odd;
 }
 
-/// A fine barycentric grid over every triangle.
+/// Returns the points of a fine barycentric grid over every triangle.
 inline std::vector<glm::dvec3> pointsOver(const ingest::NodeMesh& mesh, int steps) {
   std::vector<glm::dvec3> points;
   for (const glm::u32vec3& t : mesh.triangles) {

@@ -8,15 +8,16 @@
 
 namespace lode::test {
 
-/// Entries of a folder of /proc/self: "task" has the threads of this process, "fd" its descriptors.
+/// Returns the number of entries in a folder of /proc/self: "task" lists the threads of this process, "fd"
+/// its descriptors.
 inline size_t ownEntries(const char* folder) {
   const std::filesystem::directory_iterator entries(std::filesystem::path("/proc/self") / folder);
   return static_cast<size_t>(std::distance(begin(entries), end(entries)));
 }
 
-/// Waits until there are no more than so many: a thread that was joined is among them for a moment yet, and
-/// another thread's end of a connection closes in its time.
-/// @return how many there are then, or after five minutes.
+/// Waits until the folder has at most `count` entries. A joined thread is listed for another moment, and
+/// another thread may take time to close its end of a connection.
+/// @return number of entries then, or after five minutes.
 inline size_t ownEntriesOnceDownTo(size_t count, const char* folder) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(300);
   while (true) {

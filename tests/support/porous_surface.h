@@ -13,11 +13,12 @@
 
 namespace lode::test {
 
-/// A gyroid, open at the boundaries of its cube: surface everywhere inside, so that nodes have long borders.
-/// Made by marching tetrahedra, six a cell.
+/// A gyroid that is open at the sides of its cube. The surface fills the cube, so that nodes have long
+/// borders. Made by marching tetrahedra, six per cell.
 class PorousSurface {
  public:
-  /// @param cells  along an edge. @param periods  of the gyroid there.
+  /// @param cells  number of cells along an edge of the cube. @param periods number of the gyroid's periods
+  /// along an edge.
   PorousSurface(uint32_t cells, double periods) : side_(cells + 1), scale_(2 * M_PI * periods / cells) {
     for (uint32_t z = 0; z < cells; ++z)
       for (uint32_t y = 0; y < cells; ++y)

@@ -7,15 +7,15 @@
 #include <dlfcn.h>
 #include <pthread.h>
 
-/// A system that gives no more threads, for the one source of a test program that includes this.
+/// Imitates a system that refuses further threads. Only one source of a test program may include this header.
 namespace lode::test {
 
-/// How many it still gives.
+/// Number of threads that the system still allows.
 inline std::atomic<int> threads_left{INT_MAX};
 
 }  // namespace lode::test
 
-/// This program's own: the system's, but for threads_left.
+/// Replaces the system's function in this program. Obeys threads_left.
 extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*start)(void*),
                               void* argument) noexcept {
   if (lode::test::threads_left <= 0) return EAGAIN;

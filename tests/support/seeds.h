@@ -4,7 +4,8 @@
 
 namespace lode::test {
 
-/// How many seeds show a property: a third where a sanitizer makes each take ten times as long.
+/// Returns the number of seeds with which to test a property. With a sanitizer, which makes tests ten times
+/// slower, returns a third.
 #ifdef LODE_SANITIZED
 constexpr uint32_t kSeeds = 4;
 #else

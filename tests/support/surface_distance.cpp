@@ -19,7 +19,8 @@ double squaredDistanceToBox(glm::dvec3 p, glm::dvec3 min, glm::dvec3 max) {
 
 }  // namespace
 
-/// Inner node: `count` is 0 and its children are `first` and `first + 1`; leaf: triangles first..first+count.
+/// A node of the tree. An inner node has the count 0 and the children `first` and `first + 1`. A leaf has the
+/// triangles first..first+count.
 struct DistanceField::Node {
   glm::dvec3 min, max;
   uint32_t first = 0, count = 0;

@@ -11,28 +11,29 @@
 
 namespace lode::test {
 
-/// Three corners of a triangle, in any one frame.
+/// The three corners of a triangle, in any frame.
 struct Triangle3 {
   glm::dvec3 a, b, c;
 };
 using TriangleSoup = std::vector<Triangle3>;
 
-/// Distances of sampled points of one surface from the other, in the units of the soups.
+/// Statistics of the distances from sampled points to a surface, in the units of the input.
 struct SampledDistance {
   double rms = 0;
   double max = 0;
 };
 
-/// Both directions, and both together.
+/// Distances between two surfaces, in each direction and in total.
 struct SurfaceDistance {
-  SampledDistance forward;   ///< points of the first surface, to the second
-  SampledDistance backward;  ///< points of the second surface, to the first
-  /// Two-sided: root of the mean over all samples of both directions (equally many), and the larger maximum.
+  SampledDistance forward;   ///< from points of the first surface to the second surface
+  SampledDistance backward;  ///< from points of the second surface to the first surface
+  /// Both directions together: root mean square over all samples (equally many per direction), and the larger
+  /// maximum.
   SampledDistance both;
 };
 
-/// A surface that answers how far points are from it: a bounding volume hierarchy over its triangles.
-/// Thread safe after construction.
+/// Finds distances from a surface, by a bounding volume hierarchy over its triangles. Thread safe after
+/// construction.
 class DistanceField {
  public:
   explicit DistanceField(std::span<const Triangle3> soup);
@@ -40,14 +41,15 @@ class DistanceField {
   DistanceField(DistanceField&&) noexcept;
   DistanceField& operator=(DistanceField&&) noexcept;
 
-  /// Distance to the nearest point of the surface; infinite for a surface without triangles.
+  /// Returns the distance to the nearest point of the surface; infinity for a surface without triangles.
   double distance(glm::dvec3 point) const {
     uint32_t hint = 0;
     return distance(point, hint);
   }
-  /// @param hint  number of a triangle that may be near (from the last answer); receives the nearest one's.
+  /// @param hint  number of a triangle that may be near, for example from the last call; receives the number
+  /// of the nearest triangle.
   double distance(glm::dvec3 point, uint32_t& hint) const;
-  /// The triangle of a number from distance(); numbers are not the soup's.
+  /// Returns the triangle with a number from distance(). These numbers differ from the indices of the input.
   const Triangle3& triangle(uint32_t number) const { return triangles_[number]; }
 
  private:
@@ -59,18 +61,18 @@ class DistanceField {
   std::vector<Node> nodes_;
 };
 
-/// Points spread evenly by area over a surface, always the same for the same soup and seed; the corners of
-/// triangles are not among them. Triangles without area get none.
+/// Returns points that are spread evenly by area over a surface. The points depend only on the input and the
+/// seed. Corners of triangles are not among them, and triangles without area have none.
 std::vector<glm::dvec3> samplePoints(std::span<const Triangle3> soup, size_t count, uint64_t seed);
 
-/// Sampled distance between two surfaces, `samples` points each way.
+/// Returns the sampled distance between two surfaces, with `samples` points in each direction.
 SurfaceDistance surfaceDistance(std::span<const Triangle3> first, std::span<const Triangle3> second,
                                 size_t samples = 200000, uint64_t seed = 1);
 
-/// Length of the diagonal of a soup's box.
+/// Returns the length of the diagonal of the triangles' box.
 double boxDiagonal(std::span<const Triangle3> soup);
 
-/// The triangles of a mesh in steps of its lattice.
+/// Returns the triangles of a mesh, in lattice steps.
 TriangleSoup latticeSoup(const Mesh& mesh);
 
 }  // namespace lode::test

@@ -15,23 +15,23 @@
 #include "tests/support/test_meshes.h"
 #include "tests/support/work_folder.h"
 
-/// Small but complete stores made by hand, for the tests of every module that reads one. They keep the
-/// invariants: a coarser LOD is the image of a finer one under a map of the vertices that fixes those that
-/// leaves share.
+/// Small but complete stores for the tests of all modules that read stores. They satisfy the invariants: a
+/// coarser LOD is the image of a finer LOD under a map of vertices, and this map leaves the vertices fixed
+/// that leaves share.
 namespace lode::test {
 
-/// A hierarchy with the meshes of its LODs, before it becomes a store.
+/// A hierarchy with the meshes of its LODs, for writeStore().
 struct SyntheticModel {
-  ModelSummary summary;     ///< lattice and attributes
-  std::vector<Node> nodes;  ///< in key order; no payloads yet
+  ModelSummary summary;     ///< summary with lattice and attributes
+  std::vector<Node> nodes;  ///< nodes in key order, without payloads
   std::map<std::pair<NodeKey, uint32_t>, Mesh> meshes;
 };
 
 struct SyntheticOptions {
-  size_t leaf_triangles = 24;  ///< a node with more is split
-  uint32_t lods = 2;           ///< of an inner node
-  uint32_t far_lods = 0;       ///< beside them, of one below the root
-  int extent_bits = 12;        ///< the root's cell has 2^this lattice steps a side
+  size_t leaf_triangles = 24;  ///< a node with more triangles is split
+  uint32_t lods = 2;           ///< number of LODs of an inner node, without far LODs
+  uint32_t far_lods = 0;       ///< number of far LODs of an inner node below the root
+  int extent_bits = 12;        ///< the root's cell is 2^extent_bits lattice steps long
   Lattice lattice{{100.5, -20.25, 3.75}, 0.25};
 };
 
@@ -89,7 +89,7 @@ class ModelMaker {
     return shared_below_.at(position).depth() < key.depth();
   }
 
-  /// The part of the whole mesh that the triangles use.
+  /// Returns the part of the whole mesh that the triangles use.
   Mesh extract(const std::vector<glm::u32vec3>& triangles) const {
     Mesh mesh;
     mesh.attributes = whole_.attributes;
@@ -109,7 +109,7 @@ class ModelMaker {
     return mesh;
   }
 
-  /// Moves every third vertex that is not locked onto a neighbour, and drops what becomes degenerate.
+  /// Moves every third unlocked vertex onto a neighbour, and drops the triangles that become degenerate.
   std::vector<glm::u32vec3> coarsen(NodeKey key, const std::vector<glm::u32vec3>& triangles) const {
     std::map<PositionCode, uint32_t> target;
     uint32_t count = 0;
@@ -156,7 +156,7 @@ class ModelMaker {
     node.lods.push_back(lod);
   }
 
-  /// @return the triangles that the parent is made of.
+  /// Makes the LODs of a node. @return the triangles from which the parent is made.
   std::vector<glm::u32vec3> simplify(NodeKey key) {
     Node node;
     node.key = key;
@@ -203,7 +203,7 @@ inline SyntheticModel makeModel(const Mesh& mesh, const SyntheticOptions& option
   return detail::ModelMaker(mesh, options).make();
 }
 
-/// A texture of any size whose tiles are no images, but bytes that say they are JPEG.
+/// Adds a texture of any size. Its tiles are not images, but begin like JPEG files.
 inline Texture addFakeTexture(store::Writer& writer, const std::string& name, uint32_t width,
                               uint32_t height) {
   Texture texture{name, width, height, {}};
@@ -215,8 +215,8 @@ inline Texture addFakeTexture(store::Writer& writer, const std::string& name, ui
   return texture;
 }
 
-/// Encodes the LODs and writes the store, coarse first. Fills in the model's payloads.
-/// @param add_textures  adds tiles and returns the model's texture set.
+/// Encodes the LODs and writes the store, coarse LODs first. Sets the payloads of the model.
+/// @param add_textures  function that adds tiles and returns the model's texture set.
 inline ModelSummary writeStore(const std::filesystem::path& path, SyntheticModel& model,
                                const std::function<TextureSet(store::Writer&)>& add_textures = {}) {
   store::Writer writer(path);

@@ -11,7 +11,7 @@
 
 namespace lode::test {
 
-/// Writes a certificate that signs itself and is good for so long from now on, and its key.
+/// Writes a self-signed certificate, which is valid from now on for a given time, and its key.
 inline void writeCertificate(const std::filesystem::path& certificate, const std::filesystem::path& key,
                              long seconds = 3600) {
   const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> pair(EVP_EC_gen("P-256"), EVP_PKEY_free);

@@ -10,19 +10,20 @@
 #include "common/codec/octahedral.h"
 #include "common/mesh.h"
 
-/// Meshes made from a seed, for the tests of every module.
+/// Meshes made from a seed, for the tests of all modules.
 namespace lode::test {
 
 struct MeshOptions {
-  AttributeSet attributes;     ///< kAlpha asks for varying alpha, kTexture and kMaterial for seams
+  /// Attributes of the mesh; alpha varies, and textures and materials cause seams.
+  AttributeSet attributes;
   uint32_t extent = 1u << 12;  ///< longest side in lattice steps, 1..kMaxLattice
-  glm::uvec3 origin{0};        ///< least lattice coordinates
-  uint32_t seed = 1;           ///< of bumps and attributes
+  glm::uvec3 origin{0};        ///< lowest corner of the mesh, in lattice coordinates
+  uint32_t seed = 1;           ///< seed of bumps and attributes
   double bump = 0.05;          ///< height of the bumps, as a fraction of the extent
 };
 
-/// Attributes that depend on the position alone (and the seed), so that equal positions of different meshes
-/// have equal ones.
+/// Returns attributes that depend only on the position and the seed, so that equal positions of different
+/// meshes have equal attributes.
 inline VertexAttributes attributesAt(glm::uvec3 p, glm::vec3 normal, const MeshOptions& options) {
   VertexAttributes result;
   const AttributeSet set = options.attributes;
@@ -35,9 +36,9 @@ inline VertexAttributes attributesAt(glm::uvec3 p, glm::vec3 normal, const MeshO
   return result;
 }
 
-/// A bumpy height field of columns x rows quads (two triangles each), open at its boundary.
-/// With kMaterial, the left half has material 0 and the right half 1: the column between has two wedges a
-/// position.
+/// Makes a bumpy height field of columns x rows quads (two triangles each), open at its boundary. With
+/// kMaterial, the left half has material 0 and the right half material 1; the column between has two wedges
+/// per position.
 inline Mesh makeGrid(uint32_t columns, uint32_t rows, const MeshOptions& options = {}) {
   Mesh mesh;
   mesh.attributes = options.attributes;
@@ -51,7 +52,7 @@ inline Mesh makeGrid(uint32_t columns, uint32_t rows, const MeshOptions& options
   for (uint32_t row = 0; row <= rows; ++row)
     for (uint32_t i = 0; i < width; ++i) {
       const uint32_t column = i > seam_column ? i - 1 : i;
-      // Steps of the position alone, so that two grids side by side agree where they touch.
+      // Compute the height from the position alone, so that two neighbouring grids agree where they touch.
       const glm::uvec3 p =
           options.origin + glm::uvec3(std::lround(column * spacing), std::lround(row * spacing), 0);
       const double x = p.x / spacing, y = p.y / spacing, phase = options.seed;
@@ -75,9 +76,9 @@ inline Mesh makeGrid(uint32_t columns, uint32_t rows, const MeshOptions& options
   return mesh;
 }
 
-/// A closed bumpy sphere of 2 * slices * (stacks - 1) triangles. With kTexture, a seam runs from pole to pole
-/// (two wedges a position); with kMaterial, the lower half has material 1. slices >= 3, stacks >= 2; the
-/// extent must be large enough to keep neighbours apart.
+/// Makes a closed bumpy sphere of 2 * slices * (stacks - 1) triangles. With kTexture, a seam runs from pole
+/// to pole, with two wedges per position. With kMaterial, the lower half has material 1. Requires slices >=
+/// 3, stacks >= 2, and an extent that keeps neighbouring vertices distinct.
 inline Mesh makeSphere(uint32_t slices, uint32_t stacks, const MeshOptions& options = {}) {
   Mesh mesh;
   mesh.attributes = options.attributes;
@@ -119,7 +120,7 @@ inline Mesh makeSphere(uint32_t slices, uint32_t stacks, const MeshOptions& opti
   return mesh;
 }
 
-/// The tight box of a mesh's positions.
+/// Returns the tight box of a mesh's positions.
 inline LatticeBox boxOf(const Mesh& mesh) {
   LatticeBox box;
   for (const PositionCode code : mesh.positions) box.add(unpackPosition(code));

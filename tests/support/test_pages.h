@@ -6,20 +6,21 @@
 #include "common/codec/hierarchy_page.h"
 #include "common/limits.h"
 
-/// Hierarchy pages made from a seed, for the tests of every module.
+/// Hierarchy pages made from a seed, for the tests of all modules.
 namespace lode::test {
 
 struct PageOptions {
   NodeKey owner = kRootKey;
   bool is_root_page = true;
   uint32_t seed = 1;
-  unsigned children = 8;      ///< of each inner node, 0..8
-  unsigned lods = 2;          ///< of each node
-  unsigned far_lods = 0;      ///< beside them, of inner nodes below the root
-  bool deeper_pages = false;  ///< nodes of the deepest level have children in pages of their own
+  unsigned children = 8;      ///< number of children of each inner node, 0..8
+  unsigned lods = 2;          ///< number of LODs of each node, without far LODs
+  unsigned far_lods = 0;      ///< number of far LODs of inner nodes below the root
+  bool deeper_pages = false;  ///< true if nodes of the deepest level have children in further pages
 };
 
-/// A page that decodePage accepts: names and counts random, boxes nested, errors that grow upwards.
+/// Makes a page that decodePage() accepts. Digests and counts are random, boxes are nested, and errors grow
+/// towards the root.
 inline HierarchyPage makePage(const PageOptions& options) {
   std::mt19937 random(options.seed);
   HierarchyPage page;
@@ -41,7 +42,7 @@ inline HierarchyPage makePage(const PageOptions& options) {
     result.far_lods = has_spare ? options.far_lods : 0;
     float error = static_cast<float>(100 >> level * 2);
     for (unsigned i = 0; i < options.lods + result.far_lods; ++i) {
-      if (i == options.lods) error *= 10;  // above the parent's
+      if (i == options.lods) error *= 10;  // the errors of far LODs exceed the parent's
       Lod lod{blob(60000), 1000 + static_cast<uint32_t>(random() % 15000), 0, 0, error, error / 2};
       lod.vertices = lod.triangles / 2 + 50;
       lod.locked = lod.vertices / 20;

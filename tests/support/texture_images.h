@@ -11,14 +11,14 @@
 #include "common/codec/texture_set.h"
 #include "common/image/tile_image.h"
 
-/// Textures made by hand, for the tests of every module that reads them.
+/// Textures for the tests of all modules that read them.
 namespace lode::test {
 
-/// Colour of a texel of level 0, counted from the top left.
+/// A function that returns the colour of a texel of level 0, counted from the top left.
 using TexelFunction = std::function<glm::u8vec4(uint32_t x, uint32_t y)>;
 
-/// The levels of an image as the format wants them, by averaging boxes of 2x2 in linear light. Tiles are
-/// asked for by level, x and y.
+/// The levels of an image, made by averaging 2 x 2 texels in linear light, as the format requires. Returns
+/// tiles by level, x and y.
 class TextureImages {
  public:
   TextureImages(uint32_t width, uint32_t height, const TexelFunction& texel) {
@@ -49,7 +49,7 @@ class TextureImages {
     return image;
   }
 
-  /// Calls use(level, x, y) in the order in which Texture::tiles stand.
+  /// Calls use(level, x, y) in the order of Texture::tiles.
   template <typename Use>
   void forEachTile(Use&& use) const {
     for (uint32_t level = levelCount(texture_); level-- > 0;)
@@ -84,7 +84,7 @@ class TextureImages {
   std::vector<std::vector<glm::u8vec4>> levels_;
 };
 
-/// The image as a WebP file, without loss.
+/// Returns an image as a lossless WebP file.
 inline std::vector<std::byte> webpOf(const TileImage& image) {
   uint8_t* file = nullptr;
   const size_t bytes = WebPEncodeLosslessRGBA(reinterpret_cast<const uint8_t*>(image.texels.data()),

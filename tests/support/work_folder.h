@@ -9,7 +9,7 @@
 
 namespace lode::test {
 
-/// A folder of its own for a test, removed with all that is in it.
+/// A temporary folder for a test. The destructor removes the folder with its content.
 class WorkFolder {
  public:
   WorkFolder() {
@@ -26,7 +26,7 @@ class WorkFolder {
 
   std::filesystem::path operator/(std::string_view name) const { return path_ / name; }
   const std::filesystem::path& path() const noexcept { return path_; }
-  /// Paths of all that is in it, relative to it, sorted.
+  /// Returns the sorted paths of all files and folders in the folder, relative to it.
   std::vector<std::string> contents() const {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(path_))

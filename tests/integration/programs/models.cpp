@@ -25,7 +25,7 @@ const std::vector<Model>& models() {
       {"gyroid", modelFolder() / "gyroid.ply", true},
       {"bunny_in_small_nodes", scan("a_bunny_zipper_ascii.ply"), false},
       {"parasaurolophus", scan("b_parasaurolophus_nrm_ascii.ply"),
-       false},  // not verified: a third of the model's edges are boundary edges
+       false},  // not closed: a third of the model's edges are boundary edges
   };
   return all;
 }
