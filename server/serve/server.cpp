@@ -27,7 +27,7 @@ constexpr size_t kReaderThreads = 4;        ///< number of threads for reads tha
 constexpr uint64_t kOtherDescriptors = 64;  ///< descriptors reserved for everything except connections,
                                             ///< stores and refusals
 constexpr auto kMaintainMemoryEvery = std::chrono::milliseconds(100);
-constexpr uint64_t kTrimBytes = 4u << 20;  ///< least number of freed bytes for a call of malloc_trim()
+constexpr uint64_t kTrimBytes = 1u << 20;  ///< least number of freed bytes for a call of malloc_trim()
 
 /// Removes the folders of all configured paths from a message, because readers of the log must not see the
 /// machine's folders.
@@ -110,7 +110,8 @@ struct Server::State {
   std::unique_ptr<Acceptor> acceptor;
   std::unique_ptr<HealthEndpoint> health;
   asio::steady_timer drain_timer{context}, memory_timer{context};
-  uint64_t peak_bytes = 0;  ///< highest use of the budget since the last trim
+  uint64_t peak_bytes = 0;       ///< highest use of the budget since the last trim
+  uint64_t last_used_bytes = 0;  ///< use of the budget at the last call of maintainMemory()
   std::vector<std::unique_ptr<Worker>> workers;
   ReaderThreads readers{kReaderThreads};
 };
@@ -250,14 +251,15 @@ void Server::State::run() {
 }
 
 /// Refills the reserve. Returns freed memory to the system when the used part of the budget has fallen to
-/// half of its peak. Otherwise malloc would keep nearly all memory that a flood of requests or answers
-/// needed.
+/// half of its peak and no longer falls. Otherwise malloc would keep nearly all memory that a flood of requests
+/// or answers needed. A trim while connections still close would miss the memory that is freed after it.
 void Server::State::maintainMemory() {
   if (reserve.refill() > 0)
     log.write(LogKind::kSystem, "the system has no memory left; the server used its reserve");
   const uint64_t used = budget.used();
+  const bool falls = used < std::exchange(last_used_bytes, used);
   peak_bytes = std::max(peak_bytes, used);
-  if (used < peak_bytes / 2 && peak_bytes - used >= kTrimBytes) {
+  if (!falls && used < peak_bytes / 2 && peak_bytes - used >= kTrimBytes) {
     peak_bytes = used;
     asio::post(readers.pool(), [] { malloc_trim(0); });
   }
