@@ -251,8 +251,9 @@ void Server::State::run() {
 }
 
 /// Refills the reserve. Returns freed memory to the system when the used part of the budget has fallen to
-/// half of its peak and no longer falls. Otherwise malloc would keep nearly all memory that a flood of requests
-/// or answers needed. A trim while connections still close would miss the memory that is freed after it.
+/// half of its peak and no longer falls. Otherwise malloc would keep nearly all memory that a flood of
+/// requests or answers needed. A trim while connections still close would miss the memory that is freed after
+/// it.
 void Server::State::maintainMemory() {
   if (reserve.refill() > 0)
     log.write(LogKind::kSystem, "the system has no memory left; the server used its reserve");
