@@ -6,6 +6,8 @@
 #include "server/app/json_output.h"
 #include "server/app/progress_bar.h"
 #include "server/ingest/inspect/against.h"
+#include "server/ingest/inspect/error_witness.h"
+#include "server/store/node_tree.h"
 #include "server/store/verify.h"
 
 namespace lode::app {
@@ -42,6 +44,18 @@ Json againstAsJson(const ingest::AgainstReport& report) {
           {"median_ratio", ofMeasured(report.median_ratio)}};
 }
 
+Json witnessAsJson(const ingest::ErrorWitness& witness) {
+  const auto asJson = [](glm::dvec3 point) { return Json{point.x, point.y, point.z}; };
+  return {{"node", store::describeKey(witness.node)},
+          {"lod", witness.lod},
+          {"stored_error", witness.stored_error},
+          {"distance", witness.distance},
+          {"point", asJson(witness.point)},
+          {"point_of", witness.of_lod ? "lod" : "input"},
+          {"nearest", asJson(witness.nearest)},
+          {"between", witness.on_boundary ? "boundaries" : "surfaces"}};
+}
+
 std::string describe(const store::VerifyReport& report) {
   return "sound; " + std::to_string(report.blobs) + " blobs, " + std::to_string(report.payloads) +
          " payloads, " + std::to_string(report.triangles) + " triangles decoded" +
@@ -60,14 +74,18 @@ std::string describe(const ingest::AgainstReport& report) {
   return text;
 }
 
-ingest::AgainstReport compare(const VerifyArguments& arguments) {
+ingest::AgainstReport compare(const VerifyArguments& arguments,
+                              std::optional<ingest::ErrorWitness>& witness) {
   ingest::AgainstOptions against = arguments.against;
   against.store = arguments.store;
   against.seed = arguments.options.seed;
   ProgressBar bar(stderr, ProgressBar::modeFor(stderr, arguments.quiet));
-  const ingest::AgainstReport compared =
-      ingest::compareWithInput(against, [&](std::string_view stage, double fraction, uint64_t done,
-                                            uint64_t) { bar.update(stage, fraction, done); });
+  const ingest::AgainstReport compared = ingest::compareWithInput(
+      against,
+      [&](std::string_view stage, double fraction, uint64_t done, uint64_t) {
+        bar.update(stage, fraction, done);
+      },
+      &witness);
   bar.finishStage();
   return compared;
 }
@@ -75,13 +93,18 @@ ingest::AgainstReport compare(const VerifyArguments& arguments) {
 void runVerify(const VerifyArguments& arguments) {
   std::optional<store::VerifyReport> report;
   std::optional<ingest::AgainstReport> compared;
+  std::optional<ingest::ErrorWitness> witness;
   try {
     report = store::verifyStore(arguments.store, arguments.options);
-    if (!arguments.against.input.empty()) compared = compare(arguments);
+    if (!arguments.against.input.empty()) compared = compare(arguments, witness);
   } catch (const Error& error) {
     // Do not blame the store if it could not be read, or if the error is in the input.
     const bool is_fault = error.code() == ErrorCode::kFormat || (!report && error.code() != ErrorCode::kIo);
-    if (arguments.json && is_fault) printJson({{"sound", false}, {"fault", error.what()}});
+    if (arguments.json && is_fault) {
+      Json json{{"sound", false}, {"fault", error.what()}};
+      if (witness) json["witness"] = witnessAsJson(*witness);
+      printJson(json);
+    }
     throw;
   }
   if (!arguments.json)

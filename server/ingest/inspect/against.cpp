@@ -42,9 +42,11 @@ struct Side {
 
 class Comparison {
  public:
-  Comparison(const AgainstOptions& options, const BuildProgress& progress)
+  Comparison(const AgainstOptions& options, const BuildProgress& progress,
+             std::optional<ErrorWitness>* witness)
       : options_(options),
         progress_(progress),
+        witness_(witness),
         reader_(options.store),
         folder_(options.temporary_folder.empty() ? std::filesystem::temp_directory_path()
                                                  : options.temporary_folder),
@@ -99,7 +101,6 @@ class Comparison {
 
   void pushInput(RecordSorter& sorter) {
     BuildOptions build_options;
-    static_cast<ResultOptions&>(build_options) = options_.result;
     build_options.input = options_.input;
     build_options.skip_bad = true;
     std::vector<std::string> warnings;
@@ -190,32 +191,36 @@ class Comparison {
         {.seed = options_.seed, .threads = threads(), .progress = [this](double fraction, uint64_t leaves) {
            if (progress_) progress_("measure", fraction, leaves, reader_.nodes().size());
          }});
+    size_t worst = 0;
     for (size_t i = 0; i < lods.size(); ++i) {
-      const auto& [node, lod] = lods[i];
-      const MeasuredError& error = errors[i];
-      const double ratio = error.found_steps > 0 ? error.stored_steps / error.found_steps : 2;
-      if (ratio < kLeastRatio) {
-        const double step = reader_.summary().lattice.step;
-        fail("node " + store::describeKey(node->key) + ", LOD " + std::to_string(lod) +
-             ": its stored error is " + std::to_string(error.stored_steps * step) + ", sampling measures " +
-             std::to_string(error.found_steps * step) + " or more (I4)");
-      }
-      report_.lods_below += ratio < 1;
-      ratios.push_back(ratio);
+      ratios.push_back(ratioOf(errors[i]));
+      if (ratios[i] < ratios[worst]) worst = i;
+      report_.lods_below += ratios[i] < 1;
     }
     report_.lods = ratios.size();
     if (ratios.empty()) return;
+    const auto failAtWorst = [&](const std::string& what) {
+      const ErrorWitness witness = witnessOf(reader_, lods[worst], errors[worst]);
+      if (witness_ != nullptr) *witness_ = witness;
+      fail(what + describe(witness) + " (I4)");
+    };
+    if (ratios[worst] < kLeastRatio) failAtWorst("");
+    if (report_.lods_below > (report_.lods + kLodsOfOneBelow - 1) / kLodsOfOneBelow) {
+      failAtWorst(std::to_string(report_.lods_below) + " of " + std::to_string(report_.lods) +
+                  " LODs have a stored error below the measured one; the worst is ");
+    }
     std::sort(ratios.begin(), ratios.end());
     report_.least_ratio = ratios.front();
     report_.median_ratio = ratios[ratios.size() / 2];
-    if (report_.lods_below > (report_.lods + kLodsOfOneBelow - 1) / kLodsOfOneBelow) {
-      fail(std::to_string(report_.lods_below) + " of " + std::to_string(report_.lods) +
-           " LODs have a stored error below the measured one (I4)");
-    }
+  }
+
+  static double ratioOf(const MeasuredError& error) {
+    return error.found.steps > 0 ? error.stored_steps / error.found.steps : 2;
   }
 
   const AgainstOptions& options_;
   const BuildProgress& progress_;
+  std::optional<ErrorWitness>* const witness_;
   const store::Reader reader_;
   const TemporaryFolder folder_;
   const uint64_t memory_bytes_;
@@ -224,8 +229,9 @@ class Comparison {
 
 }  // namespace
 
-AgainstReport compareWithInput(const AgainstOptions& options, const BuildProgress& progress) {
-  return Comparison(options, progress).run();
+AgainstReport compareWithInput(const AgainstOptions& options, const BuildProgress& progress,
+                               std::optional<ErrorWitness>* witness) {
+  return Comparison(options, progress, witness).run();
 }
 
 }  // namespace lode::ingest

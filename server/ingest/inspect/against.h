@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
+#include "server/ingest/inspect/error_witness.h"
 #include "server/ingest/plan/build_options.h"
 
 namespace lode::ingest {
@@ -13,7 +15,6 @@ struct AgainstOptions {
   uint64_t memory_bytes = 0;               ///< memory for sorting; 0: defaultMemoryBytes()
   unsigned threads = 0;                    ///< number of threads; 0: one per core
   size_t lods = 0;                         ///< number of LODs to measure, spread evenly over the tree; 0: all
-  ResultOptions result;                    ///< build options, which decide what triangles a store has
   uint64_t seed = 1;                       ///< seed that selects LODs and points inside triangles
 };
 
@@ -33,8 +34,10 @@ struct AgainstReport {
 /// least 0.8 times the measured error in every LOD (I4). Skips bad values of the input like --skip-bad.
 /// Temporary files are about twice as large as the triangle soup.
 /// @param progress  one thread at a time calls this function; an exception from it cancels the comparison.
+/// @param witness  receives the point that shows a violation of I4, if one is thrown.
 /// @throws Error kInput or kIo (the input), kFormat (the first difference between store and input, with its
 /// place).
-AgainstReport compareWithInput(const AgainstOptions& options, const BuildProgress& progress = {});
+AgainstReport compareWithInput(const AgainstOptions& options, const BuildProgress& progress = {},
+                               std::optional<ErrorWitness>* witness = nullptr);
 
 }  // namespace lode::ingest

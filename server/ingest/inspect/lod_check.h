@@ -21,13 +21,24 @@ namespace lode::ingest {
 class Dice {
  public:
   explicit Dice(uint64_t seed) : state_(NumberTable::hash(seed + 1)) {}
-  float roll() noexcept {
+  double roll() noexcept {
     state_ += 0x9e3779b97f4a7c15ULL;
-    return static_cast<float>(NumberTable::hash(state_) >> 40) * 0x1p-24f;
+    return static_cast<double>(NumberTable::hash(state_) >> 11) * 0x1p-53;
   }
 
  private:
   uint64_t state_;
+};
+
+/// The point of an LOD or of the leaves below its node that is farthest from the other surface.
+struct FarPoint {
+  double steps = 0;          ///< distance in lattice steps
+  glm::dvec3 at{0};          ///< the point in lattice coordinates
+  bool of_lod = false;       ///< the point is on the LOD, not on a leaf
+  bool on_boundary = false;  ///< `steps` is the distance between boundaries
+
+  /// Replaces this point by one that is farther, or as far and first by coordinates.
+  void raiseTo(const FarPoint& other) noexcept;
 };
 
 /// A leaf of a store with a search tree. Const functions are thread safe.
@@ -51,32 +62,34 @@ class LodCheck {
 
   /// Compares the LOD with a leaf. Thread safe.
   void add(const LeafSurface& leaf);
-  /// Returns the largest distance in lattice steps; call after adding the last leaf. The result is exact
-  /// between 0.75 and 1.25 times the stored error. Smaller distances are returned as at least 0.75 times the
-  /// stored error, larger distances as at least 1.3 times.
-  float found() const { return std::max(forward_, backward()); }
+  /// Returns the farthest point; call after adding the last leaf. Its distance is at least 3/4 of the stored
+  /// error. For a point of the LOD, the distance is exact only up to 1.25 times the stored error; for points
+  /// farther away, it is at least 1.3 times the stored error. Distances are measured in double precision, so
+  /// that none is overestimated.
+  FarPoint farthest() const;
+  double found() const { return farthest().steps; }
 
  private:
   LodCheck(const NodeMesh& lod, const LatticeBox& box, float stored_steps);
-  float backward() const;
   void placePoints(const Mesh& lod, uint64_t count, Dice dice);
   void sortPoints();
-  float farthestOf(const LeafSurface& leaf) const;
+  FarPoint farthestOf(const LeafSurface& leaf) const;
   void bringNearer(const LeafSurface& leaf);
-  glm::ivec3 cellOf(glm::vec3 point) const;
+  float distanceTo(const LeafSurface& leaf, glm::dvec3 point, float bound, uint32_t& last) const;
+  glm::ivec3 cellOf(glm::dvec3 point) const;
 
   const glm::uvec3 origin_;
   const float stored_;
   const TriangleTree tree_;
-  const SurfaceWalk walk_;         ///< walk over the LOD, which speeds up searches in tree_
-  std::vector<glm::vec3> points_;  ///< points on the LOD's surface, sorted by cell
+  const SurfaceWalk walk_;          ///< walk over the LOD, which speeds up searches in tree_
+  std::vector<glm::dvec3> points_;  ///< points on the LOD's surface, sorted by cell
   std::vector<std::atomic<float>> nearest_;
   /// Index of each cell's first point; the last element is the number of points.
   std::vector<uint32_t> begin_;
   int cells_ = 1;  ///< number of cells along each axis
-  glm::vec3 cell_size_{1};
+  glm::dvec3 cell_size_{1};
   std::mutex mutex_;
-  float forward_ = 0;  ///< largest distance of the leaves from the LOD
+  FarPoint forward_;  ///< farthest point of the leaves from the LOD
 };
 
 /// Measures the largest distance from the boundaries of each LOD of a node to the boundaries of the leaves
@@ -88,9 +101,9 @@ class BoundaryCheck {
   void addLod(const Mesh& lod);
   /// Adds the boundaries of a leaf. @param boundaries  open edges of the leaf. Thread safe.
   void addLeaf(std::span<const store::OpenEdge> boundaries);
-  /// Returns one value per LOD: the largest distance of its boundary points from the boundaries of the
-  /// leaves, in lattice steps. Call found() after adding the last leaf.
-  std::vector<float> found();
+  /// Returns for each LOD the point of its boundaries that is farthest from the leaves' boundaries. Call
+  /// after adding the last leaf.
+  std::vector<FarPoint> farthest();
 
  private:
   std::mutex mutex_;

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "common/start_thread.h"
-#include "server/ingest/inspect/lod_check.h"
 #include "server/store/export.h"
 #include "server/store/open_edges.h"
 
@@ -99,10 +98,12 @@ class Measurement {
   }
 
   void end(NodeCheck& check) {
-    const std::vector<float> boundaries = check.boundaries.found();
-    for (size_t i = 0; i < check.wanted.size(); ++i)
-      errors_[check.wanted[i]] = {storedSteps(wanted_[check.wanted[i]]),
-                                  std::max(check.lods[i]->found(), boundaries[i])};
+    const std::vector<FarPoint> boundaries = check.boundaries.farthest();
+    for (size_t i = 0; i < check.wanted.size(); ++i) {
+      FarPoint farthest = check.lods[i]->farthest();
+      farthest.raiseTo(boundaries[i]);
+      errors_[check.wanted[i]] = {storedSteps(wanted_[check.wanted[i]]), farthest};
+    }
     check.lods.clear();
   }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "server/ingest/inspect/lod_check.h"
 #include "server/store/reader.h"
 
 namespace lode::ingest {
@@ -14,11 +15,11 @@ struct LodAt {
   uint32_t lod;
 };
 
-/// Stored and measured error of an LOD, in lattice steps.
+/// Stored error of an LOD in lattice steps, and the point that deviates most.
 struct MeasuredError {
-  float stored_steps = 0;
-  /// Measured error: the larger of LodCheck::found() and BoundaryCheck::found().
-  float found_steps = 0;
+  double stored_steps = 0;
+  /// The farther of LodCheck::farthest() for the surface and BoundaryCheck::farthest() for its boundaries.
+  FarPoint found;
 };
 
 struct LodErrorOptions {

@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "common/nearest_point.h"
+
+
 namespace lode::ingest {
 namespace {
 
@@ -29,6 +32,19 @@ Triangle triangleOf(const NodeMesh& mesh, uint32_t number) {
   };
   const glm::vec3 a = corner(0);
   return {a, {corner(1) - a, corner(2) - a}};
+}
+
+TriangleCorners exactly(const PackedTriangle& triangle) {
+  const auto vectorOf = [](Four four) { return glm::dvec3(four[0], four[1], four[2]); };
+  const glm::dvec3 a = vectorOf(triangle.a());
+  return {a, a + vectorOf(triangle.ab()), a + vectorOf(triangle.ac())};
+}
+
+/// Returns a squared distance above that of all boxes that may contain points within `distance`, although the
+/// boxes are measured in single precision.
+float squaredReach(double distance) {
+  constexpr double kRounding = 1;  // lattice steps; more than the rounding of three coordinates below 2^21
+  return static_cast<float>((distance + kRounding) * (distance + kRounding));
 }
 
 }  // namespace
@@ -117,9 +133,12 @@ Four TriangleTree::Fork::squaredDistances(const FourVectors& points) const noexc
   return dot(outside, outside);
 }
 
-TriangleTree::Nearest TriangleTree::nearest(glm::vec3 point, float tolerance, Nearest bound) const noexcept {
-  if (triangles_.empty()) return bound;
-  const FourVectors points(point, point, point, point);
+/// Visits the leaves whose boxes are nearer than reach(), near ones first.
+/// @param reach  returns a squared distance, which may fall with each visit; 0 ends the search.
+/// @param visit  receives the index of the leaf's first triangle in triangles_.
+template <typename Reach, typename Visit>
+void TriangleTree::search(const FourVectors& points, const Reach& reach, const Visit& visit) const noexcept {
+  if (triangles_.empty()) return;
   struct Waiting {
     uint32_t inside;
     float squared;
@@ -128,30 +147,50 @@ TriangleTree::Nearest TriangleTree::nearest(glm::vec3 point, float tolerance, Ne
   // nearest is taken first.
   std::array<Waiting, kMostWaiting> waiting;
   size_t count = 0;
-  const float tolerance_squared = tolerance * tolerance;
   waiting[count++] = {top_, 0};
-  while (count > 0 && bound.squared > tolerance_squared) {
+  while (count > 0) {
     const auto [inside, squared] = waiting[--count];
-    if (squared >= bound.squared) continue;
+    if (squared >= reach()) continue;
     if (inside & kIsLeaf) {
-      const size_t begin = inside & ~kIsLeaf;
-      const PackedTriangle* const leaf = &triangles_[begin];
-      const Four found = FourTriangles(leaf[0], leaf[1], leaf[2], leaf[3]).squaredDistances(points);
-      for (size_t i = 0; i < 4; ++i)
-        if (found[i] < bound.squared) bound = {found[i], 0, number_[begin + i]};
+      visit(inside & ~kIsLeaf);
       continue;
     }
     const Fork& fork = forks_[inside];
     const Four away = fork.squaredDistances(points);
     const size_t first = count;
     for (size_t i = 4; i-- > 0;) {
-      if (!(away[i] < bound.squared)) continue;
+      if (!(away[i] < reach())) continue;
       size_t at = count++;
       for (; at > first && waiting[at - 1].squared < away[i]; --at) waiting[at] = waiting[at - 1];
       waiting[at] = {fork.inside[i], away[i]};
     }
   }
+}
+
+TriangleTree::Nearest TriangleTree::nearest(glm::vec3 point, float tolerance, Nearest bound) const noexcept {
+  if (triangles_.empty()) return bound;
+  const FourVectors points(point, point, point, point);
+  const float tolerance_squared = tolerance * tolerance;
+  const auto reach = [&] { return bound.squared > tolerance_squared ? bound.squared : 0; };
+  search(points, reach, [&](size_t begin) {
+    const PackedTriangle* const leaf = &triangles_[begin];
+    const Four found = FourTriangles(leaf[0], leaf[1], leaf[2], leaf[3]).squaredDistances(points);
+    for (size_t i = 0; i < 4; ++i)
+      if (found[i] < bound.squared) bound = {found[i], 0, number_[begin + i]};
+  });
   bound.distance = std::sqrt(bound.squared);
+  return bound;
+}
+
+TriangleTree::ExactNearest TriangleTree::nearestExactly(glm::dvec3 point, double tolerance,
+                                                        ExactNearest bound) const noexcept {
+  const auto reach = [&] { return bound.distance > tolerance ? squaredReach(bound.distance) : 0; };
+  search(FourVectors(glm::vec3(point)), reach, [&](size_t begin) {
+    for (size_t i = begin; i < begin + 4; ++i) {
+      const double distance = glm::distance(point, nearestPointOfTriangle(point, exactly(triangles_[i])));
+      if (distance < bound.distance) bound = {distance, number_[i]};  // false for an empty triangle: NaN
+    }
+  });
   return bound;
 }
 

@@ -34,6 +34,13 @@ class TriangleTree {
   /// @param bound      the result if no triangle is nearer; a smaller bound makes the search shorter.
   Nearest nearest(glm::vec3 point, float tolerance = 0, Nearest bound = kNothing) const noexcept;
   float distance(glm::vec3 point) const noexcept { return nearest(point).distance; }
+  struct ExactNearest {
+    double distance;
+    uint32_t triangle;
+  };
+  /// Like nearest(), but measures triangles in double precision: see nearestPointOfTriangle(). Single precision
+  /// overestimates distances from triangles that are thousands of times as long as wide.
+  ExactNearest nearestExactly(glm::dvec3 point, double tolerance, ExactNearest bound) const noexcept;
   /// Squared distance from one triangle.
   float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept {
     return triangles_[place_[triangle]].squaredDistance(point);
@@ -61,6 +68,8 @@ class TriangleTree {
     uint32_t inside = 0;
     Box box;
   };
+  template <typename Reach, typename Visit>
+  void search(const FourVectors& points, const Reach& reach, const Visit& visit) const noexcept;
   Branch build(const NodeMesh& mesh, std::span<Middle> middles);
   static size_t partInHalves(std::span<Middle> middles);
   Branch buildLeaf(const NodeMesh& mesh, std::span<const Middle> middles);

@@ -4,14 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include "common/codec/draco_codec.h"
 #include "common/error.h"
 #include "server/ingest/pipeline/build.h"
 #include "server/sample/sample.h"
-#include "server/store/export.h"
 #include "server/store/reader.h"
-#include "server/store/writer.h"
 #include "tests/support/work_folder.h"
+#include "tests/unit/ingest/inspect/altered_store.h"
 #include "tests/unit/ingest/ply/ply_fixture.h"
 
 namespace lode::ingest {
@@ -52,31 +50,9 @@ class Against : public testing::Test {
     }
   }
 
-  /// Writes a valid store after applying the functions to its nodes and leaf meshes.
   void alter(const std::function<void(Node&)>& alter_node,
              const std::function<void(Mesh&)>& alter_leaf) const {
-    const store::Reader reader(store_);
-    const double step = reader.summary().lattice.step;
-    std::vector<Node> nodes(reader.nodes().begin(), reader.nodes().end());
-    store::Writer writer(altered_);
-    for (Node& node : nodes) {
-      node.child_page = {};
-      for (uint32_t r = 0; r < node.lods.size(); ++r) {
-        if (!node.lods[r].payload) continue;
-        std::vector<std::byte> bytes = reader.readBlob(node.lods[r].payload.number);
-        if (node.isLeaf() && alter_leaf) {
-          Mesh mesh = store::readLod(reader, node, r);
-          alter_leaf(mesh);
-          const EncodedPayload payload = encodePayload(mesh, step);
-          node.lods[r].vertices = payload.vertices;
-          bytes = payload.bytes;
-        }
-        node.lods[r].payload = writer.addBlob(bytes);
-      }
-      if (alter_node) alter_node(node);
-    }
-    writer.addTextures(reader.textures());
-    writer.finish(reader.summary(), std::move(nodes));
+    alterStore(store_, altered_, alter_node, alter_leaf);
   }
 
   test::WorkFolder folder_;

@@ -34,7 +34,7 @@ float found(const Mesh& lod, std::initializer_list<Mesh> leaves) {
     boundaries.add(leaf);
     check.addLeaf(boundaries.edges());
   }
-  return check.found().at(0);
+  return static_cast<float>(check.farthest().at(0).steps);
 }
 
 constexpr auto kAll = [](uint32_t, uint32_t) { return true; };

@@ -24,7 +24,7 @@ float found(const Mesh& lod, const Mesh& leaf, float stored_steps, uint64_t seed
   for (const PositionCode position : lod.positions) box.add(unpackPosition(position));
   LodCheck check(lod, box, stored_steps, leaf.triangles.size(), seed);
   check.add(LeafSurface(leaf));
-  return check.found();
+  return static_cast<float>(check.found());
 }
 
 Mesh flatGrid() {
