@@ -34,18 +34,46 @@ std::vector<Plane> planesOf(const NodeMesh& mesh) {
   return planes;
 }
 
-/// Estimates the largest distance between a triangle and an LOD. The estimate is usually too large. It
-/// compares each end of a side with the LOD's plane at the other end of the side.
-float triangleDistance(const std::array<MeasuredPoint, 3>& corners, std::span<const Plane> lod_planes) {
-  float most = 0;
-  for (size_t k = 0; k < 3; ++k) {
-    const MeasuredPoint &from = corners[k], &to = corners[(k + 1) % 3];
-    const float from_last = std::abs(lod_planes[to.triangle].height(from.at)),
-                to_first = std::abs(lod_planes[from.triangle].height(to.at));
-    most = std::max({most, from.distance, std::min(from_last, to_first)});
+/// Estimates the largest distance between a triangle and an LOD. The estimate is usually too large.
+class TriangleEstimate {
+ public:
+  TriangleEstimate(const NodeMesh& lod, const LodSurface& surface)
+      : lod_(lod), surface_(surface), planes_(planesOf(lod)) {}
+
+  float operator()(const std::array<MeasuredPoint, 3>& corners) const {
+    float most = 0;
+    for (size_t k = 0; k < 3; ++k)
+      most = std::max({most, corners[k].distance, distanceOfSide(corners[k], corners[(k + 1) % 3])});
+    return most;
   }
-  return most;
-}
+
+ private:
+  /// Compares each end of a side with the LOD's plane at the other end of the side. If the LOD's triangles at
+  /// the ends do not touch, the LOD may have a gap between them, and both planes may pass through the gap;
+  /// then the triangles count instead of their planes.
+  float distanceOfSide(const MeasuredPoint& from, const MeasuredPoint& to) const {
+    const float of_planes = std::min(std::abs(planes_[to.triangle].height(from.at)),
+                                     std::abs(planes_[from.triangle].height(to.at)));
+    if (doTouch(from.triangle, to.triangle)) return of_planes;
+    return std::sqrt(std::min(surface_.squaredDistance(from.at, to.triangle),
+                              surface_.squaredDistance(to.at, from.triangle)));
+  }
+
+  bool doTouch(uint32_t a, uint32_t b) const {
+    const glm::u32vec3 p = positionsOf(a), q = positionsOf(b);
+    return glm::any(glm::equal(p, q)) || glm::any(glm::equal(p, {q.y, q.z, q.x})) ||
+           glm::any(glm::equal(p, {q.z, q.x, q.y}));
+  }
+
+  glm::u32vec3 positionsOf(uint32_t triangle) const {
+    const glm::u32vec3& t = lod_.triangles[triangle];
+    return {lod_.wedge_position[t.x], lod_.wedge_position[t.y], lod_.wedge_position[t.z]};
+  }
+
+  const NodeMesh& lod_;
+  const LodSurface& surface_;
+  const std::vector<Plane> planes_;
+};
 
 /// Measures each position of the input; a distance is exact if it may exceed `lower_bound`. Raises
 /// `lower_bound` to the largest distance.
@@ -72,7 +100,7 @@ std::vector<MeasuredPoint> measurePositions(const SimplifiedMesh& lod, const Nod
 FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input, const LodSurface& surface,
                                 std::span<const SurfaceWalk::Place> places, float lower_bound) {
   const std::vector<MeasuredPoint> beside = measurePositions(lod, input, surface, places, lower_bound);
-  const std::vector<Plane> lod_planes = planesOf(lod.mesh);
+  const TriangleEstimate estimate(lod.mesh, surface);
   FarthestInTriangle farthest(surface, lower_bound, lower_bound);
   uint32_t corner = 0;  // corner that belongs to the triangle with the farthest point
   for (const glm::u32vec3& t : input.triangles) {
@@ -81,7 +109,7 @@ FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input
     // Skip the triangle: its farthest point is a corner.
     if (a.triangle == b.triangle && b.triangle == c.triangle) continue;
     const std::array<MeasuredPoint, 3> corners{a, b, c};
-    if (triangleDistance(corners, lod_planes) <= kRefineAboveInInput * farthest.precision()) continue;
+    if (estimate(corners) <= kRefineAboveInInput * farthest.precision()) continue;
     const float before = farthest.largest();
     farthest.process(corners);
     if (farthest.largest() > before) corner = input.wedge_position[t.x];
