@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <optional>
 #include <random>
@@ -70,14 +72,13 @@ class Shape {
   }
 
   void write(const std::filesystem::path& file) const {
-    std::FILE* const out = std::fopen(file.c_str(), "w");
-    std::fprintf(out,
-                 "ply\nformat ascii 1.0\nelement vertex %zu\nproperty double x\nproperty double y\n"
-                 "property double z\nelement face %zu\nproperty list uchar int vertex_indices\nend_header\n",
-                 vertices_.size(), triangles_.size());
-    for (const glm::dvec3 v : vertices_) std::fprintf(out, "%.12g %.12g %.12g\n", v.x, v.y, v.z);
-    for (const glm::u32vec3 t : triangles_) std::fprintf(out, "3 %u %u %u\n", t.x, t.y, t.z);
-    std::fclose(out);
+    std::ofstream out(file);
+    out.precision(12);
+    out << "ply\nformat ascii 1.0\nelement vertex " << vertices_.size()
+        << "\nproperty double x\nproperty double y\nproperty double z\nelement face " << triangles_.size()
+        << "\nproperty list uchar int vertex_indices\nend_header\n";
+    for (const glm::dvec3 v : vertices_) out << v.x << ' ' << v.y << ' ' << v.z << '\n';
+    for (const glm::u32vec3 t : triangles_) out << "3 " << t.x << ' ' << t.y << ' ' << t.z << '\n';
   }
 
  private:
@@ -162,6 +163,29 @@ Shape stretchedSphere() {
   Shape shape;
   shape.addSphere({0, 0, 0}, {1, 1, 3000}, 30, 40);
   return shape;
+}
+
+AgainstReport buildAndCompare(const std::filesystem::path& input, const std::filesystem::path& store,
+                              uint32_t triangles_per_node) {
+  BuildOptions options;
+  options.input = input;
+  options.output = store;
+  options.triangles_per_node = triangles_per_node;
+  build(options);
+  AgainstOptions against;
+  against.store = store;
+  against.input = input;
+  return compareWithInput(against);
+}
+
+TEST(SoundStoreOfAFile, isCalledSound) {
+  const char* const data = std::getenv("LODESTREAM_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "set LODESTREAM_TEST_DATA to the folder with real scans";
+  const std::filesystem::path wild = std::filesystem::path(data) / "wild";
+  if (!std::filesystem::exists(wild)) GTEST_SKIP() << wild << " does not exist";
+  const test::WorkFolder folder;
+  EXPECT_GE(buildAndCompare(wild / "km_and_m_heights.ply", folder / "heights.lode", 512).least_ratio, 1);
+  EXPECT_GE(buildAndCompare(wild / "pipeline_2km_r015.ply", folder / "pipe.lode", 16384).least_ratio, 1);
 }
 
 struct Case {
