@@ -6,7 +6,6 @@
 
 #include "common/nearest_point.h"
 
-
 namespace lode::ingest {
 namespace {
 
