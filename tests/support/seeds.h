@@ -4,8 +4,8 @@
 
 namespace lode::test {
 
-/// Returns the number of seeds with which to test a property. With a sanitizer, which makes tests ten times
-/// slower, returns a third.
+/// Number of seeds with which tests check a property. With a sanitizer, which makes tests ten times slower, a
+/// third suffices.
 #ifdef LODE_SANITIZED
 constexpr uint32_t kSeeds = 4;
 #else
