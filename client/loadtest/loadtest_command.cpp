@@ -203,54 +203,58 @@ void loadtest(const LoadtestOptions& options, int& exit_status) {
 
 void declareLoadtest(CLI::App& program, int& exit_status) {
   CLI::App* command = program.add_subcommand(
-      "loadtest",
-      "Lets many clients look at models along camera paths, and measures how late comes what they request");
+      "loadtest", "Runs many clients on camera paths and measures the latency of their requests");
   const auto options = std::make_shared<LoadtestOptions>();
   addCommonOptions(*command, options->common);
   command->remove_option(command->get_option("--up"));  // paths that the program makes go around the y axis
   command->remove_option(command->get_option("--offline"));
   auto* camera = command->get_option("--camera");
-  command->add_option("--clients", options->load.clients, "independent clients")
+  command->add_option("--clients", options->load.clients, "number of independent clients")
       ->required()
       ->check(CLI::Range(1u, 100'000u));
-  command->add_option("--seconds", options->load.seconds, "how long")
+  command->add_option("--seconds", options->load.seconds, "duration of the test in seconds")
       ->check(numberFrom(0.1, 86'400.0))
       ->capture_default_str();
   command
       ->add_option("more", options->more_targets,
-                   "other models, on the same or other servers: clients take turns")
+                   "further models, on any servers; clients use the models by turns")
       ->type_name("TARGET");
   auto* full = command->add_flag(
       "--full", options->load.full,
-      "clients refine and decode as one with a window does; else they replay the requests of one that did");
-  auto* path = command->add_option("--path", options->made_path, "where no --camera is given")
+      "every client refines and decodes as a window does; otherwise clients replay recorded requests");
+  auto* path = command->add_option("--path", options->made_path, "camera path if --camera is not given")
                    ->check(CLI::IsMember(kMadePaths))
                    ->capture_default_str()
                    ->excludes(camera);
   command
       ->add_option("--ramp", options->ramp_s,
-                   "in which clients begin, one after the other (default: a quarter of --seconds)")
+                   "time in which the clients start, one after the other (default: a quarter of --seconds)")
       ->check(numberFrom(0.0, 86'400.0))
       ->type_name("SECONDS");
-  command->add_option("--think", options->think_s, "pause at a path's end before it begins anew, in the mean")
+  command
+      ->add_option("--think", options->think_s,
+                   "mean pause at the end of the path, before the path starts again")
       ->check(numberFrom(0.0, 86'400.0))
       ->type_name("SECONDS")
       ->capture_default_str();
-  command->add_option("--fps", options->fps, "views a second of a full client")
+  command->add_option("--fps", options->fps, "views per second of a full client")
       ->check(numberFrom(0.1, 1000.0))
       ->needs(full)
       ->capture_default_str();
-  command->add_option("--threads", options->load.threads, "threads that step the clients")
+  command->add_option("--threads", options->load.threads, "number of threads that run the clients")
       ->check(CLI::Range(1u, 64u))
       ->capture_default_str();
-  command->add_option("--trace", options->trace_file, "what to request, as replay --record wrote it")
+  command
+      ->add_option("--trace", options->trace_file,
+                   "replay the requests of this file, which replay --record wrote")
       ->check(CLI::ExistingFile)
       ->type_name("FILE")
       ->excludes(camera)
       ->excludes(path)
       ->excludes(command->get_option("--size"))
       ->excludes(command->get_option("--pixels"));
-  command->add_flag("--decode-off", options->decode_off, "check names of blobs, but decode none");
+  command->add_flag("--decode-off", options->decode_off,
+                    "check the digests of blobs, but do not decode them");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options, &exit_status] { loadtest(*options, exit_status); });
 }

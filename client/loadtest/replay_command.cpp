@@ -225,15 +225,16 @@ void declareReplay(CLI::App& program, int& /*exit_status*/) {
       "replay", "Moves along a camera path in real time, without a window: errors over time, bytes, memory");
   const auto options = std::make_shared<ReplayOptions>();
   addCommonOptions(*command, options->common);
-  command->add_option("--fps", options->fps, "frames a second")
+  command->add_option("--fps", options->fps, "frames per second")
       ->check(numberFrom(1.0, 1000.0))
       ->capture_default_str();
-  command->add_flag("--no-prefetch", options->no_prefetch, "ask for nothing ahead of the camera");
-  command
-      ->add_option("--order", options->order, "in which blobs are asked for: best, or first-come to compare")
+  command->add_flag("--no-prefetch", options->no_prefetch, "request nothing ahead of the camera");
+  command->add_option("--order", options->order, "order of requests: best, or first-come for comparison")
       ->check(CLI::IsMember({"best", "first-come"}))
       ->capture_default_str();
-  command->add_option("--record", options->record_file, "write what the path requests, for loadtest --trace")
+  command
+      ->add_option("--record", options->record_file,
+                   "write the requests of the path to this file, for loadtest --trace")
       ->type_name("FILE");
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options] { replay(*options); });

@@ -143,8 +143,8 @@ void addBuildCommand(CLI::App& program) {
       ->type_name("DIR");
   ingest::forEachResultOption([&](const auto& option) { addResultOption(*command, option, options); });
   command->add_flag("--resume", options.resume,
-                    "continue a build that was killed or interrupted; if this one is interrupted, keep its "
-                    "work for --resume");
+                    "continue a killed or interrupted build of the same command; if this build is "
+                    "interrupted too, keep its work");
   command->add_flag("--json", arguments->json, "print the result as one JSON object");
   CLI::Option* const quiet = command->add_flag("--quiet", arguments->quiet, "print warnings only");
   command

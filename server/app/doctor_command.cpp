@@ -180,15 +180,15 @@ void addDoctorCommand(CLI::App& program) {
       addCommand(program, "doctor", "Describe a PLY file, its problems and the cost of a build");
   command->add_option("input", options.input, "the PLY file")->required()->type_name("IN.ply");
   addByteSize(*command, "--memory", options.memory_bytes,
-              "approximate memory of the topology analysis and maximum of the forecast build, such as 512MB "
-              "(default: "
-              "half of the memory that the process may use)");
+              "approximate memory for counting edges and pieces, and memory limit of the forecast build, "
+              "such as 512MB (default: half of the memory that the process may use)");
   command
-      ->add_option("--threads", options.threads, "threads of the forecast build (default: one for each core)")
+      ->add_option("--threads", options.threads,
+                   "number of threads of the forecast build (default: one for each core)")
       ->check(CLI::Range(1u, 1024u));
   command
       ->add_option("--tmp", options.temporary_folder,
-                   "folder for temporary files of about 45 bytes for each triangle (default: the system's)")
+                   "folder for temporary files, about 45 bytes per triangle (default: the system's)")
       ->type_name("DIR");
   command->add_flag("--json", arguments->json, "print one JSON object");
   command->callback([arguments] { runDoctor(*arguments); });

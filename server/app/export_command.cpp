@@ -90,7 +90,7 @@ void addExportCommand(CLI::App& program) {
       program, "export",
       "Write a cut of a store with its attributes as PLY, OBJ or GLB, and its textures in files beside it");
   command->add_option("store", arguments->store, "the store")->required()->type_name("STORE");
-  CLI::Option_group* which = command->add_option_group("cut", "which cut");
+  CLI::Option_group* which = command->add_option_group("cut", "cut to write");
   which
       ->add_option(
           "--error", arguments->error,

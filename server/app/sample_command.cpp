@@ -156,13 +156,13 @@ void addSampleCommand(CLI::App& program) {
       ->check(CLI::IsMember({"asteroid", "gyroid", "terrain", "scene"}))
       ->type_name("KIND");
   command
-      ->add_option("--triangles", arguments->options.triangles,
-                   "maximum number of triangles, for a scene of each model; the sample has the largest "
-                   "possible number")
+      ->add_option(
+          "--triangles", arguments->options.triangles,
+          "maximum number of triangles, in a scene of each model; the sample has the largest possible number")
       ->required()
       ->check(wholeNumber)
       ->type_name("N");
-  command->add_option("--attributes", arguments->attributes, "normal, color, uv")
+  command->add_option("--attributes", arguments->attributes, "attributes of the vertices: normal, color, uv")
       ->delimiter(',')
       ->check(CLI::IsMember({"normal", "color", "uv"}))
       ->type_name("A,B");

@@ -143,9 +143,9 @@ void addRates(CLI::App& command, serve::ServeOptions& options) {
     addByteSize(command, name, bytes_per_second, help, 1000, uint64_t{1} << 40);
   };
   add("--max-rate", options.bytes_per_second,
-      "total rate of blobs in bytes a second, such as 50MB (default: no limit)");
+      "maximum bytes of blobs per second of all connections together, such as 50MB (default: no limit)");
   add("--max-rate-per-connection", options.bytes_per_second_per_connection,
-      "rate of each connection (default: no limit)");
+      "maximum bytes of blobs per second of each connection (default: no limit)");
 }
 
 void addLimits(CLI::App& command, serve::ServeOptions& options) {
@@ -154,7 +154,7 @@ void addLimits(CLI::App& command, serve::ServeOptions& options) {
       ->capture_default_str();
   command
       .add_option("--max-connections-per-address", options.max_connections_per_address,
-                  "maximum number from one address (default: " +
+                  "maximum number of connections from one address (default: " +
                       std::to_string(proto::kMaxConnectionsPerAddress) + "; no limit for loopback)")
       ->check(CLI::Range(1u, 1000000u));
   command
@@ -168,8 +168,8 @@ void addLimits(CLI::App& command, serve::ServeOptions& options) {
       ->check(CLI::Range(1u, proto::kMaxOpenModels))
       ->capture_default_str();
   addByteSize(command, "--max-queued-bytes", options.max_queued_answer_bytes,
-              "unread answers of a connection at which the server stops reading from it, such as 16KB", 1000,
-              proto::kMaxQueuedAnswerBytes)
+              "bytes of unread answers at which the server stops reading from a connection, such as 16KB",
+              1000, proto::kMaxQueuedAnswerBytes)
       ->default_str(std::to_string(options.max_queued_answer_bytes));
   addByteSize(
       command, "--memory-budget", options.memory_budget_bytes,
@@ -181,9 +181,10 @@ void addLimits(CLI::App& command, serve::ServeOptions& options) {
   addSeconds(command, "--idle-deadline", options.idle_deadline, kLeastSeconds,
              "longest time from one frame of a client to the next");
   addSeconds(command, "--write-deadline", options.write_deadline, kLeastSeconds,
-             "longest time in which a client must take a write");
-  addSeconds(command, "--drain-delay", options.drain_delay, 0,
-             "time to accept connections after SIGTERM; a second SIGTERM ends it");
+             "longest time in which a client reads none of the data that waits for it");
+  addSeconds(
+      command, "--drain-delay", options.drain_delay, 0,
+      "time after SIGTERM in which the server still accepts connections; a second SIGTERM ends this time");
   addSeconds(command, "--drain-deadline", options.drain_deadline, 0,
              "longest time for open requests after the delay");
 }
@@ -196,15 +197,17 @@ void addServeCommand(CLI::App& program) {
   command->add_option("stores", options->stores, ".lode files, and folders of .lode files")
       ->required()
       ->type_name("STORE|DIR");
-  command->add_option("--listen", options->listen, "address and port; port 0 picks a free one")
+  command
+      ->add_option("--listen", options->listen, "address and port to listen on; port 0 selects a free port")
       ->type_name("ADDR:PORT")
       ->capture_default_str();
   command->add_flag("--public", options->public_ok, "allow an address beyond loopback without tokens");
   command->add_flag("--insecure", options->insecure, "allow an address beyond loopback without TLS");
-  command->add_option("--token-file", options->token_file, "file of the tokens of clients")
+  command->add_option("--token-file", options->token_file, "file with the tokens that clients must present")
       ->type_name("FILE");
   command->add_option("--tls-cert", options->tls_certificate, "certificate chain, PEM")->type_name("FILE");
-  command->add_option("--tls-key", options->tls_key, "its private key, PEM")->type_name("FILE");
+  command->add_option("--tls-key", options->tls_key, "private key of the certificate, PEM")
+      ->type_name("FILE");
   command->add_flag("--proxy-protocol", options->proxy_protocol,
                     "expect HAProxy's header (version 1 or 2) on every connection");
   command->add_option("--metrics", options->metrics, "address and port of the metrics and health endpoint")

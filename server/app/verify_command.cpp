@@ -132,11 +132,11 @@ void addVerifyCommand(CLI::App& program) {
   CLI::App* command = addCommand(program, "verify", "Check a store: every byte, payload and invariant");
   command->add_option("store", arguments->store, "the store")->required()->type_name("STORE");
   ingest::AgainstOptions& against = arguments->against;
-  CLI::Option* const input =
-      command
-          ->add_option("--against", against.input,
-                       "the PLY file of its build: check that no triangle is missing, and measure errors")
-          ->type_name("IN.ply");
+  CLI::Option* const input = command
+                                 ->add_option("--against", against.input,
+                                              "PLY file from which the store was built: check that no "
+                                              "triangle is missing, and measure errors")
+                                 ->type_name("IN.ply");
   command
       ->add_option_function<std::string>(
           "--lods", [arguments](const std::string& text) { arguments->against.lods = countOfLods(text); },
@@ -144,7 +144,8 @@ void addVerifyCommand(CLI::App& program) {
       ->needs(input)
       ->type_name("N|all");
   command
-      ->add_option("--threads", against.threads, "threads that read and measure (default: one for each core)")
+      ->add_option("--threads", against.threads,
+                   "number of threads that read and measure (default: one for each core)")
       ->check(CLI::Range(1u, 1024u));
   addByteSize(
       *command, "--memory", against.memory_bytes,
@@ -153,7 +154,9 @@ void addVerifyCommand(CLI::App& program) {
       ->add_option("--tmp", against.temporary_folder,
                    "folder for temporary files of --against (default: the system's)")
       ->type_name("DIR");
-  command->add_option("--cuts", arguments->options.random_cuts, "random cuts to compare with the leaves")
+  command
+      ->add_option("--cuts", arguments->options.random_cuts,
+                   "number of random cuts to compare with the leaves")
       ->check(wholeNumber)
       ->capture_default_str();
   command

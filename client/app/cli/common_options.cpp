@@ -115,14 +115,14 @@ stream::StreamOptions CommonOptions::streamOptions() const {
 
 void addServerOptions(CLI::App& command, CommonOptions& options, const char* target_form) {
   command.add_option("target", options.target, target_form)->required()->type_name("TARGET");
-  command.add_option("--timeout", options.timeout_s, "give up after so many seconds")
+  command.add_option("--timeout", options.timeout_s, "time limit in seconds")
       ->check(numberFrom(0.001, 1e6))
       ->capture_default_str();
   command.add_option("--token-file", options.token_file,
-                     "file that holds the token (default: LODESTREAM_TOKEN)");
+                     "file with the access token (default: the variable LODESTREAM_TOKEN)");
   command
       .add_option("--ca-file", options.ca_file,
-                  "authorities that vouch for a lodes:// server, in PEM (default: the system's)")
+                  "certificate authorities of lodes:// servers, in PEM (default: the system's)")
       ->type_name("FILE");
   command.set_version_flag("--version", "lodestream " LODE_VERSION);
 }
@@ -132,12 +132,12 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {
                    takes == Takes::kScenesToo
                        ? "lode://HOST[:PORT]/MODEL (lodes:// with TLS), a store, a PLY or a scene (.json)"
                        : "lode://HOST[:PORT]/MODEL (lodes:// with TLS), a store or a PLY");
-  auto* camera =
-      command.add_option("--camera", options.camera_file, "camera path (default: one that frames the model)")
-          ->type_name("PATH.json");
-  auto* up =
-      command.add_option("--up", options.up_text, "the model's axis that is up (default: guessed, y or z)")
-          ->type_name("y|z|x|-y|-z|-x");
+  auto* camera = command
+                     .add_option("--camera", options.camera_file,
+                                 "camera path (default: a camera that frames the model)")
+                     ->type_name("PATH.json");
+  auto* up = command.add_option("--up", options.up_text, "up axis of the model (default: guessed, y or z)")
+                 ->type_name("y|z|x|-y|-z|-x");
   // Commands that draw allow --up together with --camera: light and orbiting need the axis.
   if (takes == Takes::kModels) up->excludes(camera);
   command.add_option("--size", options.size_text, "size of the picture")
@@ -148,19 +148,18 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {
       ->capture_default_str();
   command
       .add_option("--memory-budget", options.memory_text,
-                  "bytes of all that is kept of the model, on the GPU too, 16MiB or more (default: 1G)")
+                  "memory for the model, including its copies on the GPU; at least 16MiB (default: 1G)")
       ->type_name("BYTES");
   command
       .add_option("--cache", options.cache_text,
-                  "keep blobs from servers in this folder (default: the user's cache), or off")
+                  "folder that caches blobs from servers; off: no cache (default: the user's cache)")
       ->type_name("DIR|off");
-  command.add_flag("--offline", options.offline, "show what the cache has, without a server");
+  command.add_flag("--offline", options.offline, "show the blobs of the cache, without a server");
 }
 
 void addFadeOption(CLI::App& command, CommonOptions& options) {
   command.add_flag_callback(
-      "--no-fade", [&options] { options.fade = false; },
-      "let what arrives take its place at once, without a cross-fade");
+      "--no-fade", [&options] { options.fade = false; }, "show new parts at once, without a cross-fade");
 }
 
 }  // namespace lode::app

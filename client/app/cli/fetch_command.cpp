@@ -180,8 +180,8 @@ void declareFetch(CLI::App& program, int& /*exit_status*/) {
   addCommonOptions(*command, options->common);
   command
       ->add_option("-o,--output", options->output,
-                   "write the last key's cut, its images beside it as sharp as the camera needs them; the "
-                   "ending says the format")
+                   "write the cut of the last key, and beside it its images, as sharp as the camera needs; "
+                   "the ending selects the format")
       ->check([](const std::string& name) { return name.empty() ? "its name is empty: name a file" : ""; })
       ->type_name("CUT.ply|.obj|.glb");
   command->add_flag("--json", options->json, "print one JSON object");

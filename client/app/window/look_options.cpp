@@ -11,7 +11,7 @@ void addLookOptions(CLI::App& command, LookOptions& options) {
     return render::colorModeNamed(name) ? std::string()
                                         : "'" + name + "' is none of " + render::colorModeNames();
   };
-  auto* show = command.add_option("--show", options.show, "what to show: " + render::colorModeNames())
+  auto* show = command.add_option("--show", options.show, "colour mode: " + render::colorModeNames())
                    ->type_name("NAME")
                    ->check(is_known)
                    ->capture_default_str();
@@ -20,7 +20,7 @@ void addLookOptions(CLI::App& command, LookOptions& options) {
           "--unlit", [&options] { options.show = nameOf(render::ColorMode::kUnlit); },
           "show colours without light")
       ->excludes(show);
-  command.add_option("--exposure", options.exposure, "factor on the light")
+  command.add_option("--exposure", options.exposure, "factor that multiplies the light")
       ->check(numberFrom(0.01, 100.0))
       ->capture_default_str();
 }

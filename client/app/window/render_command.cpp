@@ -214,7 +214,7 @@ void declareRender(CLI::App& program, int& /*exit_status*/) {
                     ->type_name("OUT.mp4")
                     ->excludes(output)
                     ->excludes(frames);
-  command->add_option("--fps", options->fps, "frames a second of --frames and --video")
+  command->add_option("--fps", options->fps, "frames per second of --frames and --video")
       ->check(numberFrom(0.001, 1000.0))
       ->excludes(output)
       ->capture_default_str();

@@ -24,17 +24,17 @@ void declareView(CLI::App& program, int& exit_status) {
   command
       ->add_option(
           "--fps", options->fps,
-          "frame rate to hold while the camera moves, by a coarser threshold; --pixels fixes the threshold")
+          "frame rate while the camera moves, kept by a coarser threshold; --pixels fixes the threshold")
       ->check(numberFrom(1.0, 1000.0))
       ->capture_default_str();
-  CLI::Option* const laps =
-      command
-          ->add_option(
-              "--laps", options->laps,
-              "fly the path of --camera (default: an orbit) so many times, print frame times, then exit")
-          ->check(CLI::Range(1, 1000))
-          ->excludes(screenshot);
-  command->add_flag("--json", options->json, "print them as one JSON object, with each frame")->needs(laps);
+  CLI::Option* const laps = command
+                                ->add_option("--laps", options->laps,
+                                             "fly the path of --camera (default: an orbit) this number of "
+                                             "times, print frame times, then exit")
+                                ->check(CLI::Range(1, 1000))
+                                ->excludes(screenshot);
+  command->add_flag("--json", options->json, "print the frame times as one JSON object, with each frame")
+      ->needs(laps);
   addLookOptions(*command, options->look);
   const CLI::Option* const pixels = command->get_option("--pixels");
   command->callback([options, pixels, &exit_status] {

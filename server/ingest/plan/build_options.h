@@ -52,17 +52,18 @@ struct ResultOption {
 template <class Visit>
 void forEachResultOption(Visit&& visit) {
   visit(ResultOption<uint32_t>{"--triangles-per-node", &ResultOptions::triangles_per_node,
-                               "split nodes with more triangles", kMinTrianglesPerNode, kMaxLodTriangles});
+                               "node capacity: a node with more triangles is split", kMinTrianglesPerNode,
+                               kMaxLodTriangles});
   visit(ResultOption<Simplifier>{
       "--simplifier", &ResultOptions::simplifier,
       "how to simplify nodes: collapse, or cluster for a fast preview (default: collapse)"});
-  visit(ResultOption<float>{"--crease-angle", &ResultOptions::crease_angle_deg,
-                            "if the file has no normals: edges are sharp where faces meet at a larger angle; "
-                            "180: no sharp edges",
-                            0, 180, "DEGREES"});
+  visit(ResultOption<float>{
+      "--crease-angle", &ResultOptions::crease_angle_deg,
+      "if the file has no normals: an edge is sharp if its faces meet at a larger angle; 180: no sharp edges",
+      0, 180, "DEGREES"});
   visit(ResultOption<bool>{"--skip-bad", &ResultOptions::skip_bad,
-                           "drop and count bad indices and coordinates; set NaN or infinite colours, normals "
-                           "and texture coordinates of vertices to 0 and count them separately"});
+                           "drop faces and vertices with bad indices or coordinates, set NaN and infinite "
+                           "attributes to 0, and count both"});
   visit(ResultOption<bool>{"--strict", &ResultOptions::strict, "treat warnings as errors"});
 }
 
