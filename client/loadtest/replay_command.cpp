@@ -118,7 +118,7 @@ class Replay {
     }
     if (view != view_) result_.converged_ms.reset();
     view_ = view;
-    const bool converged = is_current_ && hasConverged(result_.status, options_.common.pixels);
+    const bool converged = is_current_ && hasConverged(result_.status);
     if (!converged)
       result_.converged_ms.reset();
     else if (!result_.converged_ms)

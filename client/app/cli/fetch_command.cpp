@@ -39,7 +39,7 @@ struct KeyResult {
   std::optional<double> first_image_ms, converged_ms;  // times since the start of the key
   uint64_t converged_bytes = 0;                        ///< bytes received until the key converged
   bool is_complete = false;                            ///< the cut has converged and the stream has settled
-  bool is_lattice_seen = false;  ///< true if is_complete is set but the error exceeds the requested error
+  bool is_lattice_seen = false;  ///< is_complete, but original triangles exceed the requested error
   stream::StreamStatus status;
 
   bool converged() const { return converged_ms.has_value(); }
@@ -119,7 +119,7 @@ class Fetch {
     streamer.setView(target.viewAt(t, size_), options_.common.pixels);
     if (streamer.waitForCut(left()).cut) key.first_image_ms = msSince(start);
     const stream::StreamStatus seen = streamer.waitForConvergence(left());
-    if (hasConverged(seen, options_.common.pixels)) {
+    if (hasConverged(seen)) {
       key.converged_ms = msSince(start);
       key.converged_bytes = seen.counts.received_bytes;
     }

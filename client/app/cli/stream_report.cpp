@@ -54,9 +54,8 @@ Json prefetchReport(const core::PrefetchCounts& counts) {
       {"wasted_bytes", counts.unused_bytes}};
 }
 
-bool hasConverged(const stream::StreamStatus& status, float pixels) {
-  const core::Cut* const cut = status.cut.get();
-  return cut != nullptr && cut->converged && cut->max_error_px <= pixels && cut->lost_tiles == 0;
+bool hasConverged(const stream::StreamStatus& status) {
+  return status.cut && status.cut->converged && status.cut->lost_tiles == 0;
 }
 
 void refuseUnconverged(const std::string& where, const stream::StreamStatus& status,
@@ -67,12 +66,6 @@ void refuseUnconverged(const std::string& where, const stream::StreamStatus& sta
   if (status.limited)
     throw Error(ErrorCode::kLimit,
                 what + ": the memory budget does not hold it; allow more with --memory-budget, or a larger " +
-                    "error with --pixels");
-  if (status.cut && status.cut->converged && status.cut->max_error_px > options.pixels)
-    throw Error(ErrorCode::kInput,
-                what + ": even the original triangles are off by " +
-                    std::to_string(status.cut->max_error_px) +
-                    " pixels so near, that is the lattice's step: the cut holds them all; allow a larger " +
                     "error with --pixels");
   if (!status.failure.empty()) throw Error(ErrorCode::kNetwork, what + ": " + status.failure);
   const std::string remedy = "; allow more with --timeout, or a larger error with --pixels";

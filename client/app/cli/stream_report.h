@@ -20,8 +20,9 @@ void reportGaps(nlohmann::ordered_json& json, const stream::StreamStatus& status
 /// Returns the statistics of prefetching as --json prints them.
 nlohmann::ordered_json prefetchReport(const core::PrefetchCounts& counts);
 
-/// Returns true if the cut has converged within the requested error and no visible texture tile is lost.
-bool hasConverged(const stream::StreamStatus& status, float pixels);
+/// Returns true if the cut has converged and no visible texture tile is lost. Original triangles have
+/// converged even if a lattice step covers more pixels than requested.
+bool hasConverged(const stream::StreamStatus& status);
 
 /// Throws an Error with the reason why a view did not converge, and the remedy.
 /// @param where  name of the view for the message, for example "key 2".

@@ -4,6 +4,7 @@
 #include <unordered_set>
 
 #include "client/core/cache/mesh_cache.h"
+#include "client/core/lod/part_error.h"
 #include "client/core/view/view.h"
 
 namespace lode::core {
@@ -33,14 +34,11 @@ std::vector<uint32_t> shownParts(const Cut& cut, const View& view) {
   return shown;
 }
 
-float shownErrorPx(const Cut& cut, std::span<const uint32_t> shown, const View& view) noexcept {
+float shownErrorPx(const Cut& cut, std::span<const uint32_t> shown, const View& view) {
   const ViewFrustum frustum(view, 1);
   float largest_px = 0;
-  for (const uint32_t number : shown) {
-    const CutPart& part = partOf(cut, number);
-    if (frustum.test(part.box) == Visibility::kOutside) continue;
-    largest_px = std::max(largest_px, frustum.errorPx(part.off_model, frustum.distanceTo(part.box)));
-  }
+  for (const uint32_t number : shown)
+    largest_px = std::max(largest_px, partErrorPx(partOf(cut, number), cut.lattice_step, frustum));
   return largest_px;
 }
 
@@ -62,6 +60,7 @@ std::shared_ptr<Cut> gatherMeshes(std::span<const std::shared_ptr<const Cut>> cu
   all->view = cuts.front()->view;
   all->threshold_px = cuts.front()->threshold_px;
   all->build = cuts.front()->build;
+  all->lattice_step = cuts.front()->lattice_step;
   all->converged = true;
   std::unordered_set<const Mesh*> known;
   for (const auto& cut : cuts) {

@@ -21,7 +21,7 @@ struct CutPart {
   uint32_t lod = 0;
   /// False if the part lies outside the view. Such a part completes the cut, or is a fallback.
   bool visible = true;
-  float error_px = 0;  ///< off_model projected into the view of the refinement
+  float error_px = 0;  ///< partErrorPx() in the view of the refinement
   std::shared_ptr<const Mesh> mesh;
   float error_model = 0;  ///< distance between this surface and the original surface
   float off_model = 0;    ///< the larger of error_model and the appearance error
@@ -60,9 +60,10 @@ struct Fallback {
 /// triangles. Until the cut has settled, parts outside the view and its margin may also be missing; call
 /// shownParts() to draw the cut for a camera that has moved.
 struct Cut {
-  View view;               ///< view of the refinement
-  float threshold_px = 1;  ///< largest projected error that the refinement allowed
-  uint64_t build = 0;      ///< Model::build()
+  View view;                ///< view of the refinement
+  float threshold_px = 1;   ///< largest projected error that the refinement allowed
+  uint64_t build = 0;       ///< Model::build()
+  double lattice_step = 0;  ///< size of a lattice step in model units
   std::vector<CutPart> parts;
   std::vector<LeftOut> left_out;    ///< nodes of missing parts, all outside the view; each has a fallback
   std::vector<Fallback> fallbacks;  ///< fallbacks of all depths, children before parents
@@ -106,7 +107,7 @@ std::vector<uint32_t> shownParts(const Cut& cut, const View& view);
 
 /// Returns the largest projected error of the drawn parts that a camera sees; 0 if the camera sees no part.
 /// @param shown  numbers for partOf().
-float shownErrorPx(const Cut& cut, std::span<const uint32_t> shown, const View& view) noexcept;
+float shownErrorPx(const Cut& cut, std::span<const uint32_t> shown, const View& view);
 
 /// Counts the left-out nodes that a camera sees and no drawn part covers.
 /// @param shown  numbers for partOf().

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "client/core/cache/mesh_cache.h"
+#include "client/core/lod/part_error.h"
 #include "client/core/lod/wanted_cut.h"
 
 namespace lode::core {
@@ -33,6 +34,7 @@ class Run {
         may_leave_out_(cache.lodsOf(kRootKey).any()),
         cut_(std::make_shared<Cut>()) {
     cut_->view = view;
+    cut_->lattice_step = step_;
     cut_->threshold_px = options.threshold_px;
     cut_->parts.reserve(want_.nodes().size());
     in_use_.reserve(want_.nodes().size());
@@ -260,18 +262,21 @@ class Run {
                               : std::max(options_.threshold_px, error_px);
   }
 
+  /// Describes a resident mesh. The part's error in pixels is that of the mesh as drawn; the wanted cut uses
+  /// the node's box instead, so that resident meshes do not change it.
   CutPart partAt(const WantedNode& wanted, uint32_t lod, Fit fit) const {
     const Lod& shown = wanted.node->lods[lod];
-    const float error_px = want_.errorPx(wanted, lod);
-    return {wanted.node->key,
-            lod,
-            wanted.visible,
-            error_px,
-            wanted.resident->mesh(lod),
-            shown.error_model,
-            shown.offModel(),
-            thresholdOf(error_px, fit),
-            toModelBox(wanted.node->box, step_)};
+    CutPart part;
+    part.node = wanted.node->key;
+    part.lod = lod;
+    part.visible = wanted.visible;
+    part.mesh = wanted.resident->mesh(lod);
+    part.error_model = shown.error_model;
+    part.off_model = shown.offModel();
+    part.box = toModelBox(wanted.node->box, step_);
+    part.error_px = wanted.visible ? partErrorPx(part, step_, want_.frustum()) : want_.errorPx(wanted, lod);
+    part.threshold_px = thresholdOf(part.error_px, fit);
+    return part;
   }
 
   void emit(const WantedNode& part, uint32_t lod, Fit fit) {

@@ -70,6 +70,7 @@ class WantedCut {
   /// @param in_sight  true skips the visibility test; only for a node whose parent is wholly visible.
   WantedNode place(const KnownNode& node, bool in_sight = false) const;
   float errorPx(const WantedNode& wanted, uint32_t lod) const;
+  const ViewFrustum& frustum() const noexcept { return frustum_; }
 
   bool limited() const noexcept { return limited_; }  ///< a budget stopped refinement above the threshold
   bool blocked() const noexcept { return blocked_; }  ///< the page of some node's children is not loaded

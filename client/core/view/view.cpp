@@ -54,6 +54,12 @@ ViewFrustum::ViewFrustum(const View& view, double widening) noexcept
       picture_(view, 1),
       wider_(view, widening) {}
 
+std::array<glm::dvec3, 5> ViewFrustum::inwardNormals() const noexcept {
+  std::array<glm::dvec3, 5> normals = picture_.inward();
+  for (glm::dvec3& normal : normals) normal = glm::normalize(normal);
+  return normals;
+}
+
 float ViewFrustum::errorPx(float error_model, double distance_model) const noexcept {
   const double error_px =
       static_cast<double>(error_model) * focal_px_ / std::max(distance_model, near_model_);

@@ -33,7 +33,7 @@ double distanceToBox(glm::dvec3 eye_model, const ModelBox& box) noexcept;
 
 /// Projects a geometric error to pixels.
 /// @param error_model     error in model units, at least 0.
-/// @param distance_model  distance from the eye to the nearest point of the node's box; clamped to
+/// @param distance_model  lower bound of the distance from the eye to the surface; clamped to
 ///                        view.near_model.
 /// @return error in pixels. The error grows with error_model; the refinement queue relies on this.
 /// Source: Luebke et al., Level of Detail for 3D Graphics, 2003.
@@ -59,6 +59,9 @@ class ViewFrustum {
   Visibility test(const ModelBox& box) const noexcept { return picture_.test(box); }
   /// Returns true if a box that is outside the picture may be inside the widened picture.
   bool isInMargin(const ModelBox& box) const noexcept { return wider_.test(box) != Visibility::kOutside; }
+  glm::dvec3 eyeModel() const noexcept { return eye_model_; }
+  /// Inward normals of the planes that bound the picture, of unit length; all planes pass through the eye.
+  std::array<glm::dvec3, 5> inwardNormals() const noexcept;
   double distanceTo(const ModelBox& box) const noexcept { return distanceToBox(eye_model_, box); }
   float errorPx(float error_model, double distance_model) const noexcept;
 
@@ -68,6 +71,7 @@ class ViewFrustum {
    public:
     Pyramid(const View& view, double widening) noexcept;
     Visibility test(const ModelBox& box) const noexcept;
+    const std::array<glm::dvec3, 5>& inward() const noexcept { return inward_; }
 
    private:
     glm::dvec3 eye_model_;

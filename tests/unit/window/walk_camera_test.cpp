@@ -135,14 +135,14 @@ constexpr double kStep = 1.0 / 1024;
 const glm::dvec3 kZ(0, 0, 1);
 
 /// A square of side 1 at a height, with an error.
-core::CutPart squareAt(uint32_t z, float error_px = 0) {
+core::CutPart squareAt(uint32_t z, float error_model = 0) {
   Mesh mesh;
   for (const glm::uvec2 corner : {glm::uvec2(0, 0), {1024, 0}, {1024, 1024}, {0, 1024}})
     mesh.positions.push_back(packPosition({corner.x, corner.y, z}));
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   core::CutPart part;
   part.node = NodeKey{8};
-  part.error_px = error_px;
+  part.error_model = error_model;
   part.mesh = std::make_shared<const Mesh>(std::move(mesh));
   return part;
 }
@@ -192,17 +192,16 @@ TEST(GroundBelow, isTheCoarserPartWhereTheCutLeavesThePlaceOut) {
   EXPECT_DOUBLE_EQ(ground->depth_model, 0.875);
 }
 
-TEST(GroundBelow, isAsUncertainAsThePartsErrorWasBeforeItsProjection) {
-  core::Cut cut = cutOf(squareAt(0));
+TEST(GroundBelow, isAsUncertainAsThePartsErrorInModelUnits) {
   const float error_model = 0.01f;
-  cut.parts[0].error_px = core::screenErrorPx(error_model, 1, cut.view);  // 1 below the eye
+  const core::Cut cut = cutOf(squareAt(0, error_model));
   const auto ground = below(cut);
   ASSERT_TRUE(ground);
   EXPECT_NEAR(ground->uncertainty_model, error_model, 1e-6);
 }
 
-TEST(GroundBelow, isNoMoreUncertainThanAPartsSizeAllowsHoweverNearItIs) {
-  core::Cut cut = cutOf(squareAt(256, 1e9f));
+TEST(GroundBelow, isNoMoreUncertainThanAPartsSizeAllowsHoweverCoarseItIs) {
+  const core::Cut cut = cutOf(squareAt(256, 1e9f));
   const auto ground = below(cut);
   ASSERT_TRUE(ground);
   EXPECT_GT(ground->uncertainty_model, 0);

@@ -21,16 +21,13 @@ constexpr double kSettled = 1e-3;  ///< differences below this share of the eye 
 
 constexpr double kMostUncertain = 0.01;  ///< limit of a part's error, relative to the part's size
 
-/// Converts a part's projected error back to model units. Limits the result by the part's size, because the
-/// error of a part around the eye was projected at the near distance.
-double uncertaintyOf(const core::CutPart& part, const core::View& view, double step) {
+/// Returns a part's error, limited by the part's size: ground that is coarse for a moment must not let the
+/// camera float.
+double uncertaintyOf(const core::CutPart& part, double step) {
   LatticeBox lattice_box;
   for (const PositionCode code : part.mesh->positions) lattice_box.add(unpackPosition(code));
   const core::ModelBox box = core::toModelBox(lattice_box, step);
-  const double distance_model = std::max(core::distanceToBox(view.eye_model, box), view.near_model);
-  const double model_per_px =
-      2 * distance_model * std::tan(view.fov_y_rad / 2) / std::max(1u, view.height_px);
-  return std::min(part.error_px * model_per_px, kMostUncertain * glm::distance(box.min, box.max));
+  return std::min<double>(part.error_model, kMostUncertain * glm::distance(box.min, box.max));
 }
 
 }  // namespace
@@ -89,10 +86,9 @@ std::optional<Ground> groundBelow(const core::CutProbe& probe, const core::View&
   down.forward = -up;
   const glm::dvec3 aside = std::abs(up.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   down.up = glm::normalize(aside - up * glm::dot(aside, up));
-  const core::Cut& cut = *probe.cut();
-  const std::optional<core::Hit> hit = probe.cast({point_model, -up}, core::shownParts(cut, down));
+  const std::optional<core::Hit> hit = probe.cast({point_model, -up}, core::shownParts(*probe.cut(), down));
   if (!hit) return std::nullopt;
-  return Ground{hit->distance_model, uncertaintyOf(*hit->part, cut.view, probe.step())};
+  return Ground{hit->distance_model, uncertaintyOf(*hit->part, probe.step())};
 }
 
 }  // namespace lode::app
