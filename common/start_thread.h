@@ -20,7 +20,7 @@ auto withThreads(const std::string& purpose, Make&& make) {
     return make();
   } catch (const std::system_error& refused) {
     throw Error(ErrorCode::kIo,
-                "the system gives no thread " + purpose + " (" + refused.code().message() +
+                "the system cannot start a thread " + purpose + " (" + refused.code().message() +
                     "): let the program have more memory or more threads (ulimit -v, ulimit -u)");
   }
 }

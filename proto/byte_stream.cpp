@@ -63,13 +63,14 @@ asio::awaitable<void> ByteStream::connectHandshake(std::string host) {
   if (is_name) SSL_set_tlsext_host_name(native, host.c_str());
   const int checked = is_name ? SSL_set1_host(native, host.c_str())
                               : X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(native), host.c_str());
-  if (checked != 1) throw Error(ErrorCode::kNetwork, "no certificate can be for the host '" + host + "'");
+  if (checked != 1)
+    throw Error(ErrorCode::kNetwork, "a certificate cannot be valid for the host '" + host + "'");
   co_await tls_->async_handshake(asio::ssl::stream_base::client,
                                  asio::redirect_error(asio::use_awaitable, error));
   if (!error) co_return;
   const long verdict = SSL_get_verify_result(native);
   if (verdict != X509_V_OK)
-    throw Error(ErrorCode::kNetwork, "the server's certificate is not believed: " +
+    throw Error(ErrorCode::kNetwork, "the server's certificate is not trusted: " +
                                          std::string(X509_verify_cert_error_string(verdict)));
   throw Error(ErrorCode::kNetwork, "the TLS handshake failed: " + reasonOf(error));
 }

@@ -65,7 +65,7 @@ void Engine::handle(ModelOpened event) {
   if (model_ && model_->summary().build_id == event.summary.build_id) return;
   if (model_ && group_.cut() && model_->summary().lattice != event.summary.lattice)
     throw Error(ErrorCode::kInput,
-                "the server has replaced the model by one of another size or place: open it again");
+                "the server has replaced the model by one of another size or position; open it again");
   model_.emplace(std::move(event.summary), options_.memory_budget_bytes);
   group_.forgetModel();
   prefetcher_.forgetModel();

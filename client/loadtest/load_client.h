@@ -92,7 +92,7 @@ bool survives(LoadCounts& counts, const Action& action) {
 /// Counts an error for a client that no server accepted until the end of the test.
 /// @param why  last reason of the server; empty if the server did not turn the client away.
 inline void noteNeverLetIn(LoadCounts& counts, const std::string& why) {
-  if (!why.empty()) counts.noteError(ErrorCode::kNetwork, "never let in: " + why);
+  if (!why.empty()) counts.noteError(ErrorCode::kNetwork, "no server accepted the client: " + why);
 }
 
 }  // namespace lode::app

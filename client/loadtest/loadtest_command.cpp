@@ -155,7 +155,7 @@ class PlannedLoad {
     RequestTrace trace =
         recordTrace(plan.model, plan.options, path_of, plan.size_px, plan.pixels, options_.common.timeout());
     if (!trace.gap.empty())
-      std::fprintf(stderr, "lodestream: %s: clients do not request a part that cannot be had: %s\n",
+      std::fprintf(stderr, "lodestream: %s: clients do not request an unavailable part: %s\n",
                    stream::toString(plan.model).c_str(), trace.gap.c_str());
     return trace;
   }
@@ -169,11 +169,11 @@ class PlannedLoad {
 
 void check(const LoadtestOptions& options) {
   if (!options.trace_file.empty() && (options.load.full || !options.more_targets.empty()))
-    throw Error(ErrorCode::kUsage, "--trace is of one model, and full clients replay none: leave it out");
+    throw Error(ErrorCode::kUsage, "--trace works only with a single model and without --full; leave it out");
   if (!options.common.cache_text.empty() && options.common.cache_text != "off")
     throw Error(ErrorCode::kUsage, "clients of a load test keep no cache: leave out --cache");
   if (options.decode_off && options.load.full)
-    throw Error(ErrorCode::kUsage, "full clients decode: leave out --full or --decode-off");
+    throw Error(ErrorCode::kUsage, "full clients always decode; leave out --full or --decode-off");
 }
 
 void loadtest(const LoadtestOptions& options, int& exit_status) {

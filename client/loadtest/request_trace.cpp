@@ -240,7 +240,7 @@ void checkBuild(const RequestTrace& trace, const Digest& build_id, const std::st
   if (trace.build_id == build_id) return;
   throw Error(ErrorCode::kInput, source + ": the trace is of another build of the model (" +
                                      toHex(trace.build_id) + ", and this one is " + toHex(build_id) +
-                                     "): record it anew with replay --record");
+                                     "): record it again with replay --record");
 }
 
 RequestTrace recordTrace(const stream::ServedModel& model, const stream::StreamOptions& options,
@@ -295,7 +295,7 @@ RequestTrace parseRequestTrace(std::string_view text, std::string_view source) {
   if (version != kTraceVersion)
     throw Error(ErrorCode::kInput, std::string(source) + ": a trace of version " + std::to_string(version) +
                                        ", and this program reads version " + std::to_string(kTraceVersion) +
-                                       ": record it anew with replay --record");
+                                       ": record it again with replay --record");
   RequestTrace trace;
   trace.build_id = reader.name("build_id");
   trace.duration_s = reader.number("duration_s", kLongestTraceSeconds);

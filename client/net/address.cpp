@@ -40,15 +40,15 @@ Address parseAddress(std::string_view text) {
     if (close == std::string_view::npos) refuse(text, "the bracket is not closed");
     host = text.substr(1, close - 1);
     if (host.find_first_not_of("0123456789abcdefABCDEF:.%") != std::string_view::npos)
-      refuse(text, "brackets hold an IPv6 number");
+      refuse(text, "brackets may contain only an IPv6 address");
     const std::string_view rest = text.substr(close + 1);
-    if (!rest.empty() && rest[0] != ':') refuse(text, "a colon and a port follow the bracket");
+    if (!rest.empty() && rest[0] != ':') refuse(text, "only a colon and a port may follow the bracket");
     if (!rest.empty()) address.port = parsePort(rest.substr(1), text);
   } else {
     const size_t colon = text.find(':');
     host = text.substr(0, colon);
     for (const char c : host)
-      if (!isHostCharacter(c)) refuse(text, "the host name holds a character that none can have");
+      if (!isHostCharacter(c)) refuse(text, "the host name has an invalid character");
     if (colon != std::string_view::npos) address.port = parsePort(text.substr(colon + 1), text);
   }
   if (host.empty() || host.size() > kMaxHostBytes) refuse(text, "the host's name is missing or too long");

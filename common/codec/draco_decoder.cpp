@@ -28,8 +28,7 @@ using draco_stream::refuse;
 void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& expected) {
   if (expected.triangles > kMaxLodTriangles || expected.vertices > kMaxLodVertices)
     throw Error(ErrorCode::kLimit, "a payload of " + std::to_string(expected.triangles) + " triangles and " +
-                                       std::to_string(expected.vertices) +
-                                       " vertices is announced: above the limits");
+                                       std::to_string(expected.vertices) + " vertices exceeds the limits");
   draco_stream::Cursor header(bytes);
   header.skipStart();
   const uint8_t traversal = header.u8();
@@ -39,11 +38,11 @@ void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& exp
   const uint32_t vertices = header.varint();
   const uint32_t faces = header.varint();
   if (faces != expected.triangles)
-    refuse("it declares " + std::to_string(faces) + " triangles where " + std::to_string(expected.triangles) +
-           " are announced");
+    refuse("it declares " + std::to_string(faces) + " triangles, but the hierarchy has " +
+           std::to_string(expected.triangles));
   if (vertices > expected.vertices)
-    refuse("it declares " + std::to_string(vertices) + " vertices where " +
-           std::to_string(expected.vertices) + " are announced");
+    refuse("it declares " + std::to_string(vertices) + " vertices, but the hierarchy has " +
+           std::to_string(expected.vertices));
   // A seam would need a table of faces per attribute.
   if (header.u8() != 0) refuse("it has seams of its own");
   const uint32_t symbols = header.varint();

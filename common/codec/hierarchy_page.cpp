@@ -103,7 +103,7 @@ class PageReader {
   }
   float error() {
     const float value = std::bit_cast<float>(static_cast<uint32_t>(fixed(4)));
-    if (!std::isfinite(value) || std::signbit(value)) refusePage("an error is no length");
+    if (!std::isfinite(value) || std::signbit(value)) refusePage("an error is negative or not finite");
     return value;
   }
   BlobRef blob(uint32_t most_bytes) {
@@ -121,7 +121,7 @@ class PageReader {
     if ((min | max) >> 3 * kLatticeBits != 0) refusePage("a box is off the lattice");
     const LatticeBox box{unpackPosition({min}), unpackPosition({max})};
     if (box != LatticeBox() && glm::any(glm::greaterThan(box.min, box.max)))
-      refusePage("a box is inside out");
+      refusePage("a box has its minimum above its maximum");
     return box;
   }
 
@@ -160,7 +160,8 @@ bool fallsFrom(const Lod& finer, const Lod& coarser) {
 Node readNode(PageReader& in) {
   Node node;
   node.key.value = in.varint();
-  if (!node.key.valid()) refusePage("it names a node " + std::to_string(node.key.value) + " that cannot be");
+  if (!node.key.valid())
+    refusePage("it names a node " + std::to_string(node.key.value) + " that cannot exist");
   node.box = in.box();
   node.child_mask = static_cast<uint8_t>(in.fixed(1));
   node.child_page = in.blob(kMaxPageBytes);
@@ -173,7 +174,8 @@ Node readNode(PageReader& in) {
   for (uint32_t i = 0; i < lods; ++i) {
     node.lods.push_back(readLod(in));
     const Lod& lod = node.lods.back();
-    if (i > 0 && fallsFrom(node.lods[i - 1], lod)) refuseNode(node.key, "has errors that fall");
+    if (i > 0 && fallsFrom(node.lods[i - 1], lod))
+      refuseNode(node.key, "has a coarser LOD with a smaller error");
     if (lod.triangles > 0 && node.box.empty()) refuseNode(node.key, "has triangles but no box");
   }
   return node;
@@ -210,9 +212,9 @@ class TreeCheck {
     const Node& parent = nodes_[parent_];
     if (parent.key != parent_key) refuseNode(node.key, "lacks its parent");
     seen_[parent_] = static_cast<uint8_t>(seen_[parent_] | 1 << node.key.octant());
-    if (!parent.box.contains(node.box)) refuseNode(node.key, "has a box that its parent's does not hold");
+    if (!parent.box.contains(node.box)) refuseNode(node.key, "has a box outside its parent's box");
     if (fallsFrom(node.sourceLod(), parent.lods.front()))
-      refuseNode(node.key, "has an error above its parent's");
+      refuseNode(node.key, "has a larger error than its parent");
   }
 
   static void checkChildPage(const Node& node, bool deepest) {

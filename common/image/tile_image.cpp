@@ -52,7 +52,7 @@ TileImage decodeTile(std::span<const std::byte> file, glm::uvec2 size) {
   if (size.x == 0 || size.y == 0 || size.x > kTilePx || size.y > kTilePx || file.size() > kMaxTileBytes) {
     throw Error(ErrorCode::kLimit, "a texture tile of " + std::to_string(size.x) + "x" +
                                        std::to_string(size.y) + " texels in " + std::to_string(file.size()) +
-                                       " bytes is announced: outside the limits");
+                                       " bytes is outside the limits");
   }
   const std::optional<TileKind> kind = tileKind(file);
   if (!kind) refuseTile("it is neither JPEG nor WebP");

@@ -102,8 +102,8 @@ void AtomicFile::writeAt(uint64_t offset, std::span<const std::byte> bytes) {
     throw Error(ErrorCode::kInternal, "write beyond the end of " + path_.string());
   if (target_.empty())
     throw Error(ErrorCode::kUsage, path_.string() +
-                                       ": is a pipe or a device, where nothing can be written "
-                                       "but one after the other: name a file");
+                                       ": is a pipe or a device, but this output must be a file; "
+                                       "name a file");
   flush();
   if (!lode::writeAt(file_, offset, bytes)) fail("write", path_, errno);
 }

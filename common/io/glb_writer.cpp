@@ -206,7 +206,8 @@ void writeVertices(AtomicFile& file, const Mesh& mesh, const Lattice& lattice, c
 void writeGlb(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
               const ImageFiles& images) {
   if (!(lattice.step >= kLeastStep && lattice.step <= kLargestStep))
-    throw Error(ErrorCode::kLimit, path.string() + ": glTF's floats do not hold its coordinates: write PLY");
+    throw Error(ErrorCode::kLimit,
+                path.string() + ": its coordinates are too small or too large for glTF; write PLY");
   const std::vector<MaterialGroup> groups = groupByMaterial(mesh);
   Parts parts;
   std::string text = describe(mesh, lattice, images, groups, parts).dump();

@@ -85,7 +85,7 @@ void endBy(int signal) {
     if (path != nullptr && remove(path)) is_removed = true;
   }
   say(program_invocation_short_name);
-  say(is_removed ? ": interrupted; what was unfinished is removed\n" : ": interrupted\n");
+  say(is_removed ? ": interrupted; unfinished output is removed\n" : ": interrupted\n");
   struct sigaction action {};
   action.sa_handler = SIG_DFL;
   ::sigaction(signal, &action, nullptr);

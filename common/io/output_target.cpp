@@ -55,7 +55,7 @@ OutputTarget findOutput(const std::filesystem::path& asked) {
   if (!asked.has_filename()) refuse(asked, "the name of a folder");
   const std::filesystem::path file = behindLinks(asked);
   if (file != asked && isStandardOutput(asked) && !mayReplaceStandardOutput(file))
-    refuse(asked, "a standard output that has something in it already, is appended to, or has no name");
+    refuse(asked, "a standard output that is not empty, is open for appending, or has no name");
   return {file};
 }
 
@@ -70,7 +70,7 @@ std::FILE* reportStream(const std::filesystem::path& output, bool as_json) {
   if (!isStandardOutput(output)) return stdout;
   if (as_json)
     throw Error(ErrorCode::kUsage,
-                output.string() + ": is where --json prints: name a file, or leave --json out");
+                output.string() + ": --json prints there too; name a file, or leave out --json");
   return stderr;
 }
 
@@ -78,8 +78,9 @@ void refuseFilesBesideStream(const std::filesystem::path& output) {
   // For example --output /dev/stdout > a.ply.
   const bool is_device_of_a_file = isStandardOutput(output) && !output.has_extension();
   if (is_device_of_a_file || findOutput(output).is_stream)
-    throw Error(ErrorCode::kUsage,
-                output.string() + ": is a pipe or a device, beside which no images can be: name a file");
+    throw Error(
+        ErrorCode::kUsage,
+        output.string() + ": is a pipe or a device, so images cannot be written beside it; name a file");
 }
 
 std::string fileEnding(const std::filesystem::path& path) {

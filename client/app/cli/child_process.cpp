@@ -118,7 +118,7 @@ std::string ChildProcess::readLine(std::chrono::milliseconds timeout) {
     }
     looked_at = read_.size();
     if (looked_at > kMaxLineBytes)
-      throw Error(ErrorCode::kLimit, "a program that was started says more in a line than " +
+      throw Error(ErrorCode::kLimit, "a started program printed a line of more than " +
                                          std::to_string(kMaxLineBytes) + " bytes");
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());

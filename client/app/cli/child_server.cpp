@@ -24,7 +24,8 @@ constexpr size_t kTokenBytes = 32;
 std::string makeToken() {
   std::array<std::byte, kTokenBytes> secret;
   if (getentropy(secret.data(), secret.size()) != 0)
-    throw Error(ErrorCode::kIo, std::string("the system gives no random bytes: ") + std::strerror(errno));
+    throw Error(ErrorCode::kIo,
+                std::string("cannot get random bytes from the system: ") + std::strerror(errno));
   return toHex(digestOf(secret));
 }
 

@@ -37,10 +37,9 @@ bool isGrant(std::string_view text) {
 /// Returns the token if it is valid. @param source  name of the token's origin for error messages.
 std::string checkedToken(std::string token, const std::string& source) {
   if (token.size() > proto::kMaxTokenBytes || !isPrintableUtf8(token) || isGrant(token))
-    throw Error(ErrorCode::kUsage,
-                source + ": is not one token: that is up to " + std::to_string(proto::kMaxTokenBytes) +
-                    " bytes of printable UTF-8 in one line, without what follows it in the "
-                    "server's token file");
+    throw Error(ErrorCode::kUsage, source +
+                                       ": is not one token; write only the token, in one line of at most " +
+                                       std::to_string(proto::kMaxTokenBytes) + " bytes of printable UTF-8");
   return token;
 }
 
@@ -56,14 +55,14 @@ std::string readToken(const std::string& file) {
   stream.read(token.data(), static_cast<std::streamsize>(token.size()));
   token.resize(static_cast<size_t>(stream.gcount()));
   while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
-  if (token.empty()) throw Error(ErrorCode::kUsage, file + ": is not one token: it is empty");
+  if (token.empty()) throw Error(ErrorCode::kUsage, file + ": is not one token: the file is empty");
   return checkedToken(std::move(token), file);
 }
 
 constexpr core::Remedies kCommandRemedies{
     .model = "lodestream list shows what it has",
     .token = "give a token with --token-file or LODESTREAM_TOKEN",
-    .certificate = "name the host as the certificate does, and its authority with --ca-file",
+    .certificate = "use the host name of the certificate, and give its authority with --ca-file",
     .authorities = "give certificates in PEM with --ca-file",
     .cache_folder = "give --cache a folder, or off"};
 
@@ -109,7 +108,9 @@ stream::StreamOptions CommonOptions::streamOptions() const {
     options.cache_folder = cache_text.empty() ? cacheFolder() : chosenCache(cache_text, offline);
   options.engine.offline = offline;
   if (offline && options.cache_folder.empty())
-    throw Error(ErrorCode::kUsage, "--offline shows what the cache has of a model on a server: it needs one");
+    throw Error(
+        ErrorCode::kUsage,
+        "--offline shows cached parts of a model on a server: name such a model, and leave out --cache off");
   return options;
 }
 

@@ -135,7 +135,7 @@ class Fetch {
     const CutImages images = writeCutImages(cut, mesh, options_.output);
     writeMesh(options_.output, mesh, model.lattice, images.files);
     const char* const why = status.counts.tiles_left_out == 0
-                                ? "it cannot be had"
+                                ? "it is unavailable"
                                 : "the memory budget had no room for it; raise --memory-budget";
     for (const std::string& name : images.left_out)
       std::fprintf(stderr, "lodestream: %s: the image %s is left out, as %s\n", options_.output.c_str(),

@@ -24,7 +24,7 @@ core::Framing wantedFraming(const CommonOptions& options) {
 core::Framing framingOf(const Scene& scene, const CommonOptions& options) {
   if (scene.is_single_model) return wantedFraming(options);
   if (!options.up_text.empty())
-    throw Error(ErrorCode::kUsage, options.target + ": a scene says itself which way is up: leave out --up");
+    throw Error(ErrorCode::kUsage, options.target + ": the scene file sets the up axis; leave out --up");
   core::Framing framing = wantedFraming(options);
   framing.up = scene.up;
   return framing;

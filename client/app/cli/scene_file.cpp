@@ -98,7 +98,7 @@ Placement placementOf(const Json& json, std::string_view source, const std::stri
   if (axis == json.end()) return placement;
   const glm::dvec3 about = vectorOf(*axis, source, where + ".axis");
   const double turn = numberOf(*degrees, -1e6, 1e6, source, where + ".degrees");
-  if (!(glm::length(about) > 0)) refuseScene(source, where + ".axis has no length");
+  if (!(glm::length(about) > 0)) refuseScene(source, where + ".axis must not be zero");
   placement.rotation = glm::angleAxis(std::fmod(turn, 360.0) * std::numbers::pi / 180, glm::normalize(about));
   return placement;
 }
@@ -107,7 +107,7 @@ Placement placementOf(const Json& json, std::string_view source, const std::stri
 std::map<std::string, uint32_t> addModels(const Json& json, std::string_view source, Scene& scene) {
   const auto models = json.find("models");
   if (models == json.end() || !models->is_object() || models->empty())
-    refuseScene(source, "models is not an object with a model");
+    refuseScene(source, "models must be an object with at least one model");
   refuseMoreThan(kMaxSceneModels, models->size(), "models", source);
   std::map<std::string, uint32_t> numbers;
   for (const auto& [name, target] : models->items()) {
@@ -125,7 +125,7 @@ void addInstances(const Json& json, const std::map<std::string, uint32_t>& model
                   Scene& scene) {
   const auto instances = json.find("instances");
   if (instances == json.end() || !instances->is_array() || instances->empty())
-    refuseScene(source, "instances is not a list with an instance");
+    refuseScene(source, "instances must be a list with at least one instance");
   refuseMoreThan(kMaxSceneInstances, instances->size(), "instances", source);
   scene.instances.reserve(instances->size());
   for (const Json& instance : *instances) {
@@ -134,7 +134,7 @@ void addInstances(const Json& json, const std::map<std::string, uint32_t>& model
     const auto name = instance.find("model");
     if (name == instance.end()) refuseScene(source, where + ".model is missing");
     const auto model = models.find(textOf(*name, source, where + ".model"));
-    if (model == models.end()) refuseScene(source, where + ".model is none of models");
+    if (model == models.end()) refuseScene(source, where + ".model is not a name in models");
     scene.instances.push_back({model->second, placementOf(instance, source, where)});
   }
 }

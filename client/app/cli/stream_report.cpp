@@ -75,8 +75,8 @@ void refuseUnconverged(const std::string& where, const stream::StreamStatus& sta
 
 void warnOfGaps(const stream::StreamStatus& status, const CommonOptions& options) {
   if (!status.failure.empty() && !status.exhausted)
-    std::fprintf(stderr, "lodestream: %s: shown without a part that cannot be had: %s\n",
-                 options.target.c_str(), status.failure.c_str());
+    std::fprintf(stderr, "lodestream: %s: shown without an unavailable part: %s\n", options.target.c_str(),
+                 status.failure.c_str());
   if (status.counts.tiles_left_out > 0)
     std::fprintf(
         stderr,

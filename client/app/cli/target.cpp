@@ -45,7 +45,7 @@ stream::ServedModel parseServerUrl(std::string_view text) { return stream::parse
 void refuseToReplace(std::string_view input, const std::filesystem::path& output) {
   std::error_code not_there;
   if (std::filesystem::equivalent(std::filesystem::path(input), output, not_there))
-    throw Error(ErrorCode::kUsage, output.string() + ": is what is read: name another output");
+    throw Error(ErrorCode::kUsage, output.string() + ": is the input; name another output");
 }
 
 }  // namespace lode::app

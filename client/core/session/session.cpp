@@ -85,7 +85,7 @@ proto::FrameHeader Session::headerOf(std::span<const std::byte, proto::kFrameHea
     return proto::decodeFrameHeader(bytes);
   } catch (const Error&) {
     if (state_ != State::kWelcome) throw;
-    throw Error(ErrorCode::kProtocol, "the program that answers is no lodestreamd: check the port");
+    throw Error(ErrorCode::kProtocol, "the program at this address is not lodestreamd; check the port");
   }
 }
 

@@ -36,7 +36,7 @@ void TextureStream::takeSet(std::span<const std::byte> bytes) {
       Keys& same = keys.try_emplace(blob.number, Keys{blob, image_size, {}, false}).first->second;
       if (same.blob != blob || same.image_size != image_size)
         throw Error(ErrorCode::kFormat, "damaged texture set: blob " + std::to_string(blob.number) +
-                                            " is tiles that differ; rebuild the store");
+                                            " is used for different tiles; rebuild the store");
       same.keys.push_back(key);
       same.coarsest |= key.level + 1 == levelCount(set->textures[number]);
     });

@@ -64,7 +64,7 @@ CameraKey parseKey(const Json& json, std::string_view source, const std::string&
   key.up = json.contains("up") ? parseVector(json, "up", source, where) : glm::dvec3(0, 1, 0);
   const double looking = glm::length(key.target - key.eye), up = glm::length(key.up);
   if (!(looking > 0)) refuse(source, where + " looks from the target itself");
-  if (!(up > 0)) refuse(source, where + ".up has no length");
+  if (!(up > 0)) refuse(source, where + ".up must not be zero");
   if (glm::length(glm::cross((key.target - key.eye) / looking, key.up / up)) < 1e-6)
     refuse(source, where + ".up points along the view");
   return key;
@@ -116,7 +116,7 @@ CameraPath parseCameraPath(std::string_view text, std::string_view source) {
   }
   const auto keys = json.find("keys");
   if (keys == json.end() || !keys->is_array() || keys->empty())
-    refuse(source, "keys is not a list with a key");
+    refuse(source, "keys must be a list with at least one key");
   if (keys->size() > kMaxCameraKeys)
     throw Error(ErrorCode::kLimit, std::string(source) + ": " + std::to_string(keys->size()) +
                                        " keys; the limit is " + std::to_string(kMaxCameraKeys));

@@ -164,7 +164,7 @@ TEST(Window, takesNoScreenshotOverItsModel) {
   const Outcome outcome =
       lodestream({"view", folder / "model.png", "--screenshot", folder / "model.png"}, {"DISPLAY="});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("is what is read"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("is the input"), std::string::npos) << outcome.err;
 }
 
 TEST(Window, takesNoScreenshotOfAFlight) {
@@ -181,7 +181,7 @@ TEST(Render, writesPicturesThatAreCalledSoAndNeverOverItsModel) {
   std::filesystem::copy_file(store, folder / "model.png");
   const std::array<std::array<std::string, 2>, 3> refused{{{folder / "a.jpg", "give it the ending .png"},
                                                            {folder.path(), ".png"},
-                                                           {folder / "model.png", "is what is read"}}};
+                                                           {folder / "model.png", "is the input"}}};
   for (const auto& [output, why] : refused) {
     const Outcome outcome = lodestream({"render", folder / "model.png", "--size", "32x32", "-o", output});
     if (cannotDraw(outcome, "cannot draw off-screen")) GTEST_SKIP() << outcome.err;

@@ -73,7 +73,7 @@ TEST_F(Access, isRefusedWithoutTheTokenInWordsThatHelp) {
 
 TEST_F(Access, isNotTriedOnAServerThatNobodyVouchesFor) {
   expectFailure(lodestream(with({"fetch", model_url_}, "token", "other.crt")),
-                {"certificate is not believed", "--ca-file"});
+                {"certificate is not trusted", "--ca-file"});
   const std::string by_number = "lodes://" + server_.address() + "/small";
   expectFailure(lodestream(with({"fetch", by_number})), {"mismatch", "--ca-file"});
 }

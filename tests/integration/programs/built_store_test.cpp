@@ -186,7 +186,7 @@ TEST_F(BuiltStore, doesNotReplaceTheFileThatItIsBuiltOf) {
   const auto bytes = fs::file_size(ply);
   const Outcome outcome = lodestream({"fetch", ply, "-o", ply}, environment_);
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("is what is read: name another output"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("is the input; name another output"), std::string::npos) << outcome.err;
   EXPECT_EQ(fs::file_size(ply), bytes);
 }
 

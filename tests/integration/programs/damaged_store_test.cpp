@@ -145,7 +145,7 @@ TEST_F(DamagedStore, isShownByWhatIsFinerWhereACoarserLevelIsDamaged) {
   damagePayloads([&] {
     const Outcome outcome = lodestream({"fetch", damaged_, "--pixels", "8", "--timeout", "60", "-o", cut_});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    has_met_damage |= outcome.err.find("shown without a part that cannot be had") != std::string::npos;
+    has_met_damage |= outcome.err.find("shown without an unavailable part") != std::string::npos;
   });
   EXPECT_TRUE(has_met_damage);
 }
@@ -158,7 +158,7 @@ TEST_F(DamagedStore, canBeLoadTestedWithoutWhatIsDamaged) {
         lodestream({"loadtest", damaged_, "--clients", "1", "--seconds", "1", "--pixels", "8", "--json"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_GT(nlohmann::json::parse(outcome.out)["blobs"], 0);
-    has_met_damage = outcome.err.find("do not request a part that cannot be had") != std::string::npos;
+    has_met_damage = outcome.err.find("do not request an unavailable part") != std::string::npos;
   });
   EXPECT_TRUE(has_met_damage);
 }

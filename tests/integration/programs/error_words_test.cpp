@@ -98,8 +98,8 @@ TEST_F(ErrorWords, ofACertificateThatIsNotBelievedDoNotDoubtThatThereIsTls) {
   serveUnderTls();
   expectWords({"fetch", "lodes://" + where() + "/small"},
               where() +
-                  ": the server's certificate is not believed: self-signed certificate; name the host as "
-                  "the certificate does, and its authority with --ca-file");
+                  ": the server's certificate is not trusted: self-signed certificate; use the host name "
+                  "of the certificate, and give its authority with --ca-file");
 }
 
 TEST_F(ErrorWords, ofAServerWithoutTlsSayHowToReachIt) {

@@ -32,7 +32,7 @@ class InterruptedCommand : public testing::Test {
     const Outcome outcome = program.wait();
     EXPECT_EQ(outcome.status, 128 + signal);
     EXPECT_EQ(outcome.out, "");
-    EXPECT_NE(outcome.err.find("interrupted; what was unfinished is removed"), std::string::npos);
+    EXPECT_NE(outcome.err.find("interrupted; unfinished output is removed"), std::string::npos);
     expectOneLine(outcome.err);
     EXPECT_EQ(folder_.contents(), before);
   }

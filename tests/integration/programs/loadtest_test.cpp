@@ -234,7 +234,7 @@ TEST_F(Loadtest, ofAnotherProgramsServerSaysThatItIsNone) {
     web.sayOnce("HTTP/1.0 400 Bad Request\r\n\r\n");
     const Outcome outcome = test.wait();
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_NE((outcome.out + outcome.err).find("no lodestreamd: check the port"), std::string::npos)
+    EXPECT_NE((outcome.out + outcome.err).find("is not lodestreamd; check the port"), std::string::npos)
         << outcome.out << outcome.err;
   }
 }

@@ -167,7 +167,7 @@ TEST_F(EmbeddedStream, isNotReconnectingOnceItHasEnded) {
   while (status.has_ended == 0) lodestream_step(stream.get(), kNewsMs, &status);
   EXPECT_EQ(status.is_reconnecting, 0u);
   const std::string said = lodestream_last_error();
-  EXPECT_NE(said.find("replaced the model by one of another size or place"), std::string::npos) << said;
+  EXPECT_NE(said.find("replaced the model by one of another size or position"), std::string::npos) << said;
 }
 
 TEST_F(EmbeddedStream, hasNoTexturesWhereAModelHasCoordinatesAndNoImages) {

@@ -45,7 +45,7 @@ TEST_F(Interrupted, processesLeaveNothingOfAFileThatIsBeingWritten) {
         file.write(test::bytesOf("half of it"));
         std::raise(SIGTERM);
       },
-      by_sigterm_, "what was unfinished is removed");
+      by_sigterm_, "unfinished output is removed");
   EXPECT_TRUE(folder_.contents().empty());
 }
 

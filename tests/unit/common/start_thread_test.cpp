@@ -17,7 +17,8 @@ TEST(StartThread, saysWhatForTheSystemGivesNone) {
     startThread("to wait", [] {}).join();
     ADD_FAILURE() << "started";
   } catch (const Error& error) {
-    EXPECT_EQ(std::string(error.what()).find("the system gives no thread to wait ("), 0u) << error.what();
+    EXPECT_EQ(std::string(error.what()).find("the system cannot start a thread to wait ("), 0u)
+        << error.what();
   }
   test::threads_left = INT_MAX;
 }

@@ -62,7 +62,7 @@ TEST(CameraPath, refusesWhatIsNotACameraPathAndSaysWhere) {
   expectRefused(pathOf(R"({"t": 0, "eye": [0,0,5]})"), "keys[0].target is missing");
   expectRefused(pathOf(keyAt("0", "[0,0,0]")), "looks from the target");
   expectRefused(pathOf(keyAt("0", "[0,4,0]")), "up points along");
-  expectRefused(pathOf(R"({"eye": [0,0,5], "target": [0,0,0], "up": [0,0,0]})"), "no length");
+  expectRefused(pathOf(R"({"eye": [0,0,5], "target": [0,0,0], "up": [0,0,0]})"), "up must not be zero");
   expectRefused(pathOf(good + "," + keyAt("0", "[0,0,6]")), "keys[1].t is not after");
   expectRefused(pathOf(R"({"eye": [0,0,5], "target": [0,0,0]},)" + good), "keys[0].t is missing");
   expectRefused(R"({"fov_y_deg": 0, "keys": [)" + good + "]}", "fov_y_deg");

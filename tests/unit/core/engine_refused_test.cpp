@@ -55,7 +55,7 @@ TEST_F(RefusedEngine, keepsThePictureAndTriesMoreAndMoreSeldomUntilTheModelIsThe
   const TimePoint before_last = now_;
   connect();
   EXPECT_GT(now_ - before_last, 4 * (second - first));
-  EXPECT_EQ(engine_->trouble(), "the server says: no model; name one that it has");
+  EXPECT_EQ(engine_->trouble(), "the server says: no model; name a model of this server");
   EXPECT_EQ(engine_->failure(), "");
   EXPECT_TRUE(engine_->cut());
   server_.offer(true);

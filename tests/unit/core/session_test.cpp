@@ -66,13 +66,13 @@ TEST_F(SessionTest, skipsAnUnknownFrameThatIsOptional) {
 TEST_F(SessionTest, saysThatAnotherProgramAnswers) {
   const std::string_view web = "<!DOCTYPE HTML>\n<html lang=\"en\">\n";
   expectRefused(Bytes(std::as_bytes(std::span(web)).begin(), std::as_bytes(std::span(web)).end()),
-                "no lodestreamd: check the port");
+                "is not lodestreamd; check the port");
 }
 
 TEST_F(SessionTest, saysWhatTheServerSaysWhenThereIsNoSuchModel) {
   give(welcome());
   expectRefused(proto::encode(proto::ErrorMessage{proto::WireError::kNoSuchModel, 0, false, "no model x"}, 2),
-                "no model x; name one that it has");
+                "no model x; name a model of this server");
 }
 
 TEST_F(SessionTest, takesAServerWithoutTheModelForOneThatIsLeavingIfItAwaitsThat) {
@@ -84,7 +84,8 @@ TEST_F(SessionTest, takesAServerWithoutTheModelForOneThatIsLeavingIfItAwaitsThat
   const auto events =
       give(proto::encode(proto::ErrorMessage{proto::WireError::kNoSuchModel, 0, false, "no model x"}, 2));
   ASSERT_EQ(events.size(), 1u);
-  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "the server says: no model x; name one that it has");
+  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason,
+            "the server says: no model x; name a model of this server");
 }
 
 TEST_F(SessionTest, saysThatTheServerIsTooOld) {
