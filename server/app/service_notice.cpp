@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kFirstSocketOfService = 3;
 
-/// Returns the number in an environment variable, or -1 without the variable.
+/// Returns the number in an environment variable, or -1 if the variable is not set.
 long numberIn(const char* variable) noexcept {
   const char* const text = std::getenv(variable);
   return text == nullptr ? -1 : std::strtol(text, nullptr, 10);

@@ -50,7 +50,7 @@ class ClippedTriangle {
   }
 
  private:
-  static constexpr size_t kMost = 8;  ///< each of five planes adds a corner at most
+  static constexpr size_t kMost = 8;  ///< each of five planes adds at most one corner
   std::array<glm::dvec3, kMost> corners_;
   size_t count_ = 3;
 };

@@ -39,8 +39,8 @@ TriangleCorners exactly(const PackedTriangle& triangle) {
   return {a, a + vectorOf(triangle.ab()), a + vectorOf(triangle.ac())};
 }
 
-/// Returns a squared distance above that of all boxes that may contain points within `distance`, although the
-/// boxes are measured in single precision.
+/// Returns a limit for squared distances of boxes: a box with a larger squared distance contains no point
+/// within `distance`. The limit allows for the single precision of box distances.
 float squaredReach(double distance) {
   constexpr double kRounding = 1;  // lattice steps; more than the rounding of three coordinates below 2^21
   return static_cast<float>((distance + kRounding) * (distance + kRounding));

@@ -41,7 +41,7 @@ class TriangleTree {
   /// Like nearest(), but measures triangles in double precision: see nearestPointOfTriangle(). Single
   /// precision overestimates distances from triangles that are thousands of times as long as wide.
   ExactNearest nearestExactly(glm::dvec3 point, double tolerance, ExactNearest bound) const noexcept;
-  /// Squared distance from one triangle.
+  /// Returns the squared distance of a point from one triangle.
   float squaredDistance(glm::vec3 point, uint32_t triangle) const noexcept {
     return triangles_[place_[triangle]].squaredDistance(point);
   }

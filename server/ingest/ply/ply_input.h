@@ -35,7 +35,7 @@ class PlyInput {
   bool fill(size_t n) { return available() >= n || refill(n); }
   /// Skips n bytes, n <= available().
   void consume(size_t n) noexcept { begin_ += n; }
-  /// Moves to an offset, at most size().
+  /// Moves to an offset. @param offset  at most size().
   void seek(uint64_t offset);
 
  private:

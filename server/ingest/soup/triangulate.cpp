@@ -38,7 +38,7 @@ class PointGrid {
     for (const uint32_t i : numbers) numbers_[next[cellOf(points[i])]++] = i;
   }
 
-  /// Returns true if the test is true for any point in the cells that a triangle's box touches. Subtracts the
+  /// Returns true if `test` accepts any point in the cells that a triangle's box touches. Subtracts the
   /// number of tests from the budget.
   template <class Test>
   bool any(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, int64_t& budget, const Test& test) const {

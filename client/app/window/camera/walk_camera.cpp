@@ -21,8 +21,8 @@ constexpr double kSettled = 1e-3;  ///< differences below this share of the eye 
 
 constexpr double kMostUncertain = 0.01;  ///< limit of a part's error, relative to the part's size
 
-/// Returns a part's error, limited by the part's size: ground that is coarse for a moment must not let the
-/// camera float.
+/// Returns a part's error, but at most the part's size. Otherwise the camera would float while the ground is
+/// coarse.
 double uncertaintyOf(const core::CutPart& part, double step) {
   LatticeBox lattice_box;
   for (const PositionCode code : part.mesh->positions) lattice_box.add(unpackPosition(code));
