@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <new>
@@ -55,6 +56,15 @@ inline CLI::Validator numberFrom(double least, double most) {
     return is_within ? std::string() : "must be a number in " + range + ", not " + text;
   };
   return CLI::Validator(check, "FLOAT in " + range.str());
+}
+
+/// Adds --textures to a command that opens PLY files.
+inline void addTexturesFolder(CLI::App& command, std::filesystem::path& folder) {
+  command
+      .add_option("--textures", folder,
+                  "folder to search first for the images that a PLY file names (default: the PLY file's)")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory);
 }
 
 /// Parses the command line and runs the command. Prints errors on one line of stderr.

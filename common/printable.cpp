@@ -51,6 +51,20 @@ std::string counted(uint64_t count, std::string_view one, std::string_view sever
   return text;
 }
 
+std::string quotedText(std::string_view text, size_t max_bytes) {
+  static constexpr char kHex[] = "0123456789abcdef";
+  std::string result = "'";
+  for (const char c : text.substr(0, max_bytes)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f) {
+      result += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
+    } else {
+      result += c;
+    }
+  }
+  return result + (text.size() > max_bytes ? "...'" : "'");
+}
+
 void printOnOneLine(std::string_view program, std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   std::fprintf(stderr, "%.*s: %s\n", static_cast<int>(program.size()), program.data(), message.c_str());

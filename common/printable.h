@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -12,6 +13,9 @@ bool isPrintableUtf8(std::string_view text) noexcept;
 
 /// Returns "1 vertex" or "2 vertices". @param several  plural; by default `one` with an s.
 std::string counted(uint64_t count, std::string_view one, std::string_view several = {});
+
+/// Quotes at most max_bytes of a text for a message. Escapes unprintable bytes as \xNN.
+std::string quotedText(std::string_view text, size_t max_bytes = 48);
 
 /// Prints "PROGRAM: MESSAGE" as one line on stderr.
 void printOnOneLine(std::string_view program, std::string message);

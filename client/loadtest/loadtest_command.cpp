@@ -119,7 +119,8 @@ class PlannedLoad {
  private:
   /// Opens a target. @return the plan of the target's clients, still without a trace.
   LoadPlan planOf(const std::string& target) {
-    targets_.push_back(resolveTarget(parseTarget(target), options_.common.streamOptions(), !options_.json));
+    targets_.push_back(resolveTarget(parseTarget(target, options_.common.textures_folder),
+                                     options_.common.streamOptions(), !options_.json));
     const ResolvedTarget& open = targets_.back();
     const PictureSize size = options_.common.size();
     LoadPlan plan;

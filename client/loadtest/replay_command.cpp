@@ -191,8 +191,8 @@ void record(const ReplayOptions& options) {
     refuseToReplace(input, options.record_file);
   AtomicFile file(options.record_file);
   const std::optional<core::CameraPath> path = wantedPath(common);
-  const ResolvedTarget target =
-      resolveTarget(parseTarget(common.target), common.streamOptions(), !options.json);
+  const ResolvedTarget target = resolveTarget(parseTarget(common.target, common.textures_folder),
+                                              common.streamOptions(), !options.json);
   const PictureSize size = common.size();
   const PathOf path_of = [&](const ModelSummary& model) {
     return path ? *path : makePath(MadePath::kOrbit, model, 0);

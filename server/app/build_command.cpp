@@ -4,6 +4,7 @@
 
 #include "common/byte_size.h"
 #include "common/command_line.h"
+#include "common/io/texture_finder.h"
 #include "common/printable.h"
 #include "server/app/command.h"
 #include "server/app/interruption.h"
@@ -11,7 +12,6 @@
 #include "server/app/progress_bar.h"
 #include "server/ingest/pipeline/build.h"
 #include "server/ingest/ply/ply_header.h"
-#include "server/ingest/textures/texture_images.h"
 
 namespace lode::app {
 namespace {
@@ -62,8 +62,9 @@ void checkOutput(const ingest::BuildOptions& options) {
       throw Error(ErrorCode::kUsage, options.output.string() + " is " + what + "; name another output");
   };
   refuseIf(options.input, "the input itself");
+  TextureFinder finder(options.input, options.textures_folder);
   for (const std::string& name : ingest::readPlyHeader(options.input).texture_files)
-    refuseIf(ingest::findTexture(options.input, name).path, "a texture image of the input");
+    refuseIf(finder.find(name).path, "a texture image of the input");
 }
 
 ingest::BuildReport buildUnlessInterrupted(const BuildArguments& arguments) {
@@ -141,6 +142,7 @@ void addBuildCommand(CLI::App& program) {
       ->add_option("--tmp", options.temporary_folder,
                    "folder for temporary files (default: the folder of the output)")
       ->type_name("DIR");
+  addTexturesFolder(*command, options.textures_folder);
   ingest::forEachResultOption([&](const auto& option) { addResultOption(*command, option, options); });
   command->add_flag("--resume", options.resume,
                     "continue a killed or interrupted build of the same command; if this build is "

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "common/byte_size.h"
+#include "common/command_line.h"
 #include "common/printable.h"
 #include "server/app/command.h"
 #include "server/app/json_output.h"
@@ -85,7 +86,9 @@ Json describeAsJson(const ingest::DoctorReport& report) {
   json["skipped_properties"] = report.skipped_properties;
   json["textures"] = Json::array();
   for (const auto& texture : report.textures)
-    json["textures"].push_back({{"name", texture.name}, {"found", texture.is_found}});
+    json["textures"].push_back({{"name", texture.name},
+                                {"found", !texture.path.empty()},
+                                {"path", texture.path.empty() ? Json() : Json(texture.path.string())}});
   if (report.is_readable) json["box"] = {{"min", pointAsJson(report.min)}, {"max", pointAsJson(report.max)}};
   json["topology"] = report.topology ? topologyAsJson(*report.topology) : Json();
   json["problems"] = Json::array();
@@ -121,6 +124,13 @@ std::string rowsInWords(const ingest::DoctorReport& report, uint64_t read, const
   return std::to_string(read) + (is_part ? " of " + std::to_string(declared->count) : "");
 }
 
+/// Returns an addition to a texture's name: whether the image is missing, or its path if it has another name
+/// than the PLY file says.
+std::string placeInWords(const std::filesystem::path& path, const std::string& name) {
+  if (path.empty()) return " (missing)";
+  return path.filename() == name ? "" : " (is " + path.string() + ")";
+}
+
 std::string describe(const ingest::DoctorReport& report) {
   Sheet sheet;
   const ingest::PlyCounts& counts = report.counts;
@@ -132,7 +142,7 @@ std::string describe(const ingest::DoctorReport& report) {
              rowsInWords(report, counts.faces, "face") + ", " + counted(counts.triangles, "triangle"));
   sheet.line("attributes", joined(attributeNames(report.attributes)));
   for (const auto& texture : report.textures)
-    sheet.line("texture", texture.name + (texture.is_found ? "" : " (missing)"));
+    sheet.line("texture", texture.name + placeInWords(texture.path, texture.name));
   if (report.is_readable) sheet.line("box", describe(report.min) + " to " + describe(report.max));
   if (report.topology) {
     const ingest::Topology& topology = *report.topology;
@@ -190,6 +200,7 @@ void addDoctorCommand(CLI::App& program) {
       ->add_option("--tmp", options.temporary_folder,
                    "folder for temporary files, about 45 bytes per triangle (default: the system's)")
       ->type_name("DIR");
+  addTexturesFolder(*command, options.textures_folder);
   command->add_flag("--json", arguments->json, "print one JSON object");
   command->callback([arguments] { runDoctor(*arguments); });
 }

@@ -23,6 +23,7 @@
 #include "client/app/cli/store_cache.h"
 #include "common/codec/blob.h"
 #include "common/error.h"
+#include "common/io/texture_finder.h"
 
 namespace lode::app {
 namespace {
@@ -119,19 +120,25 @@ class FolderLock {
   std::optional<FileLock> lock_;
 };
 
-/// Contents of the file beside a store: the warnings of the build, and the path and version of each image for
-/// which the build looked.
+/// Contents of the file beside a store: the warnings of the build, and the images that the build looked for.
 struct BuildRecord {
   struct Image {
-    fs::path path;
-    std::string version;
+    std::string name;     ///< name in the PLY file
+    fs::path path;        ///< path of the image; empty if no file was found
+    std::string version;  ///< version of the file at that path
   };
   std::vector<std::string> warnings;
+  fs::path textures_folder;  ///< folder that the build searched first
   std::vector<Image> images;
 
-  bool isCurrent() const {
-    return std::ranges::all_of(images,
-                               [](const Image& image) { return versionOf(image.path) == image.version; });
+  /// Returns true if a build now would find the same images. If an image is missing, the folder must be the
+  /// same too, because the warnings name it.
+  bool isCurrent(const PlyFile& ply) const {
+    TextureFinder finder(ply.path, ply.textures_folder);
+    return std::ranges::all_of(images, [&](const Image& image) {
+      return finder.find(image.name).path == image.path && versionOf(image.path) == image.version &&
+             (!image.path.empty() || ply.textures_folder == textures_folder);
+    });
   }
 };
 
@@ -149,16 +156,24 @@ std::optional<BuildRecord> readRecord(const fs::path& folder) {
   if (!json.is_object()) return std::nullopt;
   BuildRecord record;
   record.warnings = textsIn(json, "warnings");
-  const std::vector<std::string> images = textsIn(json, "images"), versions = textsIn(json, "versions");
-  if (images.size() != versions.size()) return std::nullopt;
-  for (size_t i = 0; i < images.size(); ++i) record.images.push_back({images[i], versions[i]});
+  const std::vector<std::string> names = textsIn(json, "names"), paths = textsIn(json, "images"),
+                                 versions = textsIn(json, "versions");
+  if (names.size() != paths.size() || names.size() != versions.size()) return std::nullopt;
+  for (size_t i = 0; i < names.size(); ++i) record.images.push_back({names[i], paths[i], versions[i]});
+  if (json.contains("textures_folder") && json["textures_folder"].is_string())
+    record.textures_folder = json["textures_folder"].get<std::string>();
   return record;
 }
 
 /// Writes the record. Ignores failures: without a record, the next use builds the store again.
 void writeRecord(const fs::path& folder, const BuildRecord& record) {
-  Json json{{"warnings", record.warnings}, {"images", Json::array()}, {"versions", Json::array()}};
+  Json json{{"warnings", record.warnings},
+            {"textures_folder", record.textures_folder.string()},
+            {"names", Json::array()},
+            {"images", Json::array()},
+            {"versions", Json::array()}};
   for (const BuildRecord::Image& image : record.images) {
+    json["names"].push_back(image.name);
     json["images"].push_back(image.path.string());
     json["versions"].push_back(image.version);
   }
@@ -183,9 +198,11 @@ void tell(const BuildWatch& watch, const Json& line) {
 /// Builds a store in a child process.
 /// @param lock  lock that the child inherits, because the child may outlive this program for a while.
 /// @return the last line of JSON that the build printed. @throws Error if the build fails.
-Json build(const fs::path& source, const fs::path& store, const FolderLock& lock, bool shows_progress,
+Json build(const PlyFile& source, const fs::path& store, const FolderLock& lock, bool shows_progress,
            const std::stop_token& stop, const BuildWatch& watch) {
-  std::vector<std::string> arguments{"build", source.string(), "-o", store.string(), "--json"};
+  std::vector<std::string> arguments{"build", source.path.string(), "-o", store.string(), "--json"};
+  if (!source.textures_folder.empty())
+    arguments.insert(arguments.end(), {"--textures", source.textures_folder.string()});
   if (!shows_progress) arguments.emplace_back(watch ? "--json-progress" : "--quiet");
   ChildProcess builder(siblingServer(), arguments,
                        shows_progress ? ChildProcess::Messages::kPassOn : ChildProcess::Messages::kKeep,
@@ -201,7 +218,7 @@ Json build(const fs::path& source, const fs::path& store, const FolderLock& lock
     }
   }
   if (const int status = builder.wait(); status != 0)
-    throw Error(ErrorCode::kInput, saidBy(builder, "building " + source.string() +
+    throw Error(ErrorCode::kInput, saidBy(builder, "building " + source.path.string() +
                                                        " failed with exit status " + std::to_string(status)));
   return result;
 }
@@ -213,15 +230,17 @@ void warn(const BuildRecord& record) {
 
 }  // namespace
 
-BuiltStore builtStore(const fs::path& ply, bool announce, const std::stop_token& stop,
-                      const BuildWatch& watch, std::optional<uint64_t> max_bytes) {
-  const fs::path source = fs::absolute(ply).lexically_normal();
+BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& stop, const BuildWatch& watch,
+                      std::optional<uint64_t> max_bytes) {
+  PlyFile source{fs::absolute(ply.path).lexically_normal()};
+  if (!ply.textures_folder.empty())
+    source.textures_folder = fs::absolute(ply.textures_folder).lexically_normal();
   const fs::path stores = cacheFolder() / "stores";
-  const fs::path of_source = stores / hashOf(source.string());
-  const fs::path folder = of_source / hashOf(versionOf(source) + " " + versionOf(siblingServer()));
-  const fs::path store = folder / (source.stem().string() + ".lode");
-  const FolderLock lock(of_source, ply, announce, stop);
-  if (const auto record = readRecord(folder); record && record->isCurrent() && fs::exists(store)) {
+  const fs::path of_source = stores / hashOf(source.path.string());
+  const fs::path folder = of_source / hashOf(versionOf(source.path) + " " + versionOf(siblingServer()));
+  const fs::path store = folder / (source.path.stem().string() + ".lode");
+  const FolderLock lock(of_source, ply.path, announce, stop);
+  if (const auto record = readRecord(folder); record && record->isCurrent(source) && fs::exists(store)) {
     warn(*record);
     return {store, useStore(store), record->warnings};
   }
@@ -233,9 +252,11 @@ BuiltStore builtStore(const fs::path& ply, bool announce, const std::stop_token&
     const timespec start = fileTime();
     const Json built = build(source, store, lock, shows_progress, stop, watch);
     record.warnings = textsIn(built, "warnings");
+    record.textures_folder = source.textures_folder;
+    TextureFinder finder(source.path, source.textures_folder);
     for (const std::string& name : textsIn(built, "texture_files")) {
-      const fs::path image = source.parent_path() / name;
-      record.images.push_back({image, versionSince(image, start)});
+      const fs::path image = finder.find(name).path;
+      record.images.push_back({name, image, versionSince(image, start)});
     }
   } catch (...) {
     fs::remove_all(folder, ignored);

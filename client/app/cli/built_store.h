@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/app/cli/store_cache.h"
+#include "client/app/cli/target.h"
 
 namespace lode::app {
 
@@ -33,7 +34,7 @@ struct BuiltStore {
 /// @param watch      if set, receives the progress instead of stderr.
 /// @param max_bytes  limit for all stores in the cache together; storeCacheBytes() by default.
 /// @throws Error.
-BuiltStore builtStore(const std::filesystem::path& ply, bool announce, const std::stop_token& stop,
-                      const BuildWatch& watch, std::optional<uint64_t> max_bytes = {});
+BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& stop, const BuildWatch& watch,
+                      std::optional<uint64_t> max_bytes = {});
 
 }  // namespace lode::app

@@ -55,7 +55,7 @@ ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options
     return {*served, std::move(options), nullptr, {}, {}};
   const auto* ply = std::get_if<PlyFile>(&target);
   const fs::path file = ply ? ply->path : std::get<StoreFile>(target).path;
-  BuiltStore store = ply ? builtStore(file, announce, stop, watch) : BuiltStore{file, {}};
+  BuiltStore store = ply ? builtStore(*ply, announce, stop, watch) : BuiltStore{file, {}};
   auto child = std::make_unique<ChildServer>(store.path, stop);
   options.engine.session.token = child->token();
   stream::ServedModel served = child->served();

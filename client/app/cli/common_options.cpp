@@ -155,6 +155,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {
       .add_option("--cache", options.cache_text,
                   "folder that caches blobs from servers; off: no cache (default: the user's cache)")
       ->type_name("DIR|off");
+  addTexturesFolder(command, options.textures_folder);
   command.add_flag("--offline", options.offline, "show the blobs of the cache, without a server");
 }
 

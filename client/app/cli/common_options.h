@@ -34,6 +34,7 @@ struct CommonOptions {
   std::string token_file;
   std::string ca_file;
   std::string cache_text;  ///< value of --cache: a folder or "off"; if empty, the user's cache
+  std::filesystem::path textures_folder;  ///< value of --textures: folder that is searched first for images
   bool offline = false;
   bool fade = true;  ///< true fades nodes in and out in the window, while frames are fast enough
   float pixels = 1;
@@ -56,7 +57,8 @@ enum class Takes : uint8_t {
   kScenesToo  ///< models and scene files
 };
 
-/// Declares addServerOptions(), --camera, --up, --size, --pixels, --memory-budget, --cache and --offline.
+/// Declares addServerOptions(), --camera, --up, --size, --pixels, --memory-budget, --cache, --textures and
+/// --offline.
 void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes = Takes::kModels);
 
 /// Declares --no-fade for commands that draw.

@@ -9,7 +9,7 @@
 namespace lode::app {
 namespace {
 
-Target parseFile(std::string_view text) {
+Target parseFile(std::string_view text, const std::filesystem::path& textures_folder) {
   const std::filesystem::path path{text};
   if (namesScene(text))
     throw Error(ErrorCode::kUsage,
@@ -25,7 +25,8 @@ Target parseFile(std::string_view text) {
   std::array<char, 3> head{};
   if (!file) throw Error(ErrorCode::kIo, path.string() + ": cannot be opened; check its permissions");
   file.read(head.data(), head.size());
-  if (std::string_view(head.data(), head.size()) == "ply" || path.extension() == ".ply") return PlyFile{path};
+  if (std::string_view(head.data(), head.size()) == "ply" || path.extension() == ".ply")
+    return PlyFile{path, textures_folder};
   return StoreFile{path};
 }
 
@@ -35,8 +36,8 @@ bool namesScene(std::string_view text) {
   return text.find("://") == std::string_view::npos && text.ends_with(".json");
 }
 
-Target parseTarget(std::string_view text) {
-  if (text.find("://") == std::string_view::npos) return parseFile(text);
+Target parseTarget(std::string_view text, const std::filesystem::path& textures_folder) {
+  if (text.find("://") == std::string_view::npos) return parseFile(text, textures_folder);
   return stream::parseServedModel(text);
 }
 

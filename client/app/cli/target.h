@@ -14,14 +14,16 @@ struct StoreFile {
 };
 struct PlyFile {
   std::filesystem::path path;
+  std::filesystem::path textures_folder = {};  ///< folder to search first for its images; empty: none
 };
 using Target = std::variant<stream::ServedModel, StoreFile, PlyFile>;
 
 /// Returns true if a target is a scene file (scene_file.h).
 bool namesScene(std::string_view text);
 
-/// Parses a TARGET. @throws Error kUsage for an invalid target, kIo for a missing file.
-Target parseTarget(std::string_view text);
+/// Parses a TARGET. @param textures_folder  folder to search first for the images of a PLY; empty: none.
+/// @throws Error kUsage for an invalid target, kIo for a missing file.
+Target parseTarget(std::string_view text, const std::filesystem::path& textures_folder = {});
 /// Parses lode://host[:port] or lodes://host[:port]. The result has an empty model name. @throws Error
 /// kUsage.
 stream::ServedModel parseServerUrl(std::string_view text);

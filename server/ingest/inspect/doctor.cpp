@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/error.h"
+#include "common/io/texture_finder.h"
 #include "common/printable.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
@@ -75,15 +76,16 @@ class Doctor {
     // A build ignores the images of a model without texture coordinates.
     const uint64_t image_bytes = planMemory(budget(), 1, 1).image_bytes;
     if (report_.attributes.has(AttributeSet::kTexture))
-      tryTo([&] { images_ = surveyTextures(options_.input, names, image_bytes); });
+      tryTo([&] { images_ = surveyTextures(options_.input, options_.textures_folder, names, image_bytes); });
     for (TextureImage& image : images_)
       if (image.problem.empty()) decodeImage(image, image_bytes);
+    TextureFinder finder(options_.input, options_.textures_folder);
     for (size_t i = 0; i < names.size(); ++i) {
       if (i >= images_.size()) {
-        const TextureFile file = findTexture(options_.input, names[i]);
-        noteTexture(names[i], !file.path.empty(), file.problem, false);
+        const TextureFile file = finder.find(names[i]);
+        noteTexture(names[i], file.path, file.problem, false);
       } else {
-        noteTexture(names[i], !images_[i].path.empty(), images_[i].problem, images_[i].needs_memory);
+        noteTexture(names[i], images_[i].path, images_[i].problem, images_[i].needs_memory);
       }
     }
   }
@@ -101,8 +103,9 @@ class Doctor {
     if (!damage.empty()) addProblem(false, textureInWords(options_.input, image.name) + " " + damage);
   }
 
-  void noteTexture(const std::string& name, bool is_found, const std::string& problem, bool needs_memory) {
-    report_.textures.push_back({name, is_found});
+  void noteTexture(const std::string& name, const std::filesystem::path& path, const std::string& problem,
+                   bool needs_memory) {
+    report_.textures.push_back({name, path});
     if (problem.empty()) return;
     const std::string words = textureInWords(options_.input, name) + " " + problem;
     addProblem(needs_memory, needs_memory ? words : words + "; a build continues without it");

@@ -20,6 +20,8 @@ struct DoctorOptions {
   unsigned threads = 0;       ///< threads of the build to forecast; 0: one per core
   /// Folder for the forecast's trial build; empty: the system's folder.
   std::filesystem::path temporary_folder;
+  /// Folder to search first for images; empty: only the input's folder.
+  std::filesystem::path textures_folder = {};
 };
 
 struct DoctorReport {
@@ -29,7 +31,7 @@ struct DoctorReport {
   };
   struct Texture {
     std::string name;
-    bool is_found = false;
+    std::filesystem::path path;  ///< path of the image; empty if no file was found
   };
   std::optional<PlyHeader> header;  ///< empty if the header is unreadable
   uint64_t file_bytes = 0;

@@ -14,9 +14,9 @@
 #include "common/codec/texture_set.h"
 #include "common/error.h"
 #include "common/io/file_io.h"
+#include "common/io/texture_finder.h"
+#include "common/printable.h"
 #include "server/ingest/ply/ply_header.h"
-#include "server/ingest/ply/ply_input.h"
-#include "server/ingest/textures/texture_images.h"
 
 namespace lode::ingest {
 namespace {
@@ -40,13 +40,14 @@ uint64_t hashContent(int file, uint64_t bytes) {
 
 /// Computes fingerprints of the images that a model names. Returns nothing if the header cannot be read or
 /// names too many images; the scan stage reports such errors.
-std::vector<BuildIdentity::Texture> texturesOf(const std::filesystem::path& ply) {
+std::vector<BuildIdentity::Texture> texturesOf(const BuildOptions& options) {
   std::vector<BuildIdentity::Texture> textures;
   try {
-    const PlyHeader header = readPlyHeader(ply);
+    const PlyHeader header = readPlyHeader(options.input);
     if (header.texture_files.size() > kMaxTextures) return textures;
+    TextureFinder finder(options.input, options.textures_folder);
     for (const std::string& name : header.texture_files) {
-      const TextureFile file = findTexture(ply, name);
+      const TextureFile file = finder.find(name);
       textures.push_back({name, file.problem.empty() ? fingerprint(file.path) : FileFingerprint()});
     }
   } catch (const Error&) {
@@ -118,7 +119,7 @@ FileFingerprint fingerprint(const std::filesystem::path& path) {
 BuildIdentity BuildIdentity::of(const BuildOptions& options) {
   BuildIdentity identity;
   identity.input = fingerprint(options.input);
-  identity.textures = texturesOf(options.input);
+  identity.textures = texturesOf(options);
   identity.program = fingerprint("/proc/self/exe").content;
   std::error_code ignored;
   identity.temporary_folder = std::filesystem::weakly_canonical(options.temporary_folder, ignored).string();
@@ -156,6 +157,9 @@ std::string BuildIdentity::textureDifference(const BuildIdentity& now) const {
   for (size_t i = 0; i < std::min(textures.size(), now.textures.size()); ++i) {
     const FileFingerprint &then = textures[i].image, &today = now.textures[i].image;
     if (then == today) continue;
+    if (!then.path.empty() && !today.path.empty() && then.path != today.path)
+      return "the texture image " + quotedText(textures[i].name, 4096) + " was " +
+             quotedText(then.path, 4096) + " when the build began; use the same, or build without --resume";
     const char* const what = then.path.empty()    ? " did not exist when the build began; remove it"
                              : today.path.empty() ? " no longer exists; restore it"
                                                   : " has changed since the build began; restore the old one";

@@ -25,7 +25,8 @@ namespace {
 /// image out, the store would depend on --memory. @throws Error kLimit.
 std::vector<TextureImage> findImages(BuildSession& session, std::span<const std::string> names) {
   const BuildOptions& options = session.options();
-  std::vector<TextureImage> images = surveyTextures(options.input, names, session.plan().image_bytes);
+  std::vector<TextureImage> images =
+      surveyTextures(options.input, options.textures_folder, names, session.plan().image_bytes);
   for (const TextureImage& image : images)
     if (image.needs_memory)
       session.refuseForMemory(textureInWords(options.input, image.name) + " " + image.problem);

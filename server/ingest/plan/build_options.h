@@ -69,6 +69,9 @@ void forEachResultOption(Visit&& visit) {
 
 struct BuildOptions : ResultOptions {
   std::filesystem::path input, output;
+  /// Folder to search first for the images that the input names; empty: only the input's folder. The images
+  /// belong to the identity of a build, the folder does not.
+  std::filesystem::path textures_folder;
   std::filesystem::path temporary_folder;  ///< parent of the temporary files; empty: the output's folder
   uint64_t memory_bytes = 0;               ///< memory budget; 0: defaultMemoryBytes()
   unsigned threads = 0;                    ///< number of threads; 0: one per core

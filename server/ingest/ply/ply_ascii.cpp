@@ -8,6 +8,7 @@
 #include <fast_float/fast_float.h>
 
 #include "common/error.h"
+#include "common/printable.h"
 #include "server/ingest/ply/ply_body.h"
 
 namespace lode::ingest {

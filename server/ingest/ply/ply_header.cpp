@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/printable.h"
 #include "server/ingest/ply/ply_input.h"
 
 namespace lode::ingest {

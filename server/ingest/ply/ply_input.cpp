@@ -12,22 +12,9 @@
 
 #include "common/error.h"
 #include "common/io/file_io.h"
+#include "common/printable.h"
 
 namespace lode::ingest {
-
-std::string quotedText(std::string_view text, size_t max_bytes) {
-  static constexpr char kHex[] = "0123456789abcdef";
-  std::string result = "'";
-  for (const char c : text.substr(0, max_bytes)) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7f) {
-      result += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
-    } else {
-      result += c;
-    }
-  }
-  return result + (text.size() > max_bytes ? "...'" : "'");
-}
 
 PlyInput::PlyInput(const std::filesystem::path& path) : name_(quotedText(path.string(), 4096)) {
   file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);

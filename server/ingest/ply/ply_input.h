@@ -5,12 +5,8 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <string_view>
 
 namespace lode::ingest {
-
-/// Quotes at most max_bytes of a text for a message. Escapes unprintable bytes as \xNN.
-std::string quotedText(std::string_view text, size_t max_bytes = 48);
 
 /// Reads a file through a sliding buffer. Not thread safe.
 class PlyInput {

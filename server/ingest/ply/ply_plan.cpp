@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "server/ingest/ply/ply_input.h"
+#include "common/printable.h"
 
 namespace lode::ingest {
 namespace {

@@ -15,18 +15,6 @@ namespace lode::ingest {
 constexpr const char* kNoTextureFile =
     "has texture coordinates, but its header names no image; add a line: comment TextureFile NAME";
 
-/// The file that a `comment TextureFile` names.
-struct TextureFile {
-  std::filesystem::path path;
-  /// Reason why the image cannot be read, with the remedy; empty if the image can be read.
-  std::string problem;
-};
-
-/// Finds an image in the PLY file's folder or below. If the image is not there and the PLY file is a link,
-/// searches the folder of the link's target. Follows links of images, but not out of these folders. Thread
-/// safe.
-TextureFile findTexture(const std::filesystem::path& ply, const std::string& name);
-
 /// An image that a model names, and its header.
 struct TextureImage {
   std::string name;            ///< name as written in the PLY file
@@ -41,11 +29,13 @@ struct TextureImage {
   uint64_t memoryBytes() const noexcept { return file_bytes + header.working_bytes; }
 };
 
-/// Finds the images and reads their headers. Only one file is in memory at a time.
+/// Finds the images with a TextureFinder and reads their headers. Only one file is in memory at a time.
+/// @param textures_folder  folder of --textures; empty: none.
 /// @param memory_bytes  limit per image (MemoryPlan::image_bytes); an image that needs more has a problem.
 /// @throws Error kInput if the number of images or of their tiles exceeds a store's limit. Thread safe.
-std::vector<TextureImage> surveyTextures(const std::filesystem::path& ply, std::span<const std::string> names,
-                                         uint64_t memory_bytes);
+std::vector<TextureImage> surveyTextures(const std::filesystem::path& ply,
+                                         const std::filesystem::path& textures_folder,
+                                         std::span<const std::string> names, uint64_t memory_bytes);
 
 /// Reads the bytes of an image file. @throws Error kInput if the file cannot be read, kLimit if the file is
 /// larger than `memory_bytes`. The message begins with the problem. Thread safe.

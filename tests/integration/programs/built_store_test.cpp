@@ -166,6 +166,53 @@ TEST_F(BuiltStore, isBuiltAnewWhenAnImageComesOrChangesAndWarnsEachTimeWhileOneI
   EXPECT_EQ(seen.size(), 2u);
 }
 
+/// A PLY of a square whose image has a path of another machine.
+void writeSquareOfAnotherMachine(const fs::path& ply) {
+  writeBytes(ply,
+             "ply\nformat ascii 1.0\ncomment TextureFile C:\\scan\\maps\\red.png\nelement vertex 4\n"
+             "property float x\nproperty float y\nproperty float z\nproperty float s\nproperty float t\n"
+             "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+             "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n4 0 1 2 3\n");
+}
+
+TEST_F(BuiltStore, isBuiltAnewWhenAnImageIsFoundElsewhereAndOnlyThen) {
+  const fs::path ply = folder_ / "a.ply", other = folder_ / "other";
+  writeSquareOfAnotherMachine(ply);
+  fs::create_directories(folder_ / "below");
+  fs::create_directories(other);
+  writeImage(folder_ / "below" / "RED.png", kRed);
+  const auto built = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = fetchOf(ply);
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = lodestream(arguments, environment_);
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_EQ(Json::parse(outcome.out).value("tiles", -1), 1);
+    return fs::last_write_time(stores().at(0));
+  };
+  const fs::file_time_type first = built({});
+  EXPECT_EQ(built({}), first);
+  EXPECT_EQ(built({"--textures", other}), first) << "the same image";
+  writeImage(other / "red.png", kGreen);
+  const fs::file_time_type second = built({"--textures", other});
+  EXPECT_NE(second, first);
+  EXPECT_EQ(built({"--textures", other}), second);
+  writeImage(folder_ / "red.png", kGreen);
+  EXPECT_NE(built({}), second);
+}
+
+TEST_F(BuiltStore, ofAFileWhoseImageIsMissingWarnsOfTheFolderThatWasNamedLast) {
+  const fs::path ply = folder_ / "a.ply";
+  writeSquareOfAnotherMachine(ply);
+  EXPECT_NE(fetch(ply).err.find("--textures"), std::string::npos);
+  for (const char* name : {"one", "two"}) {
+    fs::create_directories(folder_ / name);
+    std::vector<std::string> arguments = fetchOf(ply);
+    arguments.insert(arguments.end(), {"--textures", folder_ / name});
+    const Outcome outcome = lodestream(arguments, environment_);
+    EXPECT_NE(outcome.err.find((folder_ / name).string()), std::string::npos) << outcome.err;
+  }
+}
+
 TEST_F(BuiltStore, isBuiltAnewAfterAnImageThatCameWhileItWasBuilt) {
   const fs::path ply = folder_ / "a.ply";
   ASSERT_EQ(

@@ -38,21 +38,21 @@ class StoresOfTargets : public testing::Test {
                             "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
                             "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   }
-  void buildTheSecond() const { app::builtStore(second_, false, {}, {}, 1); }
+  void buildTheSecond() const { app::builtStore({second_}, false, {}, {}, 1); }
 
   const WorkFolder folder_;
   const std::filesystem::path first_ = folder_ / "first.ply", second_ = folder_ / "second.ply";
 };
 
 TEST_F(StoresOfTargets, goWhereTheyAreNotUsedAndAnotherIsBuilt) {
-  const std::filesystem::path first = app::builtStore(first_, false, {}, {}).path;
+  const std::filesystem::path first = app::builtStore({first_}, false, {}, {}).path;
   buildTheSecond();
   EXPECT_FALSE(std::filesystem::exists(first));
 }
 
 TEST_F(StoresOfTargets, stayAsLongAsTheTargetIsOpen) {
   const app::ResolvedTarget open = app::resolveTarget(app::PlyFile{first_}, {}, false);
-  const std::filesystem::path first = app::builtStore(first_, false, {}, {}).path;
+  const std::filesystem::path first = app::builtStore({first_}, false, {}, {}).path;
   buildTheSecond();
   EXPECT_TRUE(std::filesystem::exists(first));
 }

@@ -4,12 +4,14 @@
 
 namespace lode::app {
 
-InstancedModel::InstancedModel(size_t model_number, const std::string& target, stream::StreamOptions options,
+InstancedModel::InstancedModel(size_t model_number, const std::string& target,
+                               const std::filesystem::path& textures_folder, stream::StreamOptions options,
                                core::Framing framing, std::chrono::milliseconds timeout,
                                const render::MemoryShares& memory)
     : number(model_number),
       renderer(1, memory.gpu),
-      opener(target, render::withShare(std::move(options), memory), std::move(framing), timeout) {}
+      opener(target, textures_folder, render::withShare(std::move(options), memory), std::move(framing),
+             timeout) {}
 
 bool InstancedModel::poll() {
   if (isOpen()) return false;

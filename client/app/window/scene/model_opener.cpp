@@ -85,9 +85,11 @@ void ModelOpener::run() {
   }
 }
 
-RetryingOpener::RetryingOpener(std::string target, stream::StreamOptions options, core::Framing framing,
+RetryingOpener::RetryingOpener(std::string target, std::filesystem::path textures_folder,
+                               stream::StreamOptions options, core::Framing framing,
                                std::chrono::milliseconds timeout)
     : target_(std::move(target)),
+      textures_folder_(std::move(textures_folder)),
       options_(std::move(options)),
       framing_(std::move(framing)),
       timeout_(timeout) {
@@ -97,7 +99,7 @@ RetryingOpener::RetryingOpener(std::string target, stream::StreamOptions options
 void RetryingOpener::begin() {
   next_attempt_.reset();
   try {
-    Target target = parseTarget(target_);
+    Target target = parseTarget(target_, textures_folder_);
     target_is_server_ = std::holds_alternative<stream::ServedModel>(target);
     opener_.emplace(std::move(target), options_, framing_, timeout_);
   } catch (const Error& error) {

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <filesystem>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -61,9 +62,9 @@ class ModelOpener {
 /// seconds. Not thread safe.
 class RetryingOpener {
  public:
-  /// @param target  text for parseTarget(). An invalid text counts as a failed attempt.
-  RetryingOpener(std::string target, stream::StreamOptions options, core::Framing framing,
-                 std::chrono::milliseconds timeout);
+  /// @param target, textures_folder  arguments of parseTarget(). An invalid text counts as a failed attempt.
+  RetryingOpener(std::string target, std::filesystem::path textures_folder, stream::StreamOptions options,
+                 core::Framing framing, std::chrono::milliseconds timeout);
 
   /// Returns the current progress without waiting. The error of a failed attempt stays set until the model is
   /// open.
@@ -79,6 +80,7 @@ class RetryingOpener {
   void fail(const Error& error);
 
   const std::string target_;
+  const std::filesystem::path textures_folder_;
   const stream::StreamOptions options_;
   const core::Framing framing_;
   const std::chrono::milliseconds timeout_;

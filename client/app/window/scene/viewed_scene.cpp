@@ -58,9 +58,9 @@ ViewedScene::~ViewedScene() = default;
 void ViewedScene::openNext() {
   const size_t number = models_.size();
   const render::MemoryShares memory = render::shareMemory(memory_.parts()[number]);
-  models_.push_back(std::make_unique<InstancedModel>(number, scene_.models[number].target,
-                                                     streamOptionsOf(options_, scene_), framing_,
-                                                     options_.timeout(), memory));
+  models_.push_back(std::make_unique<InstancedModel>(
+      number, scene_.models[number].target, options_.textures_folder, streamOptionsOf(options_, scene_),
+      framing_, options_.timeout(), memory));
   models_.back()->poll();
   gpu_budget_bytes_ += memory.gpu.budget_bytes;
 }

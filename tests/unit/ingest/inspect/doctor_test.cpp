@@ -213,10 +213,19 @@ TEST(Doctor, looksForTexturesBesideTheFile) {
       folder.write(header("3", "1", "comment TextureFile here.png\ncomment TextureFile gone.png\n") +
                    "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
   ASSERT_EQ(report.textures.size(), 2u);
-  EXPECT_TRUE(report.textures[0].is_found);
-  EXPECT_FALSE(report.textures[1].is_found);
+  EXPECT_FALSE(report.textures[0].path.empty());
+  EXPECT_TRUE(report.textures[1].path.empty());
   EXPECT_TRUE(mentions(report, false, "gone.png"));
   EXPECT_TRUE(report.is_buildable);
+}
+
+TEST(Doctor, saysWhichImageAPathOfAnotherMachineMeans) {
+  const PlyFolder folder;
+  folder.write("not looked into", "here.png");
+  const DoctorReport report = examineFile(folder.write(
+      header("3", "1", "comment TextureFile C:\\scan\\HERE.png") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+  ASSERT_EQ(report.textures.size(), 1u);
+  EXPECT_EQ(report.textures[0].path.filename(), "here.png");
 }
 
 TEST(Doctor, saysWhatABuildWillDoWithTextureImages) {

@@ -96,6 +96,29 @@ TEST_F(BuildIdentityOf, differsAfterAChangeOfATextureImageAndNamesIt) {
   EXPECT_NE(before.difference(now()).find("'maps/b c.png' has changed"), std::string::npos) << "time";
 }
 
+TEST_F(BuildIdentityOf, differsIfAnImageIsFoundElsewhereButNotWithTheFolderAlone) {
+  std::ofstream(options.input, std::ios::binary)
+      << "ply\nformat ascii 1.0\ncomment TextureFile C:\\scan\\a.png\n"
+         "element vertex 0\nproperty float x\nend_header\n";
+  for (const char* name : {"here", "there"}) std::filesystem::create_directory(folder / name);
+  std::ofstream(folder / "here" / "a.png") << "one";
+  const auto in = [](const std::filesystem::path& textures) {
+    return [=](BuildOptions& changed) { changed.textures_folder = textures; };
+  };
+  EXPECT_EQ(differenceAfter(in(folder / "here")), "") << "the same image";
+  std::ofstream(folder / "there" / "a.png") << "one";
+  BuildOptions before = options;
+  before.textures_folder = folder / "here";
+  EXPECT_NE(BuildIdentity::of(before)
+                .difference([&] {
+                  BuildOptions after = options;
+                  after.textures_folder = folder / "there";
+                  return BuildIdentity::of(after);
+                }())
+                .find((folder / "here" / "a.png").string()),
+            std::string::npos);
+}
+
 TEST_F(BuildIdentityOf, differsWithEachResultOptionAndNamesIt) {
   forEachResultOption([&](const auto& option) {
     const std::string difference = differenceAfter([&](BuildOptions& changed) {

@@ -22,77 +22,14 @@ class TextureImages : public testing::Test {
  protected:
   void SetUp() override { std::filesystem::create_directory(models_); }
 
-  std::string problemOf(const std::string& name) const {
-    return findTexture(models_ / "a.ply", name).problem;
-  }
-
   std::vector<TextureImage> surveyed(const std::vector<std::string>& names,
                                      uint64_t memory_bytes = kAmple) const {
-    return surveyTextures(models_ / "a.ply", names, memory_bytes);
+    return surveyTextures(models_ / "a.ply", {}, names, memory_bytes);
   }
 
   test::WorkFolder folder_;
   std::filesystem::path models_ = folder_ / "models";
 };
-
-TEST_F(TextureImages, areFoundBesideTheFileAndBelow) {
-  std::filesystem::create_directories(models_ / "maps");
-  writeBytes(models_ / "two words.png", pngOf(makePhoto(2, 2)));
-  writeBytes(models_ / "maps" / "b.png", pngOf(makePhoto(2, 2)));
-  std::filesystem::create_symlink("maps/b.png", models_ / "inner.png");
-  for (const char* name : {"two words.png", "maps/b.png", "inner.png"})
-    EXPECT_EQ(problemOf(name), "") << name;
-}
-
-TEST_F(TextureImages, outsideTheFolderAreNotRead) {
-  writeBytes(folder_ / "outside.png", pngOf(makePhoto(2, 2)));
-  std::filesystem::create_symlink(folder_ / "outside.png", models_ / "link.png");
-  std::filesystem::create_directories(models_ / "maps");
-  for (const std::string& name : {(folder_ / "outside.png").string(), std::string("../outside.png"),
-                                  std::string("maps/../../outside.png"), std::string("link.png")})
-    EXPECT_NE(problemOf(name).find("PLY file's folder"), std::string::npos) << name;
-}
-
-TEST_F(TextureImages, areFoundBesideALinkToTheFileFirstThenBesideTheFile) {
-  std::filesystem::create_directory(folder_ / "links");
-  writeBytes(models_ / "a.ply", pngOf(makePhoto(2, 2)));
-  writeBytes(models_ / "a.png", pngOf(makePhoto(2, 2)));
-  std::filesystem::create_symlink("../models/a.ply", folder_ / "links" / "b.ply");
-  const auto found = [&](const std::string& name) { return findTexture(folder_ / "links" / "b.ply", name); };
-  EXPECT_EQ(found("a.png").problem, "");
-  EXPECT_EQ(found("a.png").path, std::filesystem::canonical(models_ / "a.png"));
-  writeBytes(folder_ / "links" / "a.png", pngOf(makePhoto(2, 2)));
-  EXPECT_EQ(found("a.png").path, std::filesystem::canonical(folder_ / "links" / "a.png"));
-  const std::string problem = found("gone.png").problem;
-  for (const auto& searched : {models_, folder_ / "links"})
-    EXPECT_NE(problem.find(std::filesystem::canonical(searched).string() + "'"), std::string::npos)
-        << problem;
-  EXPECT_NE(found("../models/a.png").problem, "") << "a path out of the folder is none all the same";
-}
-
-TEST_F(TextureImages, thatAreNotThereNameTheFolderThatWasSearched) {
-  EXPECT_NE(problemOf("gone.png").find("'" + std::filesystem::canonical(models_).string() + "'"),
-            std::string::npos)
-      << problemOf("gone.png");
-}
-
-TEST_F(TextureImages, namedWithTheirWholePathAreFoundInTheFilesFolder) {
-  writeBytes(models_ / "a.png", pngOf(makePhoto(2, 2)));
-  EXPECT_EQ(problemOf((models_ / "a.png").string()), "");
-}
-
-TEST_F(TextureImages, ofAnotherSystemsPathAreToBeNamedWithoutOne) {
-  for (const char* name : {"C:\\scans\\x.png", "maps\\x.png"})
-    EXPECT_NE(problemOf(name).find("name it without a path"), std::string::npos) << problemOf(name);
-}
-
-TEST_F(TextureImages, thatAreNoFilesAreNotRead) {
-  std::filesystem::create_directories(models_ / "folder.png");
-  EXPECT_NE(problemOf("folder.png"), "");
-  EXPECT_NE(problemOf("missing.png"), "");
-  EXPECT_NE(problemOf(std::string("nul\0.png", 8)), "");
-  EXPECT_NE(problemOf(std::string(5000, 'x')), "");
-}
 
 TEST_F(TextureImages, haveTheSizesOfTheirHeadersOrAProblem) {
   writeBytes(models_ / "a.png", pngHeader(30000, 20000));

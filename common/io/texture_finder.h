@@ -1,0 +1,53 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/io/folder_index.h"
+
+namespace lode {
+
+/// Image of a `comment TextureFile`.
+struct TextureFile {
+  std::filesystem::path path;  ///< canonical path of a regular file; empty if there is a problem
+  std::string problem;         ///< reason why the image cannot be read, and remedy; else empty
+};
+
+/// Finds the images that a PLY file names. Searches the folder of --textures, the PLY file's folder and, if
+/// the PLY file is a link, the folder of the link's target. Never returns a file outside these folders, and
+/// follows no link out of them. In this order it takes
+/// 1. the file at the path in the PLY file,
+/// 2. the file at the longest end of that path that exists, with slashes or backslashes: for
+///    `C:\scan\maps\a.png` first maps/a.png, then a.png,
+/// 3. the only file with the path's last component as its name in a subfolder (see FolderIndex), or else the
+///    only such file whose name differs in the case of letters.
+/// Lists a folder at most once, at the first image that needs it. Not thread safe.
+class TextureFinder {
+ public:
+  /// @param folder  folder of --textures; empty: none.
+  explicit TextureFinder(const std::filesystem::path& ply, const std::filesystem::path& folder = {});
+  ~TextureFinder();
+  TextureFinder(TextureFinder&&) = delete;
+  TextureFinder& operator=(TextureFinder&&) = delete;
+
+  /// @param name  text of the comment.
+  TextureFile find(const std::string& name);
+
+ private:
+  struct Folder {
+    std::filesystem::path path;
+    std::unique_ptr<FolderIndex> index = {};
+  };
+
+  void addFolder(const std::filesystem::path& folder);
+  const FolderIndex& indexOf(Folder& folder);
+  TextureFile search(const std::string& last_component);
+  std::string notFound(const std::string& last_component);
+
+  std::vector<Folder> folders_;
+  const bool has_texture_folder_;
+};
+
+}  // namespace lode
