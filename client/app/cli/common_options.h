@@ -33,7 +33,7 @@ struct CommonOptions {
                         ///< empty, the axis is guessed
   std::string token_file;
   std::string ca_file;
-  std::string cache_text;  ///< value of --cache: a folder or "off"; if empty, the user's cache
+  std::string cache_text;                 ///< value of --cache: a folder or "off"; if empty, the user's cache
   std::filesystem::path textures_folder;  ///< value of --textures: folder that is searched first for images
   bool offline = false;
   bool fade = true;  ///< true fades nodes in and out in the window, while frames are fast enough

@@ -90,18 +90,20 @@ Trial runTrial(const ForecastInput& input) {
 /// runs; leaves and their input, which stays until the leaves are logged; leaves and payloads.
 uint64_t temporaryBytes(const ForecastInput& input, uint64_t sort_bytes, uint64_t payload_bytes) {
   const uint64_t vertex_bytes =
-      packedVertexBytes(vertexAttributes(input.attributes, input.corner_texture), input.double_positions);
+      packedVertexBytes(vertexAttributes(input.attributes, input.face_attributes), input.double_positions);
   const bool only_triangles = input.faces == input.triangles;
   const uint64_t packed =
       input.vertices * vertex_bytes +
       (input.triangles + 2 * input.faces) *
-          (sizeof(uint32_t) + (input.corner_texture ? sizeof(glm::vec2) : 0)) +
+          (sizeof(uint32_t) + (input.face_attributes.has(AttributeSet::kTexture) ? sizeof(glm::vec2) : 0)) +
       (input.attributes.has(AttributeSet::kMaterial) ? input.faces * sizeof(uint16_t) : 0) +
+      (input.face_attributes.has(AttributeSet::kColour) ? input.faces * sizeof(glm::u8vec4) : 0) +
       (only_triangles ? 0 : input.faces * sizeof(uint32_t));
   const uint64_t runs = input.triangles * (soupBytes(input.attributes) + sizeof(uint64_t));
   const uint64_t wedge_bytes = input.attributes.bits == 0 ? 0 : sizeof(uint32_t) + sizeof(VertexAttributes);
+  const bool may_have_many_wedges = input.face_attributes.has(AttributeSet::kTexture | AttributeSet::kColour);
   const uint64_t leaves = input.triangles * sizeof(glm::u32vec3) + input.vertices * sizeof(PositionCode) +
-                          (input.corner_texture ? 3 * input.triangles : input.vertices) * wedge_bytes;
+                          (may_have_many_wedges ? 3 * input.triangles : input.vertices) * wedge_bytes;
   const bool sorts_on_disk = runs + input.triangles * sizeof(uint64_t) > sort_bytes;
   return std::max({packed + (sorts_on_disk ? runs : 0), leaves + (sorts_on_disk ? runs : packed),
                    leaves + payload_bytes});

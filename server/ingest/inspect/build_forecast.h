@@ -15,7 +15,7 @@ struct ForecastInput {
   uint64_t vertices = 0, faces = 0, triangles = 0;
   AttributeSet attributes;        ///< attributes that the file has
   bool double_positions = false;  ///< true if floats are not precise enough for the positions
-  bool corner_texture = false;    ///< true if texture coordinates belong to the corners of faces
+  AttributeSet face_attributes;   ///< attributes that faces or corners have instead of vertices
   double scan_cpu_seconds = 0;    ///< CPU time of reading the file
   /// Images that a build would use; empty if the model has no texture coordinates.
   std::vector<TextureImage> images;

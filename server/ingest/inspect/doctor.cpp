@@ -128,7 +128,8 @@ class Doctor {
       add(*topology_);
       beside += cpuSeconds() - before;
     };
-    corner_texture_ = reader.hasCornerTexture();
+    face_attributes_ = reader.faceAttributes();
+    ignores_face_colours_ = reader.ignoresFaceColours();
     report_.skipped_properties = reader.skippedProperties();
     report_.min = glm::dvec3(std::numeric_limits<double>::max());
     report_.max = -report_.min;
@@ -170,13 +171,14 @@ class Doctor {
       fail(std::to_string(counts.vertices) + " vertices; at most 4294967295 can be indexed: split the model");
     if (counts.triangles == 0) fail("no usable face; export the model again, with its faces");
     if (!report_.skipped_properties.empty())
-      addProblem(false,
-                 name_ + ": " + skippedInWords(report_.skipped_properties) + "; a build leaves them out");
+      addProblem(false, name_ + ": " + skippedInWords(report_.skipped_properties, ignores_face_colours_) +
+                            "; a build leaves them out");
     if (counts.unknown_textures > 0)
       addProblem(false,
                  name_ + ": " + unknownTexturesInWords(counts.unknown_textures, report_.textures.size()));
     if (counts.lengthless_normals > 0) addProblem(false, name_ + ": " + lengthlessInWords(counts));
-    if (counts.clamped_colours > 0) addProblem(false, name_ + ": " + clampedInWords(counts.clamped_colours));
+    if (counts.clamped_colours > 0)
+      addProblem(false, name_ + ": " + clampedInWords(counts.clamped_colours, face_attributes_));
     if (counts.extra_tokens > 0)
       addProblem(false, name_ + ": " + std::to_string(counts.extra_tokens) +
                             " extra values at the ends of lines; a build ignores them");
@@ -230,7 +232,7 @@ class Doctor {
     input.triangles = report_.counts.triangles;
     input.attributes = takenAttributes(report_.attributes, report_.counts);
     input.double_positions = hasDoublePositions(*report_.header);
-    input.corner_texture = corner_texture_;
+    input.face_attributes = face_attributes_;
     input.scan_cpu_seconds = read_cpu_seconds_;
     input.images = images_;
     input.memory_bytes = budget();
@@ -253,7 +255,8 @@ class Doctor {
   Defects bad_, dropped_;
   std::vector<TextureImage> images_;
   double read_cpu_seconds_ = 0;
-  bool corner_texture_ = false;
+  AttributeSet face_attributes_;
+  bool ignores_face_colours_ = false;
   DoctorReport report_;
 };
 

@@ -33,7 +33,7 @@ class TrialWriter {
   }
 
  private:
-  bool ofCorners() const { return reader_.hasCornerTexture(); }
+  bool ofCorners() const { return reader_.faceAttributes().has(AttributeSet::kTexture); }
 
   void takeFaces(const PlyFaces& batch) {
     size_t corner = 0;
@@ -48,7 +48,22 @@ class TrialWriter {
         faces_.texture.insert(faces_.texture.end(), batch.texture.begin() + static_cast<ptrdiff_t>(begin),
                               batch.texture.begin() + static_cast<ptrdiff_t>(corner));
       if (!batch.materials.empty()) faces_.materials.push_back(batch.materials[i]);
+      if (!batch.colours.empty()) faces_.colours.push_back(batch.colours[i]);
     }
+  }
+
+  bool ofFaces() const { return reader_.faceAttributes().has(AttributeSet::kColour); }
+
+  std::string colourProperties() const {
+    std::string text;
+    if (attributes_.has(AttributeSet::kColour))
+      text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    if (attributes_.has(AttributeSet::kAlpha)) text += "property uchar alpha\n";
+    return text;
+  }
+  void putColour(glm::u8vec4 colour) {
+    if (attributes_.has(AttributeSet::kColour)) put(glm::u8vec3(colour));
+    if (attributes_.has(AttributeSet::kAlpha)) put(colour.a);
   }
 
   std::string header() const {
@@ -57,15 +72,14 @@ class TrialWriter {
                        "\nproperty double x\nproperty double y\nproperty double z\n";
     if (attributes_.has(AttributeSet::kNormal))
       text += "property float nx\nproperty float ny\nproperty float nz\n";
-    if (attributes_.has(AttributeSet::kColour))
-      text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-    if (attributes_.has(AttributeSet::kAlpha)) text += "property uchar alpha\n";
+    if (!ofFaces()) text += colourProperties();
     if (attributes_.has(AttributeSet::kTexture) && !ofCorners())
       text += "property float s\nproperty float t\n";
     text += "element face " + std::to_string(faces_.corner_counts.size()) +
             "\nproperty list uint uint vertex_indices\n";
     if (ofCorners()) text += "property list uint float texcoord\n";
     if (attributes_.has(AttributeSet::kMaterial)) text += "property int texnumber\n";
+    if (ofFaces()) text += colourProperties();
     return text + "end_header\n";
   }
 
@@ -81,8 +95,7 @@ class TrialWriter {
       const PlyVertex& vertex = rows[*next - first];
       put(vertex.position);
       if (attributes_.has(AttributeSet::kNormal)) put(vertex.normal);
-      if (attributes_.has(AttributeSet::kColour)) put(glm::u8vec3(vertex.colour));
-      if (attributes_.has(AttributeSet::kAlpha)) put(vertex.colour.a);
+      if (!ofFaces()) putColour(vertex.colour);
       if (attributes_.has(AttributeSet::kTexture) && !ofCorners()) put(vertex.texture);
     }
   }
@@ -101,6 +114,7 @@ class TrialWriter {
         for (size_t c = corner; c < corner + corners; ++c) put(faces_.texture[c]);
       }
       if (attributes_.has(AttributeSet::kMaterial)) put(int32_t{faces_.materials[i]});
+      if (ofFaces()) putColour(faces_.colours[i]);
       corner += corners;
     }
   }

@@ -224,16 +224,14 @@ class AsciiBody final : public PlyBody {
   }
 
   void readFaceRow(const FacePlan& plan, PlyFaceBatch& batch) {
-    corners_.clear();
-    texture_.clear();
-    int64_t texnumber = 0;
+    beginFace();
     for (size_t i = 0; i < plan.roles.size(); ++i) {
       const PlyProperty& property = element_->properties[i];
       const FaceRole role = plan.roles[i];
       if (role == FaceRole::kSkipped) {
         skipProperty(property);
-      } else if (role == FaceRole::kMaterial) {
-        texnumber = static_cast<int64_t>(takeValue(property.name, property.type));
+      } else if (!property.is_list) {
+        takeFaceValue(role, property.type, takeValue(property.name, property.type));
       } else {
         const uint64_t count = takeListCount(property);
         checkListLength(property, role, count);
@@ -247,7 +245,7 @@ class AsciiBody final : public PlyBody {
         }
       }
     }
-    addFace(texnumber, batch);
+    addFace(batch);
   }
 
   void readStripRow(const FacePlan& plan, PlyFaceBatch& batch) {

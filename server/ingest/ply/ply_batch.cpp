@@ -66,6 +66,7 @@ PlyFaceBatch::PlyFaceBatch(const PlyPlan& plan, const PlyReader::FaceSink& sink,
     : vertex_count_(plan.vertices.element->count),
       corner_texture_(plan.corner_texture),
       materials_(plan.materials),
+      colours_(plan.face_colours.bits != 0),
       textures_(plan.attributes().has(AttributeSet::kTexture) ? plan.textures : 0),
       sink_(sink),
       counts_(counts),
@@ -92,8 +93,7 @@ FaceVerdict PlyFaceBatch::judge(std::span<const int64_t> corners) {
   return FaceVerdict::kAccepted;
 }
 
-FaceVerdict PlyFaceBatch::add(std::span<const int64_t> corners, std::span<const float> texture,
-                              int64_t texnumber) {
+FaceVerdict PlyFaceBatch::add(std::span<const int64_t> corners, const FaceAttributes& attributes) {
   const FaceVerdict verdict = judge(corners);
   if (verdict != FaceVerdict::kAccepted) {
     ++(verdict == FaceVerdict::kDropped ? counts_.dropped_faces : counts_.skipped_bad);
@@ -104,12 +104,14 @@ FaceVerdict PlyFaceBatch::add(std::span<const int64_t> corners, std::span<const 
   faces_.corner_counts.push_back(static_cast<uint32_t>(corners.size()));
   for (const int64_t corner : corners) faces_.corners.push_back(static_cast<uint64_t>(corner));
   if (corner_texture_) {
+    const std::span<const float> texture = attributes.texture;
     for (size_t i = 0; i < corners.size(); ++i) {
       faces_.texture.push_back(texture.empty() ? glm::vec2(0)
                                                : glm::vec2(texture[2 * i], texture[2 * i + 1]));
     }
   }
-  if (materials_) faces_.materials.push_back(takeMaterial(texnumber));
+  if (materials_) faces_.materials.push_back(takeMaterial(attributes.texnumber));
+  if (colours_) faces_.colours.push_back(attributes.colour);
   if (faces_.corner_counts.size() >= kPlyBatchRows || faces_.corners.size() >= 8 * kPlyBatchRows) flush();
   return verdict;
 }

@@ -63,6 +63,13 @@ class PlyVertexBatch {
 /// Outcome of PlyFaceBatch::add().
 enum class FaceVerdict { kAccepted, kDropped, kSkippedVertex, kBadIndex };
 
+/// Attributes of a face.
+struct FaceAttributes {
+  std::span<const float> texture = {};  ///< texture coordinates: two numbers per corner, or empty
+  int64_t texnumber = 0;
+  glm::u8vec4 colour{255};
+};
+
 /// Collects faces, drops degenerate ones, and passes the others to a sink in batches.
 class PlyFaceBatch {
  public:
@@ -72,9 +79,8 @@ class PlyFaceBatch {
   bool isVertex(int64_t index) const noexcept { return static_cast<uint64_t>(index) < vertex_count_; }
 
   /// Adds a face, or counts the face as dropped or skipped.
-  /// @param texture  texture coordinates: two numbers per corner, or empty.
-  FaceVerdict add(std::span<const int64_t> corners, std::span<const float> texture, int64_t texnumber);
-  void addTriangle(const std::array<int64_t, 3>& corners) { add(corners, {}, 0); }
+  FaceVerdict add(std::span<const int64_t> corners, const FaceAttributes& attributes);
+  void addTriangle(const std::array<int64_t, 3>& corners) { add(corners, {}); }
   /// Counts a row of the face element, or a strip.
   void countFace() noexcept { ++counts_.faces; }
   /// Counts a face that the caller skips.
@@ -82,6 +88,9 @@ class PlyFaceBatch {
     ++counts_.skipped_bad;
     countDropped(corners);
   }
+  /// Counts a face whose colour is clamped, or set to zero because it is NaN or infinite.
+  void countClamped() noexcept { ++counts_.clamped_colours; }
+  void countReplaced() noexcept { ++counts_.replaced_attributes; }
   void flush();
 
  private:
@@ -92,6 +101,7 @@ class PlyFaceBatch {
   uint64_t vertex_count_;
   bool corner_texture_;
   bool materials_;
+  bool colours_;
   uint64_t textures_;  ///< number of textures in the header; 0 without texture coordinates
   const PlyReader::FaceSink& sink_;
   PlyCounts& counts_;

@@ -227,15 +227,14 @@ class BinaryBody final : public PlyBody {
   }
 
   void readFaceRow(const FacePlan& plan, PlyFaceBatch& batch) {
-    texture_.clear();
-    int64_t texnumber = 0;
+    beginFace();
     for (size_t i = 0; i < plan.roles.size(); ++i) {
       const PlyProperty& property = element_->properties[i];
       const FaceRole role = plan.roles[i];
       if (role == FaceRole::kSkipped) {
         skipProperty(property);
-      } else if (role == FaceRole::kMaterial) {
-        texnumber = static_cast<int64_t>(takeDouble(property.type));
+      } else if (!property.is_list) {
+        takeFaceValue(role, property.type, takeDouble(property.type));
       } else {
         const uint64_t count = takeListCount(property);
         checkListLength(property, role, count);
@@ -246,7 +245,7 @@ class BinaryBody final : public PlyBody {
         }
       }
     }
-    addFace(texnumber, batch);
+    addFace(batch);
   }
 
   void readStripRow(const FacePlan& plan, PlyFaceBatch& batch) {

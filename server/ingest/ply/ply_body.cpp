@@ -45,28 +45,63 @@ void PlyBody::handleVertexDefect(VertexDefect defect, size_t index, PlyVertexBat
   batch.countDefect(index, defect);
 }
 
-void PlyBody::addFace(int64_t texnumber, PlyFaceBatch& batch) {
+void PlyBody::beginFace() noexcept {
+  corners_.clear();
+  texture_.clear();
+  texnumber_ = 0;
+  colour_ = glm::u8vec4(255);
+  colour_defect_ = VertexDefect::kNone;
+}
+
+void PlyBody::takeFaceValue(FaceRole role, PlyType type, double value) noexcept {
+  if (role == FaceRole::kMaterial) {
+    texnumber_ = static_cast<int64_t>(value);
+    return;
+  }
+  bool fits = true;
+  const bool is_finite = std::isfinite(value);
+  colour_[static_cast<int>(role) - static_cast<int>(FaceRole::kRed)] =
+      is_finite ? colourByte(type, value, fits) : uint8_t{0};
+  colour_defect_ = std::max(colour_defect_, !is_finite ? VertexDefect::kAttribute
+                                            : !fits    ? VertexDefect::kColour
+                                                       : VertexDefect::kNone);
+}
+
+std::string PlyBody::textureProblem() const {
+  if (texture_.size() != 2 * corners_.size())
+    return std::to_string(texture_.size()) + " texture coordinates for " + std::to_string(corners_.size()) +
+           " corners, which need two each";
+  if (!std::all_of(texture_.begin(), texture_.end(), [](float value) { return std::isfinite(value); }))
+    return "a texture coordinate is NaN or infinite";
+  return {};
+}
+
+void PlyBody::handleColourDefect(PlyFaceBatch& batch) const {
+  if (colour_defect_ == VertexDefect::kNone) return;
+  if (colour_defect_ == VertexDefect::kColour) return batch.countClamped();
+  const std::string what = "a colour is NaN or infinite";
+  if (!options_.skip_bad) fail(what, kRepair);
+  reportDefect(true, what);
+  batch.countReplaced();
+}
+
+void PlyBody::addFace(PlyFaceBatch& batch) {
   batch.countFace();
   const bool is_face = corners_.size() >= 3;
   if (is_face && !texture_.empty()) {
-    std::string defect;
-    if (texture_.size() != 2 * corners_.size()) {
-      defect = std::to_string(texture_.size()) + " texture coordinates for " +
-               std::to_string(corners_.size()) + " corners, which need two each";
-    } else if (!std::all_of(texture_.begin(), texture_.end(),
-                            [](float value) { return std::isfinite(value); })) {
-      defect = "a texture coordinate is NaN or infinite";
-    }
+    const std::string defect = textureProblem();
     if (!defect.empty() && !options_.skip_bad) fail(defect, kRepair);
     if (!defect.empty()) {
       reportDefect(true, defect);
       return batch.countSkipped(corners_.size());
     }
   }
-  const std::span<const float> texture =
-      is_face ? std::span<const float>(texture_) : std::span<const float>();
-  const FaceVerdict verdict = batch.add(corners_, texture, texnumber);
-  if (verdict == FaceVerdict::kBadIndex) {
+  FaceAttributes attributes{{}, texnumber_, colour_};
+  if (is_face) attributes.texture = texture_;
+  const FaceVerdict verdict = batch.add(corners_, attributes);
+  if (verdict == FaceVerdict::kAccepted) {
+    handleColourDefect(batch);
+  } else if (verdict == FaceVerdict::kBadIndex) {
     handleBadIndex(
         *std::find_if(corners_.begin(), corners_.end(), [&](int64_t i) { return !batch.isVertex(i); }));
   } else if (verdict == FaceVerdict::kDropped) {

@@ -48,8 +48,13 @@ class PlyBody {
   void reportDefect(bool is_bad, const std::string& what) const;
   /// Handles a defect of the vertex at batch.room()[index]: counts the defect if skip_bad is set, else fails.
   void handleVertexDefect(VertexDefect defect, size_t index, PlyVertexBatch& batch) const;
-  /// Adds the face in corners_ and texture_ to the batch.
-  void addFace(int64_t texnumber, PlyFaceBatch& batch);
+  /// Starts a row of the face element.
+  void beginFace() noexcept;
+  /// Takes a value of the current face.
+  /// @param role  kMaterial, kRed, kGreen, kBlue or kAlpha.
+  void takeFaceValue(FaceRole role, PlyType type, double value) noexcept;
+  /// Adds the current face to the batch.
+  void addFace(PlyFaceBatch& batch);
   void addStripIndex(int64_t index, StripCutter& strip, const PlyFaceBatch& batch) const;
   void checkListLength(const PlyProperty& list, FaceRole role, uint64_t count) const;
 
@@ -61,8 +66,17 @@ class PlyBody {
   std::vector<float> texture_;    ///< texture coordinates of the current face, two numbers per corner
 
  private:
+  /// Returns the problem of the texture coordinates of the current face, or an empty text.
+  std::string textureProblem() const;
+  /// Handles a wrong colour of the current face: counts the face if the colour is out of range or skip_bad is
+  /// set, else fails.
+  void handleColourDefect(PlyFaceBatch& batch) const;
   /// Handles a corner whose vertex does not exist: reports the corner if skip_bad is set, else fails.
   void handleBadIndex(int64_t index) const;
+
+  int64_t texnumber_ = 0;    ///< texnumber of the current face
+  glm::u8vec4 colour_{255};  ///< colour of the current face
+  VertexDefect colour_defect_ = VertexDefect::kNone;
 };
 
 std::unique_ptr<PlyBody> makeBinaryBody(PlyInput& input, PlyEncoding encoding, PlyReadOptions options);

@@ -1,6 +1,7 @@
 #include "server/ingest/ply/ply_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <initializer_list>
 #include <string_view>
 #include <utility>
@@ -12,6 +13,15 @@ namespace lode::ingest {
 namespace {
 
 constexpr size_t kShownName = 64;  ///< largest number of bytes that a message shows of a name
+
+/// Names of a colour's properties.
+struct ColourNames {
+  std::string_view red, green, blue, alpha;
+};
+constexpr std::array<ColourNames, 3> kColourNames{
+    {{"red", "green", "blue", "alpha"},
+     {"diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"},
+     {"r", "g", "b", "a"}}};
 
 using Names = std::initializer_list<std::pair<VertexField, std::string_view>>;
 
@@ -59,14 +69,11 @@ VertexPlan planVertices(const PlyElement& element, const std::string& file) {
                 file + ": the vertex element has no x, y or z; export the mesh again with positions");
   }
   if (takeGroup(plan, {{kNx, "nx"}, {kNy, "ny"}, {kNz, "nz"}})) plan.attributes.bits |= AttributeSet::kNormal;
-  const bool plain = takeGroup(plan, {{kRed, "red"}, {kGreen, "green"}, {kBlue, "blue"}});
-  const bool diffuse =
-      !plain && takeGroup(plan, {{kRed, "diffuse_red"}, {kGreen, "diffuse_green"}, {kBlue, "diffuse_blue"}});
-  const bool shorthand = !plain && !diffuse && takeGroup(plan, {{kRed, "r"}, {kGreen, "g"}, {kBlue, "b"}});
-  if (plain || diffuse || shorthand) {
+  for (const ColourNames& names : kColourNames) {
+    if (!takeGroup(plan, {{kRed, names.red}, {kGreen, names.green}, {kBlue, names.blue}})) continue;
     plan.attributes.bits |= AttributeSet::kColour;
-    const std::string_view alpha = plain ? "alpha" : diffuse ? "diffuse_alpha" : "a";
-    if (takeGroup(plan, {{kAlpha, alpha}})) plan.attributes.bits |= AttributeSet::kAlpha;
+    if (takeGroup(plan, {{kAlpha, names.alpha}})) plan.attributes.bits |= AttributeSet::kAlpha;
+    break;
   }
   if (takeGroup(plan, {{kS, "s"}, {kT, "t"}}) || takeGroup(plan, {{kS, "u"}, {kT, "v"}}) ||
       takeGroup(plan, {{kS, "texture_u"}, {kT, "texture_v"}}) ||
@@ -108,6 +115,35 @@ FacePlan planFaces(const PlyElement& element, bool strips, const std::string& fi
   return plan;
 }
 
+/// Adds the colours of faces to the plan if the element has any.
+void takeFaceColours(FacePlan& plan) {
+  const auto take = [&](std::string_view name, FaceRole role) {
+    const PlyProperty* const property = findScalar(*plan.element, name);
+    if (property != nullptr)
+      plan.roles[static_cast<size_t>(property - plan.element->properties.data())] = role;
+    return property != nullptr;
+  };
+  for (const ColourNames& names : kColourNames) {
+    if (findScalar(*plan.element, names.red) == nullptr ||
+        findScalar(*plan.element, names.green) == nullptr || findScalar(*plan.element, names.blue) == nullptr)
+      continue;
+    take(names.red, FaceRole::kRed);
+    take(names.green, FaceRole::kGreen);
+    take(names.blue, FaceRole::kBlue);
+    plan.colours.bits = AttributeSet::kColour;
+    if (take(names.alpha, FaceRole::kAlpha)) plan.colours.bits |= AttributeSet::kAlpha;
+    return;
+  }
+}
+
+/// Leaves the colours of faces out.
+void dropFaceColours(FacePlan& plan) {
+  for (FaceRole& role : plan.roles) {
+    if (isColourRole(role)) role = FaceRole::kSkipped;
+  }
+  plan.colours = {};
+}
+
 bool hasRole(const FacePlan& plan, FaceRole role) {
   for (const FaceRole each : plan.roles) {
     if (each == role) return true;
@@ -119,6 +155,14 @@ bool hasRole(const FacePlan& plan, FaceRole role) {
 
 AttributeSet PlyPlan::attributes() const noexcept {
   AttributeSet result = vertices.attributes;
+  if (corner_texture) result.bits |= AttributeSet::kTexture;
+  if (materials) result.bits |= AttributeSet::kMaterial;
+  result.bits |= face_colours.bits;
+  return result;
+}
+
+AttributeSet PlyPlan::faceAttributes() const noexcept {
+  AttributeSet result = face_colours;
   if (corner_texture) result.bits |= AttributeSet::kTexture;
   if (materials) result.bits |= AttributeSet::kMaterial;
   return result;
@@ -138,6 +182,13 @@ PlyPlan planBody(const PlyHeader& header, const std::string& file) {
     plan.faces.push_back(planFaces(element, strips, file));
     plan.corner_texture = plan.corner_texture || hasRole(plan.faces.back(), FaceRole::kTexture);
     plan.materials = plan.materials || hasRole(plan.faces.back(), FaceRole::kMaterial);
+    if (strips) continue;
+    takeFaceColours(plan.faces.back());
+    if (plan.vertices.attributes.has(AttributeSet::kColour)) {
+      plan.ignores_face_colours = plan.faces.back().colours.bits != 0;
+      dropFaceColours(plan.faces.back());
+    }
+    plan.face_colours.bits |= plan.faces.back().colours.bits;
   }
   if (plan.faces.empty()) {
     throw Error(ErrorCode::kInput, file + " has no faces: it is a point cloud; reconstruct a surface first");
@@ -197,11 +248,7 @@ VertexDefect makeVertex(const VertexPlan& plan, const VertexValues& values, PlyV
     for (int i = 0; i < channels; ++i) {
       const double value = at(kRed, i);
       finite = finite && std::isfinite(value);
-      vertex.colour[i] =
-          withPlyType(plan.types[static_cast<size_t>(kRed) + i], [&]<class T>(std::type_identity<T>) {
-            fits = fits && isColour(static_cast<T>(value));
-            return colourByte(static_cast<T>(value));
-          });
+      vertex.colour[i] = colourByte(plan.types[static_cast<size_t>(kRed) + i], value, fits);
     }
   }
   if (plan.has[static_cast<size_t>(kS)]) {

@@ -35,23 +35,29 @@ struct VertexPlan {
 };
 
 /// Destination of a property of the face or tristrips element.
-enum class FaceRole : uint8_t { kSkipped, kIndices, kTexture, kMaterial };
+enum class FaceRole : uint8_t { kSkipped, kIndices, kTexture, kMaterial, kRed, kGreen, kBlue, kAlpha };
+constexpr bool isColourRole(FaceRole role) noexcept { return role >= FaceRole::kRed; }
 
 /// Mapping of the face or tristrips element's rows to faces.
 struct FacePlan {
   const PlyElement* element = nullptr;
   bool strips = false;
   std::vector<FaceRole> roles;  ///< role of each property
+  AttributeSet colours;         ///< kColour and kAlpha if faces have them
 };
 
 struct PlyPlan {
   VertexPlan vertices;
-  std::vector<FacePlan> faces;  ///< plans of face and tristrips elements that have rows, in file order
-  bool corner_texture = false;  ///< true if a face element has texcoord
-  bool materials = false;       ///< true if a face element has texnumber
-  size_t textures = 0;          ///< number of textures that the header names
+  std::vector<FacePlan> faces;        ///< plans of face and tristrips elements that have rows, in file order
+  bool corner_texture = false;        ///< true if a face element has texcoord
+  bool materials = false;             ///< true if a face element has texnumber
+  AttributeSet face_colours;          ///< kColour and kAlpha if faces have them and vertices do not
+  bool ignores_face_colours = false;  ///< true if faces have colours, but those of vertices are read
+  size_t textures = 0;                ///< number of textures that the header names
 
   AttributeSet attributes() const noexcept;
+  /// Returns the attributes that faces or corners have instead of vertices.
+  AttributeSet faceAttributes() const noexcept;
 };
 
 /// Plans how to read the body. The plan contains pointers into the header.
@@ -114,6 +120,14 @@ bool isColour(T value) noexcept {
   } else {
     return std::clamp(value, T(0), T(255)) == value;
   }
+}
+
+/// Converts a colour value of a property's type to a byte. @param fits  set to false if isColour() is false.
+inline uint8_t colourByte(PlyType type, double value, bool& fits) noexcept {
+  return withPlyType(type, [&]<class T>(std::type_identity<T>) {
+    fits = fits && isColour(static_cast<T>(value));
+    return colourByte(static_cast<T>(value));
+  });
 }
 
 /// Worst defect of a vertex, in rising severity. kColour: a colour is out of range. kAttribute: an attribute

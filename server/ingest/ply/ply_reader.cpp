@@ -94,22 +94,25 @@ void PlyFaces::clear() {
   corners.clear();
   texture.clear();
   materials.clear();
+  colours.clear();
 }
 
 PlyReader::PlyReader(const std::filesystem::path& path, PlyReadOptions options)
     : path_(path), options_(options), header_(readPlyHeader(path)) {
   const PlyPlan plan = planBody(header_, quotedText(path.string(), 4096));
   attributes_ = plan.attributes();
-  corner_texture_ = plan.corner_texture;
+  face_attributes_ = plan.faceAttributes();
+  ignores_face_colours_ = plan.ignores_face_colours;
   skipped_properties_ = ingest::skippedProperties(header_, plan);
 }
 
-std::string skippedInWords(const std::vector<std::string>& skipped) {
+std::string skippedInWords(const std::vector<std::string>& skipped, bool ignores_face_colours) {
   constexpr size_t kShown = 12;
   if (skipped.empty()) return {};
   std::string words = "ignored properties: ";
   for (size_t i = 0; i < std::min(skipped.size(), kShown); ++i) words += (i == 0 ? "" : ", ") + skipped[i];
   if (skipped.size() > kShown) words += " and " + std::to_string(skipped.size() - kShown) + " more";
+  if (ignores_face_colours) words += " (vertices have colours, too, and these are used)";
   return words;
 }
 
@@ -137,14 +140,15 @@ std::string trailingInWords(const PlyCounts& counts) {
          std::to_string(counts.trailing_from) + "; the build ignores them; check the counts in the header";
 }
 
-std::string replacedInWords(uint64_t vertices) {
-  return counted(vertices, "vertex", "vertices") +
+std::string replacedInWords(uint64_t rows) {
+  return counted(rows, "vertex or face", "vertices or faces") +
          " with a NaN or infinite colour, normal or texture coordinate, set to 0; lodestreamd doctor shows "
          "where";
 }
 
-std::string clampedInWords(uint64_t vertices) {
-  return counted(vertices, "vertex", "vertices") +
+std::string clampedInWords(uint64_t rows, AttributeSet face_attributes) {
+  return (face_attributes.has(AttributeSet::kColour) ? counted(rows, "face")
+                                                     : counted(rows, "vertex", "vertices")) +
          " with colours outside the range of their type (float: 0 to 1, ushort: 0 to 65535, others: 0 to "
          "255), clamped; scale the values or declare the right type";
 }

@@ -26,10 +26,11 @@ struct PlyVertex {
 /// because triangulate() needs positions to cut them. Every face has at least 3 corners, all at different
 /// vertices.
 struct PlyFaces {
-  std::vector<uint32_t> corner_counts;  ///< number of corners of each face
-  std::vector<uint64_t> corners;        ///< vertex numbers, all below the vertex element's count
-  std::vector<glm::vec2> texture;       ///< texture coordinates of each corner, or empty
-  std::vector<uint16_t> materials;      ///< texnumber of each face, or empty
+  std::vector<uint32_t> corner_counts;    ///< number of corners of each face
+  std::vector<uint64_t> corners;          ///< vertex numbers, all below the vertex element's count
+  std::vector<glm::vec2> texture;         ///< texture coordinates of each corner, or empty
+  std::vector<uint16_t> materials;        ///< texnumber of each face, or empty
+  std::vector<glm::u8vec4> colours = {};  ///< colour of each face, or empty
 
   void clear();
 };
@@ -41,11 +42,12 @@ struct PlyCounts {
   uint64_t dropped_faces = 0;  ///< faces with fewer than 3 corners or a repeated index; in strips, triangles
                                ///< with a repeated index
   uint64_t skipped_bad = 0;    ///< faces and vertices that are skipped because skip_bad is set
-  uint64_t replaced_attributes = 0;  ///< vertices with an attribute that became zero because skip_bad is set
-  uint64_t dropped_triangles = 0;    ///< triangles of dropped and skipped faces
-  uint64_t clamped_colours = 0;      ///< vertices with a colour out of range, see clampedInWords()
-  uint64_t normals = 0;              ///< vertices with a normal, without skipped vertices
-  uint64_t lengthless_normals = 0;   ///< normals that fail hasDirection(); the reader replaces them by zero
+  /// Vertices with an attribute, and faces with a colour, that became zero because skip_bad is set.
+  uint64_t replaced_attributes = 0;
+  uint64_t dropped_triangles = 0;   ///< triangles of dropped and skipped faces
+  uint64_t clamped_colours = 0;     ///< vertices or faces with a colour out of range, see clampedInWords()
+  uint64_t normals = 0;             ///< vertices with a normal, without skipped vertices
+  uint64_t lengthless_normals = 0;  ///< normals that fail hasDirection(); the reader replaces them by zero
   /// Faces whose texnumber is neither -1 nor the number of a texture in the header. 0 if the header names no
   /// texture.
   uint64_t unknown_textures = 0;
@@ -66,10 +68,10 @@ struct PlyDefect {
 };
 
 struct PlyReadOptions {
-  /// If set, the reader continues after bad values. A NaN or infinite attribute becomes zero. A vertex whose
-  /// position is NaN or infinite becomes zero too, so that later vertices keep their numbers; faces that use
-  /// this vertex are skipped. Faces with an index out of range or with bad texture coordinates are also
-  /// skipped. Each vertex or face counts once, as replaced or as skipped.
+  /// If set, the reader continues after bad values. A NaN or infinite attribute or colour of a face becomes
+  /// zero. A vertex whose position is NaN or infinite becomes zero too, so that later vertices keep their
+  /// numbers; faces that use this vertex are skipped. Faces with an index out of range or with bad texture
+  /// coordinates are also skipped. Each vertex or face counts once, as replaced or as skipped.
   bool skip_bad = false;
   /// If set and the file is shorter than its header requires, the reader reads all existing rows before it
   /// fails.
@@ -90,9 +92,11 @@ class PlyReader {
   const PlyHeader& header() const noexcept { return header_; }
   /// Returns the attributes of the file, with alpha only if the header declares it.
   AttributeSet attributes() const noexcept { return attributes_; }
-  /// Returns true if faces have texture coordinates per corner. These override the texture coordinates of
-  /// vertices.
-  bool hasCornerTexture() const noexcept { return corner_texture_; }
+  /// Returns the attributes that faces or their corners have instead of vertices. Texture coordinates of
+  /// corners override those of vertices; colours of vertices override those of faces.
+  AttributeSet faceAttributes() const noexcept { return face_attributes_; }
+  /// Returns true if the reader skips the colours of faces because vertices have colours, too.
+  bool ignoresFaceColours() const noexcept { return ignores_face_colours_; }
   /// Returns the properties that the reader skips; see skippedProperties() in ply_plan.h.
   const std::vector<std::string>& skippedProperties() const noexcept { return skipped_properties_; }
 
@@ -112,7 +116,8 @@ class PlyReader {
   PlyReadOptions options_;
   PlyHeader header_;
   AttributeSet attributes_;
-  bool corner_texture_ = false;
+  AttributeSet face_attributes_;
+  bool ignores_face_colours_ = false;
   std::vector<std::string> skipped_properties_;
   PlyCounts counts_;
 };
@@ -120,14 +125,16 @@ class PlyReader {
 // Texts of warnings.
 
 /// Lists the first few skipped properties. Returns an empty text if the reader reads all properties.
-std::string skippedInWords(const std::vector<std::string>& skipped);
+/// @param ignores_face_colours  see PlyReader::ignoresFaceColours().
+std::string skippedInWords(const std::vector<std::string>& skipped, bool ignores_face_colours = false);
 
 std::string unknownTexturesInWords(uint64_t faces, size_t textures);
 
 /// Returns a warning about normals of length zero, or an empty text if all normals have a length.
 std::string lengthlessInWords(const PlyCounts& counts);
 std::string trailingInWords(const PlyCounts& counts);
-std::string replacedInWords(uint64_t vertices);
-std::string clampedInWords(uint64_t vertices);
+std::string replacedInWords(uint64_t rows);
+/// @param face_attributes  see PlyReader::faceAttributes().
+std::string clampedInWords(uint64_t rows, AttributeSet face_attributes);
 
 }  // namespace lode::ingest

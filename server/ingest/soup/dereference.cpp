@@ -82,7 +82,8 @@ class BlockDereference {
     size_t number = 0;
     forEachFace(block_, [&](size_t first, uint32_t corners) {
       const uint16_t material = block_.materials.empty() ? uint16_t{0} : block_.materials[number];
-      add(Face{static_cast<uint32_t>(first), corners, material});
+      const glm::u8vec4* const colour = block_.colours.empty() ? nullptr : &block_.colours[number];
+      add(Face{static_cast<uint32_t>(first), corners, material, colour});
       ++number;
     });
     return std::move(soup_);
@@ -92,6 +93,7 @@ class BlockDereference {
   struct Face {
     uint32_t first, corners;  ///< first corner in the block, and number of corners
     uint16_t material;
+    const glm::u8vec4* colour;  ///< null if vertices have the colours, or nothing has
   };
 
   glm::dvec3 positionOf(uint32_t corner) const {
@@ -139,6 +141,7 @@ class BlockDereference {
       if (!block_.texture.empty()) attributes.texture = block_.texture[corners[k]];
       if (attributes.normal == kNoNormal) attributes.normal = normalOf(face);
       attributes.material = face.material;
+      if (face.colour != nullptr) attributes.colour = *face.colour;
     }
     if (triangle.corners[0] == triangle.corners[1] || triangle.corners[1] == triangle.corners[2] ||
         triangle.corners[2] == triangle.corners[0]) {

@@ -17,9 +17,8 @@ uint16_t normalCode(glm::vec3 normal) noexcept {
 
 }  // namespace
 
-AttributeSet vertexAttributes(AttributeSet attributes, bool corner_texture) noexcept {
-  uint8_t elsewhere = AttributeSet::kMaterial;
-  if (corner_texture) elsewhere |= AttributeSet::kTexture;
+AttributeSet vertexAttributes(AttributeSet attributes, AttributeSet face_attributes) noexcept {
+  const auto elsewhere = static_cast<uint8_t>(face_attributes.bits | AttributeSet::kMaterial);
   return {static_cast<uint8_t>(attributes.bits & ~elsewhere)};
 }
 
@@ -30,20 +29,20 @@ size_t packedVertexBytes(AttributeSet vertex_attributes, bool double_positions) 
 }
 
 PackedInput::PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
-                         bool corner_texture)
+                         AttributeSet face_attributes)
     : attributes_(attributes),
+      face_attributes_(face_attributes),
       double_positions_(double_positions),
-      corner_texture_(corner_texture),
-      vertex_attributes_(vertexAttributes(attributes, corner_texture)),
+      vertex_attributes_(vertexAttributes(attributes, face_attributes)),
       vertex_bytes_(packedVertexBytes(vertex_attributes_, double_positions)),
       vertex_spool_(folder.lastingFile(kVertexFile)),
       face_spool_(folder.lastingFile(kFaceFile)) {}
 
 PackedInput::PackedInput(const TemporaryFolder& folder, const Place& place)
     : attributes_(place.attributes),
+      face_attributes_(place.face_attributes),
       double_positions_(place.double_positions != 0),
-      corner_texture_(place.corner_texture != 0),
-      vertex_attributes_(vertexAttributes(attributes_, corner_texture_)),
+      vertex_attributes_(vertexAttributes(attributes_, face_attributes_)),
       vertex_bytes_(packedVertexBytes(vertex_attributes_, double_positions_)),
       vertex_spool_(folder.lastingFile(kVertexFile), place.vertex_bytes),
       face_spool_(folder.lastingFile(kFaceFile), place.face_bytes),
@@ -55,7 +54,7 @@ void PackedInput::save(RecordWriter& record) const {
   vertex_spool_.sync();
   face_spool_.sync();
   record.put(Place{vertex_spool_.size(), face_spool_.size(), vertices_, faces_, uv_grid_, attributes_,
-                   double_positions_, corner_texture_});
+                   face_attributes_, double_positions_});
 }
 
 PackedInput PackedInput::load(const TemporaryFolder& folder, RecordReader& record) {
@@ -82,8 +81,8 @@ void PackedInput::addVertices(std::span<const PlyVertex> vertices) {
     if (hasVertexAttributes()) {
       VertexAttributes packed;
       if (attributes_.has(AttributeSet::kNormal)) packed.normal = normalCode(vertex.normal);
-      if (attributes_.has(AttributeSet::kColour)) packed.colour = vertex.colour;
-      if (!attributes_.has(AttributeSet::kAlpha)) packed.colour.a = 255;
+      if (vertex_attributes_.has(AttributeSet::kColour)) packed.colour = vertex.colour;
+      if (!vertex_attributes_.has(AttributeSet::kAlpha)) packed.colour.a = 255;
       std::memcpy(to + position_bytes, &packed, sizeof(packed));
       if (vertex_attributes_.has(AttributeSet::kTexture)) {
         std::memcpy(to + position_bytes + sizeof(packed), &vertex.texture, sizeof(vertex.texture));
@@ -105,12 +104,14 @@ void PackedInput::addFaces(const PlyFaces& faces) {
   face_spool_.append(std::span<const uint32_t>(sizes));
   if (!only_triangles) face_spool_.append(std::span<const uint32_t>(faces.corner_counts));
   face_spool_.append(std::span<const uint32_t>(corners));
-  if (corner_texture_) {
+  if (face_attributes_.has(AttributeSet::kTexture)) {
     for (const glm::vec2 uv : faces.texture) uv_range_.add(uv);
     face_spool_.append(std::span<const glm::vec2>(faces.texture));
   }
   if (attributes_.has(AttributeSet::kMaterial))
     face_spool_.append(std::span<const uint16_t>(faces.materials));
+  if (face_attributes_.has(AttributeSet::kColour))
+    face_spool_.append(std::span<const glm::u8vec4>(faces.colours));
   faces_ += faces.corner_counts.size();
 }
 
@@ -122,7 +123,7 @@ glm::dvec3 PackedInput::positionOf(uint64_t vertex) const {
 }
 
 UvRange PackedInput::usedUvRange() const {
-  if (corner_texture_ || uv_range_.withinImage()) return uv_range_;
+  if (face_attributes_.has(AttributeSet::kTexture) || uv_range_.withinImage()) return uv_range_;
   VertexSet used(vertices_);
   FaceCursor faces(*this);
   for (FaceBlock block; faces.next(block);)
@@ -156,7 +157,8 @@ bool PackedInput::FaceCursor::next(FaceBlock& block) {
   cursor_.take(std::span<uint32_t>(block.corners));
   block.texture.clear();
   block.materials.clear();
-  if (input_->corner_texture_) {
+  block.colours.clear();
+  if (input_->face_attributes_.has(AttributeSet::kTexture)) {
     texture_.resize(block.corners.size());
     cursor_.take(std::span<glm::vec2>(texture_));
     block.texture.reserve(texture_.size());
@@ -165,6 +167,10 @@ bool PackedInput::FaceCursor::next(FaceBlock& block) {
   if (input_->attributes_.has(AttributeSet::kMaterial)) {
     block.materials.resize(block.faceCount());
     cursor_.take(std::span<uint16_t>(block.materials));
+  }
+  if (input_->face_attributes_.has(AttributeSet::kColour)) {
+    block.colours.resize(block.faceCount());
+    cursor_.take(std::span<glm::u8vec4>(block.colours));
   }
   return true;
 }

@@ -29,9 +29,9 @@ class PackedInput {
   /// Names of the files, which outlive a killed build.
   static constexpr std::string_view kVertexFile = "vertices", kFaceFile = "faces";
 
-  /// @param corner_texture  true if faces have texture coordinates per corner; false if vertices have them.
+  /// @param face_attributes  attributes that faces or corners have instead of vertices.
   PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
-              bool corner_texture = false);
+              AttributeSet face_attributes = {});
 
   /// Syncs a flushed input to disk and records all that load() needs.
   void save(RecordWriter& record) const;
@@ -71,12 +71,14 @@ class PackedInput {
     std::vector<uint32_t> corners;
     std::vector<glm::u16vec2> texture;  ///< texture coordinates of each corner, or empty
     std::vector<uint16_t> materials;    ///< material of each face, or empty
+    std::vector<glm::u8vec4> colours;   ///< colour of each face, or empty
     size_t faceCount() const noexcept {
       return corner_counts.empty() ? corners.size() / 3 : corner_counts.size();
     }
     uint64_t bytes() const noexcept {
       return (corner_counts.size() + corners.size()) * sizeof(uint32_t) +
-             texture.size() * sizeof(glm::u16vec2) + materials.size() * sizeof(uint16_t);
+             texture.size() * sizeof(glm::u16vec2) + materials.size() * sizeof(uint16_t) +
+             colours.size() * sizeof(glm::u8vec4);
     }
   };
   /// Reads blocks sequentially.
@@ -96,8 +98,8 @@ class PackedInput {
   struct Place {
     uint64_t vertex_bytes = 0, face_bytes = 0, vertices = 0, faces = 0;
     UvGrid uv_grid;
-    AttributeSet attributes;
-    uint8_t double_positions = 0, corner_texture = 0;
+    AttributeSet attributes, face_attributes;
+    uint8_t double_positions = 0;
   };
   PackedInput(const TemporaryFolder& folder, const Place& place);
   glm::dvec3 positionIn(const std::byte* vertex) const noexcept {
@@ -112,8 +114,8 @@ class PackedInput {
     return position;
   }
 
-  const AttributeSet attributes_;
-  const bool double_positions_, corner_texture_;
+  const AttributeSet attributes_, face_attributes_;
+  const bool double_positions_;
   const AttributeSet vertex_attributes_;
   const size_t vertex_bytes_;
   Spool vertex_spool_, face_spool_;
@@ -124,7 +126,7 @@ class PackedInput {
 };
 
 /// Returns the attributes that belong to vertices instead of corners or faces.
-AttributeSet vertexAttributes(AttributeSet attributes, bool corner_texture) noexcept;
+AttributeSet vertexAttributes(AttributeSet attributes, AttributeSet face_attributes) noexcept;
 
 /// Returns the size of a vertex in temporary files.
 size_t packedVertexBytes(AttributeSet vertex_attributes, bool double_positions) noexcept;

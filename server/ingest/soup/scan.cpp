@@ -41,7 +41,7 @@ void checkVertices(const PlyHeader& header, const std::string& name) {
 ScannedModel pack(PlyReader& reader, AttributeSet attributes, const TemporaryFolder& folder,
                   const BuildProgress& progress) {
   ScannedModel model{
-      PackedInput(folder, attributes, hasDoublePositions(reader.header()), reader.hasCornerTexture()),
+      PackedInput(folder, attributes, hasDoublePositions(reader.header()), reader.faceAttributes()),
       {},
       reader.header().texture_files};
   model.counts = reader.read(
@@ -70,7 +70,7 @@ std::vector<std::string> warningsOf(const PlyReader& reader, const PlyCounts& co
   const auto warn = [&](bool is_so, const std::string& words) {
     if (is_so) warnings.push_back(words);
   };
-  const std::string skipped = skippedInWords(reader.skippedProperties());
+  const std::string skipped = skippedInWords(reader.skippedProperties(), reader.ignoresFaceColours());
   warn(!skipped.empty(), skipped);
   warn(counts.skipped_bad > 0,
        std::to_string(counts.skipped_bad) +
@@ -79,7 +79,7 @@ std::vector<std::string> warningsOf(const PlyReader& reader, const PlyCounts& co
   warn(counts.unknown_textures > 0,
        unknownTexturesInWords(counts.unknown_textures, reader.header().texture_files.size()));
   warn(counts.lengthless_normals > 0, lengthlessInWords(counts));
-  warn(counts.clamped_colours > 0, clampedInWords(counts.clamped_colours));
+  warn(counts.clamped_colours > 0, clampedInWords(counts.clamped_colours, reader.faceAttributes()));
   warn(counts.extra_tokens > 0,
        std::to_string(counts.extra_tokens) + " extra values at ends of lines were ignored");
   warn(counts.trailing_bytes > 0, trailingInWords(counts));

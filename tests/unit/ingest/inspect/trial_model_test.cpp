@@ -66,5 +66,17 @@ TEST_F(TrialModelOfAPly, keepsCoordinatesAndMaterialsOfCornersAndNoTextures) {
   EXPECT_TRUE(trial.header.texture_files.empty());
 }
 
+TEST_F(TrialModelOfAPly, keepsColoursOfFaces) {
+  const std::filesystem::path input = folder_.write(
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 2\nproperty list uchar int vertex_indices\nproperty float red\nproperty float green\n"
+      "property float blue\nproperty float alpha\nend_header\n"
+      "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 1 0.5 0 1\n3 0 1 2 0 0 1 0.25\n");
+  const PlyContent whole = readPly(input), trial = trialOf(input, 10);
+  EXPECT_EQ(trial.faces, whole.faces);
+  EXPECT_EQ(trial.colours, whole.colours);
+  EXPECT_EQ(trial.attributes, whole.attributes);
+}
+
 }  // namespace
 }  // namespace lode::ingest

@@ -32,6 +32,7 @@ struct PlyContent {
   std::vector<std::vector<uint64_t>> faces;
   std::vector<glm::vec2> texture;
   std::vector<uint16_t> materials;
+  std::vector<glm::u8vec4> colours;  ///< colours of faces
   AttributeSet attributes;
   PlyCounts counts;
   PlyHeader header;
@@ -56,6 +57,7 @@ inline PlyContent readPly(const std::filesystem::path& path, PlyReadOptions opti
         EXPECT_EQ(corner, batch.corners.data() + batch.corners.size());
         content.texture.insert(content.texture.end(), batch.texture.begin(), batch.texture.end());
         content.materials.insert(content.materials.end(), batch.materials.begin(), batch.materials.end());
+        content.colours.insert(content.colours.end(), batch.colours.begin(), batch.colours.end());
       });
   return content;
 }

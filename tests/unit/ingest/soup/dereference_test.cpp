@@ -161,7 +161,8 @@ TEST(Dereference, givesEachCornerTheTextureCoordinatesOfItsVertex) {
 
 TEST(Dereference, givesEachCornerItsOwnTextureCoordinatesAndItsFacesMaterial) {
   const TemporaryFolder folder(testing::TempDir());
-  PackedInput input(folder, AttributeSet{AttributeSet::kTexture | AttributeSet::kMaterial}, false, true);
+  PackedInput input(folder, AttributeSet{AttributeSet::kTexture | AttributeSet::kMaterial}, false,
+                    AttributeSet{AttributeSet::kTexture | AttributeSet::kMaterial});
   TwoFaces model;
   for (uint32_t c = 0; c < 7; ++c) model.faces.texture.emplace_back(-0.125f * static_cast<float>(c), 0.5f);
   model.faces.materials = {3, kNoMaterial};
@@ -184,6 +185,24 @@ TEST(Dereference, givesEachCornerItsOwnTextureCoordinatesAndItsFacesMaterial) {
                           uvOf(input, attributes) == glm::dvec2(model.faces.texture[c]));
       EXPECT_TRUE(found) << t << " " << k;
     }
+}
+
+TEST(Dereference, givesEachTriangleOfAPolygonTheColourOfItsFace) {
+  const TemporaryFolder folder(testing::TempDir());
+  const AttributeSet colours{AttributeSet::kColour | AttributeSet::kAlpha};
+  PackedInput input(folder, colours, false, colours);
+  TwoFaces model;
+  model.faces.colours = {{200, 100, 50, 25}, {1, 2, 3, 4}};
+  input.addVertices(model.vertices);
+  input.addFaces(model.faces);
+  input.flush();
+  EXPECT_FALSE(input.hasVertexAttributes());
+  DereferenceCounts counts;
+  const auto soup = run(input, 1 << 20, counts);
+  ASSERT_EQ(soup.size(), 3u);
+  for (size_t t = 0; t < 3; ++t)
+    for (const VertexAttributes& attributes : soup[t].attributes)
+      EXPECT_EQ(attributes.colour, model.faces.colours[t < 2 ? 0 : 1]) << t;
 }
 
 }  // namespace
