@@ -20,7 +20,7 @@ constexpr uint32_t kMaxTokenBytes = 512;
 /// Bytes that the server may send before the first Credit.
 constexpr uint64_t kInitialWindowBytes = 64u << 10;
 constexpr uint64_t kFeatureClose = 1;  ///< feature bit of Hello and Welcome: the peer knows Close and Closed
-/// Queued answers above which a server stops reading from a connection (back-pressure).
+/// Queued answers above which either side stops reading from a connection (back-pressure).
 constexpr uint64_t kMaxQueuedAnswerBytes = 64u << 10;
 
 // Defaults of `lodestreamd serve`; each has an option.

@@ -53,7 +53,7 @@ void Engine::handleAll(SessionRole role) {
 
 void Engine::disconnect(const Error& why, TimePoint now, SessionRole role) {
   if (options_.on_broken && connection_.session(role))
-    options_.on_broken(role, why, role == SessionRole::kActive && !connection_.survives(why));
+    options_.on_broken(role, why, role == SessionRole::kActive && !connection_.survives(why, now));
   requests_waiting_ = true;
   if (role == SessionRole::kActive) return connection_.fail(why, now);
   connection_.endDraining();
@@ -210,7 +210,7 @@ void Engine::renewRequests() {
       request.priority_px = 1;
     }
   }
-  if (connection_.takesRequests()) connection_.session()->setRequests(requests);
+  if (connection_.takesRequests()) requests_waiting_ = !connection_.session()->setRequests(requests);
 }
 
 proto::Bytes Engine::takeOutgoing(SessionRole role) {

@@ -134,8 +134,14 @@ class Engine {
   /// Reason for the missing connection while the engine reconnects; empty otherwise.
   const std::string& trouble() const noexcept { return connection_.trouble(); }
 
-  /// Takes received bytes. @throws the errors of Session. Do not use the engine after an error; the last cut
-  /// stays valid.
+  /// Returns false if received frames wait until takeOutgoing() is called: see Session::takesInput().
+  bool takesInput(SessionRole role = SessionRole::kActive) const noexcept {
+    const Session* const session = connection_.session(role);
+    return session == nullptr || session->takesInput();
+  }
+  /// Takes received bytes, or continues with frames that wait. Requires takesInput(), unless there are no
+  /// bytes.
+  /// @throws Error as Session does. Do not use the engine after an error; the last cut stays valid.
   void receive(std::span<const std::byte> bytes, TimePoint now, SessionRole role = SessionRole::kActive);
   void finishDecode(DecodeResult result);
   /// @param view  camera in the model frame; toView() in camera_path.h converts true coordinates.

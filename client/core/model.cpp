@@ -4,6 +4,8 @@
 #include <cstring>
 #include <limits>
 
+#include "common/error.h"
+
 namespace lode::core {
 namespace {
 
@@ -30,6 +32,7 @@ Model::Model(ModelSummary summary, uint64_t memory_budget_bytes)
 }
 
 void Model::setMemoryBudget(uint64_t bytes) {
+  memory_budget_bytes_ = bytes;
   hierarchy_budget_bytes_ = bytes / kHierarchyBudgetShare;
   transit_budget_bytes_ = transitShare(bytes);
   meshes_.setBudget(bytes - hierarchy_budget_bytes_ - 2 * transit_budget_bytes_ -
@@ -94,10 +97,21 @@ void Model::addPage(const BlobUse& use, std::span<const std::byte> bytes) {
   if (is_root_page ? owner != nullptr : owner == nullptr || owner->childrenKnown()) return;
   HierarchyPage page = decodePage(bytes, use.mesh.node, is_root_page);
   if (is_root_page) {
+    requireRoomFor(page.nodes.front().lods.back());
     hierarchy_.addRootPage(std::move(page));
   } else {
     hierarchy_.addPage(use.mesh.node, std::move(page));
   }
+}
+
+/// Checks the memory of the LOD that is decoded whatever the budget is. The server only announces its size.
+void Model::requireRoomFor(const Lod& first) const {
+  const uint64_t needed_bytes =
+      first.payload.bytes + 2 * meshBytes(first.vertices, first.triangles, summary_.attributes);
+  if (needed_bytes <= memory_budget_bytes_ + kMaxFirstLodExcessBytes) return;
+  throw Error(ErrorCode::kLimit, "the coarsest LOD of the model takes " + std::to_string(needed_bytes) +
+                                     " bytes, and the memory budget is " +
+                                     std::to_string(memory_budget_bytes_) + ": allow more");
 }
 
 void Model::startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
@@ -172,6 +186,7 @@ void Model::insert(DecodeResult result) {
 
 void Model::refuse(const BlobRef& blob, const std::string& why, bool is_lost) {
   ++version_;
+  if (refused_.size() >= kMaxRefusedBlobs) refused_.clear();
   refused_.insert(blob.number);
   if (is_lost) hierarchy_.lose(blob.number);
   if (is_lost && textures_) textures_->lose(blob.number);

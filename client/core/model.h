@@ -27,6 +27,11 @@ constexpr uint64_t kTransitBudgetShare = 16;
 /// Upper limit for each of the two shares of kTransitBudgetShare.
 constexpr uint64_t kMaxTransitBytes = 64ull << 20;
 
+/// The root's coarsest LOD may exceed the memory budget by this much.
+constexpr uint64_t kMaxFirstLodExcessBytes = 32ull << 20;
+/// Above this number, all refusals are forgotten, and their blobs may be requested again.
+constexpr size_t kMaxRefusedBlobs = 65'536;
+
 /// The resident data of one build of a model: hierarchy, meshes and textures. The caller passes in blobs from
 /// any source, runs the decode jobs and returns their results. All views share one Model, which depends on no
 /// view and no connection. Not thread safe.
@@ -57,7 +62,8 @@ class Model {
   bool wants(const Request& request) const;
 
   /// Stores a blob or queues it for decoding. @param bytes  bytes that match the blob's digest.
-  /// @throws Error kFormat or kLimit for an invalid page or texture set.
+  /// @throws Error kFormat or kLimit for an invalid page or texture set, and kLimit if the root's coarsest
+  /// LOD exceeds the memory budget by more than kMaxFirstLodExcessBytes.
   void take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
   /// Notes that a blob cannot be loaded. @param is_lost  true if the blob is lost for good; refinement then
   /// uses other LODs or nodes instead.
@@ -100,6 +106,7 @@ class Model {
   };
 
   void addPage(const BlobUse& use, std::span<const std::byte> bytes);
+  void requireRoomFor(const Lod& first) const;
   void startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
   void insert(DecodeResult result);
   MeshKey coarsest() const;
@@ -109,7 +116,7 @@ class Model {
 
   ModelSummary summary_;
   Hierarchy hierarchy_;
-  uint64_t hierarchy_budget_bytes_ = 0;
+  uint64_t memory_budget_bytes_ = 0, hierarchy_budget_bytes_ = 0;
   MeshCache meshes_;
   std::optional<TextureStream> textures_;
   std::map<Decoding, Work> decoding_;  // jobs that wait, and jobs that takeDecodeJobs() has returned

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/net/exchange.h"
 #include "common/error.h"
 
 namespace lode::app {
@@ -67,8 +68,9 @@ void FullClient::noteBroken(core::SessionRole role, const Error& why, bool is_la
 
 /// Moves the open requests of a connection to lost_. The client repeats them if the view still needs them.
 void FullClient::lose(core::SessionRole role) {
-  RequestClock::Requests open = std::exchange(clocks_[static_cast<size_t>(role)], {}).open();
-  lost_.merge(open);
+  const auto left_out = addLost(lost_, std::exchange(clocks_[static_cast<size_t>(role)], {}).open());
+  counts_.unanswered += left_out.size();
+  for (const auto& [blob, request] : left_out) noteLatency(request, std::chrono::steady_clock::now());
 }
 
 void FullClient::noteRefused(const BlobRef& blob, const std::string& why) {
@@ -111,6 +113,30 @@ void FullClient::keepConnected(core::TimePoint now) {
   engine_.connect(now);
 }
 
+/// One connection of the client's engine, for net::exchange(). Notes requests and moves to other servers.
+class FullClient::End : public net::EngineEnd {
+ public:
+  End(FullClient& client, core::SessionRole role, core::TimePoint now) noexcept
+      : net::EngineEnd(client.engine_, role, now), client_(client), role_(role), now_(now) {}
+
+  proto::Bytes takeOutgoing() {
+    proto::Bytes frames = net::EngineEnd::takeOutgoing();
+    client_.clocks_[static_cast<size_t>(role_)].sent(frames, now_, client_.lost_);
+    return frames;
+  }
+  void receive(std::span<const std::byte> bytes) {
+    const core::Engine& engine = client_.engine_;
+    const bool stayed = engine.staysConnected();
+    net::EngineEnd::receive(bytes);
+    client_.counts_.moved += stayed && engine.connected() && !engine.staysConnected();
+  }
+
+ private:
+  FullClient& client_;
+  const core::SessionRole role_;
+  const core::TimePoint now_;
+};
+
 void FullClient::receive() {
   guarded([&] {
     const core::TimePoint now = std::chrono::steady_clock::now();
@@ -119,13 +145,8 @@ void FullClient::receive() {
       auto& transport = transports_[static_cast<size_t>(role)];
       if (!transport) continue;
       try {
-        while (engine_.connected(role)) {
-          const proto::Bytes bytes = transport->takeReceived();
-          if (bytes.empty()) break;
-          const bool stayed = engine_.staysConnected();
-          engine_.receive(bytes, now, role);
-          counts_.moved += stayed && engine_.connected() && !engine_.staysConnected();
-        }
+        End end(*this, role, now);
+        while (net::exchange(*transport, end)) continue;  // ends: this thread receives nothing meanwhile
       } catch (const Error& failed) {
         engine_.disconnect(failed, now, role);
       }
@@ -165,11 +186,8 @@ void FullClient::work(core::TimePoint now) {
   for (bool decoded = true; decoded;) {
     engine_.step(now);
     for (const core::SessionRole role : core::kSessionRoles) {
-      const auto& transport = transports_[static_cast<size_t>(role)];
-      if (!transport) continue;
-      proto::Bytes frames = engine_.takeOutgoing(role);
-      clocks_[static_cast<size_t>(role)].sent(frames, now, lost_);
-      transport->send(std::move(frames));
+      End end(*this, role, now);
+      if (const auto& transport = transports_[static_cast<size_t>(role)]) net::sendOutgoing(*transport, end);
     }
     const std::vector<core::DecodeJob> jobs = engine_.takeDecodeJobs();
     for (const core::DecodeJob& job : jobs) decode(job);

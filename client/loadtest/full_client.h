@@ -32,6 +32,7 @@ class FullClient final : public LoadClient {
   void finish(core::TimePoint now) override;
 
  private:
+  class End;
   using Transports = std::array<std::unique_ptr<net::TcpTransport>, 2>;  // indexed by core::SessionRole
 
   core::EngineOptions engineOptions(uint64_t seed);

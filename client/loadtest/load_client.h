@@ -48,11 +48,15 @@ inline double randomPause(double mean_s, std::mt19937_64& random) {
   return -mean_s * std::log1p(-static_cast<double>(random() >> 11) * 0x1p-53);
 }
 
+/// Above this number, KnownDigests forgets all checksums and computes digests again.
+constexpr size_t kMaxKnownDigests = 1u << 17;
+
 /// Checks the digests of blobs that arrive repeatedly. Computes SHA-256 for the first copy of a blob.
 /// Compares later copies with the xxh3 checksum of the first copy, because this is faster. Not thread safe.
 class KnownDigests {
  public:
   bool matchesDigest(const BlobRef& blob, std::span<const std::byte> bytes);
+  size_t size() const noexcept { return checksums_.size(); }
 
  private:
   std::map<Digest, uint64_t> checksums_;  ///< xxh3 checksums of blobs whose digests were verified

@@ -26,8 +26,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kLongestWait = std::chrono::milliseconds(100);
 constexpr auto kPublishEvery = std::chrono::milliseconds(200);
-/// Largest number of events that are handled between two reads of the clock.
-constexpr unsigned kMostAtOnce = 1024;
+/// Longest time for which events are handled while a client is due.
+constexpr auto kLongestBurst = std::chrono::milliseconds(10);
 /// Number of descriptors that the process needs in addition to its connections.
 constexpr rlim_t kOtherDescriptors = 64;
 
@@ -65,7 +65,8 @@ class Stepper {
       }
       const Clock::time_point next = due_.empty() ? end : std::min(due_.top().first, end);
       if (next > now) io_.run_one_until(std::min(next, now + kLongestWait));
-      for (unsigned i = 0; i < kMostAtOnce && io_.poll_one() > 0; ++i) continue;
+      const Clock::time_point burst_end = Clock::now() + kLongestBurst;
+      while (io_.poll_one() > 0 && Clock::now() < burst_end) continue;
       io_.restart();
       stepDue(std::min(Clock::now(), end));
     }

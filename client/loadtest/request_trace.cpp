@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/loadtest/request_watch.h"
+#include "client/net/exchange.h"
 #include "client/net/tcp_transport.h"
 #include "common/codec/texture_set.h"
 #include "common/error.h"
@@ -68,6 +69,26 @@ class Recorder {
   }
 
  private:
+  /// The engine's connection, for net::exchange(). Overhears both directions.
+  class End : public net::EngineEnd {
+   public:
+    explicit End(Recorder& recorder) noexcept
+        : net::EngineEnd(recorder.engine_, core::SessionRole::kActive, Clock::now()), recorder_(recorder) {}
+
+    proto::Bytes takeOutgoing() {
+      proto::Bytes frames = net::EngineEnd::takeOutgoing();
+      recorder_.overheard_.sent(frames, recorder_.t_s_);
+      return frames;
+    }
+    void receive(std::span<const std::byte> bytes) {
+      net::EngineEnd::receive(bytes);
+      recorder_.overheard_.received(bytes);
+    }
+
+   private:
+    Recorder& recorder_;
+  };
+
   bool settled() const { return engine_.settled() && engine_.cut(); }
 
   void exchange() {
@@ -82,13 +103,10 @@ class Recorder {
   void step() {
     engine_.step(Clock::now());
     if (settled()) return;
-    proto::Bytes frames = engine_.takeOutgoing();
-    overheard_.sent(frames, t_s_);
-    transport_.send(std::move(frames));
+    End end(*this);
+    net::sendOutgoing(transport_, end);
     io_.run_one_for(std::chrono::milliseconds(10));
-    const proto::Bytes bytes = transport_.takeReceived();
-    engine_.receive(bytes, Clock::now());
-    overheard_.received(bytes);
+    net::exchange(transport_, end);
     if (!engine_.trouble().empty()) throw Error(ErrorCode::kNetwork, engine_.trouble());
     for (core::DecodeJob& job : engine_.takeDecodeJobs()) {
       engine_.finishDecode(core::runDecodeJob(job));
@@ -110,6 +128,9 @@ class Recorder {
   double t_s_ = 0;
   std::vector<TracedRequest> requests_;
   OverheardRequests overheard_{[this](const core::Request& request, double t_s) {
+    if (requests_.size() >= kMaxTracedRequests)
+      throw Error(ErrorCode::kLimit, "the path requests more than " + std::to_string(kMaxTracedRequests) +
+                                         " blobs: record a shorter path");
     requests_.push_back({t_s, request, {}});
   }};
   std::map<Digest, core::DecodeJob> jobs_;

@@ -32,6 +32,11 @@ std::optional<RequestClock::Request> RequestClock::arrived(uint32_t blob) {
   return request;
 }
 
+RequestClock::Requests addLost(RequestClock::Requests& lost, RequestClock::Requests more) {
+  while (lost.size() < kMaxLostRequests && !more.empty()) lost.insert(more.extract(more.begin()));
+  return more;
+}
+
 void OverheardRequests::sent(std::span<const std::byte> frames, double now) {
   forEachFrame(frames, [&](proto::FrameType type, std::span<const std::byte> body) {
     if (type != proto::FrameType::kRequests) return;
@@ -44,6 +49,8 @@ void OverheardRequests::received(std::span<const std::byte> bytes) {
   input_.insert(input_.end(), bytes.begin(), bytes.end());
   const size_t taken = forEachFrame(input_, [&](proto::FrameType type, std::span<const std::byte> body) {
     if (type == proto::FrameType::kBlob) takeChunk(proto::decodeBlobChunk(body));
+    if (type == proto::FrameType::kCancelled) requests_.erase(proto::decode<proto::Cancelled>(body).request);
+    if (type == proto::FrameType::kError) requests_.erase(proto::decode<proto::ErrorMessage>(body).request);
   });
   input_.erase(input_.begin(), input_.begin() + static_cast<ptrdiff_t>(taken));
 }

@@ -60,6 +60,13 @@ class RequestClock {
   std::map<uint32_t, uint32_t> blob_of_;  ///< blob number by request number
 };
 
+/// Largest number of requests of broken connections that a client remembers.
+constexpr size_t kMaxLostRequests = 4096;
+
+/// Adds requests of a broken connection to those of earlier ones, up to kMaxLostRequests.
+/// @return the requests for which there is no room.
+RequestClock::Requests addLost(RequestClock::Requests& lost, RequestClock::Requests more);
+
 /// Observes both directions of a client's connection and reports each request when its blob is complete.
 /// Throws on protocol errors. Not thread safe.
 class OverheardRequests {
@@ -71,7 +78,8 @@ class OverheardRequests {
 
   /// Notes the requests in complete frames that the client sends. @param now  time of any clock.
   void sent(std::span<const std::byte> frames, double now);
-  /// Notes bytes that the client received. The bytes may end anywhere within a frame.
+  /// Notes bytes that the client received. The bytes may end anywhere within a frame. Forgets requests that
+  /// end without their blob.
   void received(std::span<const std::byte> bytes);
 
  private:

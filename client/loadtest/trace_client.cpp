@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "client/net/exchange.h"
 #include "common/codec/hierarchy_page.h"
 #include "common/error.h"
 
@@ -78,6 +79,7 @@ void TraceClient::step(core::TimePoint now) {
     for (const core::SessionRole role : core::kSessionRoles)
       onSession(role, now, [&](core::Session& session) { session.tick(now); });
     addDueRequests(now);
+    if (requests_wait_) sendRequests();
     send();
     scheduleNext(now);
   });
@@ -139,13 +141,13 @@ void TraceClient::sendRequests() {
     return a.request_class != b.request_class ? a.request_class < b.request_class
                                               : a.priority_px > b.priority_px;
   });
-  session->setRequests(requests);
+  requests_wait_ = !session->setRequests(requests);
 }
 
 void TraceClient::send() {
   for (const core::SessionRole role : core::kSessionRoles)
     if (core::Session* const session = connection_.session(role); session != nullptr)
-      transport(role)->send(session->takeOutgoing());
+      net::sendOutgoing(*transport(role), *session);
 }
 
 void TraceClient::scheduleNext(core::TimePoint now) {
@@ -154,18 +156,41 @@ void TraceClient::scheduleNext(core::TimePoint now) {
   if (!plan_.trace.requests.empty()) due_ = std::min(due_, nextIntended());
 }
 
+/// One session of the client, for net::exchange(). Handles the session's events.
+class TraceClient::End {
+ public:
+  End(TraceClient& client, core::Session& session, core::SessionRole role, core::TimePoint now) noexcept
+      : client_(client), session_(session), role_(role), now_(now) {}
+
+  bool connected() const noexcept { return client_.connection_.session(role_) == &session_; }
+  bool takesInput() const noexcept { return session_.takesInput(); }
+  proto::Bytes takeOutgoing() { return session_.takeOutgoing(); }
+  void receive(std::span<const std::byte> bytes) {
+    session_.receive(bytes, now_);
+    while (connected()) {
+      const auto event = session_.nextEvent();
+      if (!event) return;
+      client_.handle(*event, session_, now_);
+    }
+  }
+
+ private:
+  TraceClient& client_;
+  core::Session& session_;
+  const core::SessionRole role_;
+  const core::TimePoint now_;
+};
+
 void TraceClient::receive() {
   guarded([&] {
     const core::TimePoint now = std::chrono::steady_clock::now();
     for (const core::SessionRole role : core::kSessionRoles)
       onSession(role, now, [&](core::Session& session) {
-        session.receive(transport(role)->takeReceived(), now);
-        while (connection_.session(role) == &session) {
-          const auto event = session.nextEvent();
-          if (!event) break;
-          handle(*event, session, now);
-        }
+        End end(*this, session, role, now);
+        while (net::exchange(*transport(role), end))
+          continue;  // ends: this thread receives nothing meanwhile
       });
+    if (requests_wait_) sendRequests();
     send();
   });
 }

@@ -37,6 +37,7 @@ class TraceClient final : public LoadClient {
     size_t traced = 0;  ///< index of the request in the trace
   };
 
+  class End;
   using Transport = std::unique_ptr<net::TcpTransport>;
 
   core::SessionOptions sessionOptions();
@@ -70,6 +71,7 @@ class TraceClient final : public LoadClient {
   core::TimePoint due_;
   core::Connection connection_;
   std::map<uint32_t, Pending> pending_;  ///< due requests whose blob has not arrived, by blob number
+  bool requests_wait_ = false;  ///< the session could not take the requests of the last sendRequests()
   bool started_ = false, was_let_in_ = false, image_seen_ = false, gone_ = false;
   /// Last reason why the server turned the client away; empty once the client is let in.
   std::string turned_away_;

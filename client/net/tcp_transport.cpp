@@ -24,6 +24,7 @@
 #include "common/error.h"
 #include "common/start_thread.h"
 #include "proto/byte_stream.h"
+#include "proto/limits.h"
 
 namespace lode::net {
 namespace {
@@ -74,6 +75,7 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   asio::awaitable<void> run();
   asio::awaitable<void> readAll();
   asio::awaitable<void> writeAll();
+  bool endWrite();
   asio::awaitable<void> writeUntilClosed();
   void fail(ErrorCode code, const std::string& message);
 
@@ -92,8 +94,11 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   asio::steady_timer work{io,
                           asio::steady_timer::time_point::max()};  // cancelled when there are bytes to send
 
-  std::mutex mutex;  // guards the members below
+  bool hasRoomLocked() const { return unsent.size() + writing_bytes <= proto::kMaxQueuedAnswerBytes; }
+
+  mutable std::mutex mutex;  // guards the members below
   proto::Bytes received, unsent;
+  size_t writing_bytes = 0;  // size of the write that is under way
   std::optional<Error> failure;
 };
 
@@ -220,6 +225,7 @@ asio::awaitable<void> TcpTransport::State::writeAll() {
     {
       const std::lock_guard lock(mutex);
       bytes.swap(unsent);
+      writing_bytes = bytes.size();
     }
     if (bytes.empty()) {
       asio::error_code cancelled;
@@ -229,8 +235,17 @@ asio::awaitable<void> TcpTransport::State::writeAll() {
       asio::error_code error;
       co_await stream->write(std::span(&whole, 1), error);
       if (error) co_return;  // the receive loop reports the end, after all received bytes
+      if (endWrite()) wakeUp();
     }
   }
+}
+
+/// Notes the end of a write. @return true if there is room again.
+bool TcpTransport::State::endWrite() {
+  const std::lock_guard lock(mutex);
+  const bool had_room = hasRoomLocked();
+  writing_bytes = 0;
+  return !had_room && hasRoomLocked();
 }
 
 asio::awaitable<void> TcpTransport::State::writeUntilClosed() {
@@ -259,6 +274,11 @@ TcpTransport::~TcpTransport() {
     own_thread_->thread.join();
   }
   state_->abandon();
+}
+
+bool TcpTransport::hasRoom() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->hasRoomLocked();
 }
 
 void TcpTransport::send(proto::Bytes bytes) {

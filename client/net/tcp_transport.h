@@ -31,6 +31,9 @@ class TcpTransport {
   TcpTransport(const TcpTransport&) = delete;
   TcpTransport& operator=(const TcpTransport&) = delete;
 
+  /// Returns true if at most proto::kMaxQueuedAnswerBytes wait to be sent. Calls `wake` when this becomes
+  /// true again.
+  bool hasRoom() const;
   /// Queues bytes; never blocks. @throws Error kNetwork if more than kMaxUnsentBytes are queued.
   void send(proto::Bytes bytes);
   /// Returns the bytes received since the last call; never blocks.

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "client/net/exchange.h"
 #include "client/net/tcp_transport.h"
 #include "client/stream/cache_thread.h"
 #include "client/stream/decode_pool.h"
@@ -41,19 +42,19 @@ std::unique_ptr<net::TcpTransport>& transportOf(Transports& transports, core::Se
 }
 
 /// Passes received bytes to the engine. Closes the transport if the engine no longer needs it.
-void receiveFrom(std::unique_ptr<net::TcpTransport>& transport, core::SessionRole role,
+/// @return true if more bytes may wait.
+bool receiveFrom(std::unique_ptr<net::TcpTransport>& transport, core::SessionRole role,
                  core::Engine& engine) {
-  if (!transport) return;
+  if (!transport) return false;
+  bool more = false;
   try {
-    while (engine.connected(role)) {
-      const proto::Bytes bytes = transport->takeReceived();
-      if (bytes.empty()) break;
-      engine.receive(bytes, Clock::now(), role);
-    }
+    net::EngineEnd end(engine, role, Clock::now());
+    more = net::exchange(*transport, end);
   } catch (const Error& failed) {
     engine.disconnect(failed, Clock::now(), role);
   }
   if (!engine.connected(role)) transport.reset();
+  return more;
 }
 
 }  // namespace
@@ -196,7 +197,7 @@ void Streamer::State::keepConnected(core::Engine& engine, const net::Route& rout
     engine.connect(Clock::now());
   }
   for (const core::SessionRole role : core::kSessionRoles)
-    receiveFrom(transportOf(transports, role), role, engine);
+    if (receiveFrom(transportOf(transports, role), role, engine)) wakeUp();
 }
 
 void Streamer::State::stepOnce(core::Engine& engine, Transports& transports, DecodePool& pool,
@@ -211,8 +212,10 @@ void Streamer::State::stepOnce(core::Engine& engine, Transports& transports, Dec
     for (const auto& cut : std::exchange(to_keep, {})) published.add(cut, nullptr);
   }
   engine.step(Clock::now());
-  for (const core::SessionRole role : core::kSessionRoles)
-    if (const auto& transport = transportOf(transports, role)) transport->send(engine.takeOutgoing(role));
+  for (const core::SessionRole role : core::kSessionRoles) {
+    net::EngineEnd end(engine, role, Clock::now());
+    if (const auto& transport = transportOf(transports, role)) net::sendOutgoing(*transport, end);
+  }
   pool.add(engine.takeDecodeJobs());
   if (cache) cache->find(engine.takeCacheQueries());
   publish(engine, number);

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/target.h"
 #include "client/core/session/session.h"
+#include "client/net/exchange.h"
 #include "client/net/tcp_transport.h"
 #include "common/error.h"
 
@@ -32,20 +35,44 @@ class Bell {
  public:
   void ring() {
     const std::lock_guard lock(mutex_);
-    lod_ = true;
+    rung_ = true;
     condition_.notify_one();
   }
   bool waitUntil(Clock::time_point deadline) {
     std::unique_lock lock(mutex_);
-    const bool in_time = condition_.wait_until(lock, deadline, [this] { return lod_; });
-    lod_ = false;
-    return in_time;
+    condition_.wait_until(lock, deadline, [this] { return rung_; });
+    rung_ = false;
+    return Clock::now() < deadline;  // a flood keeps ringing
   }
 
  private:
   std::mutex mutex_;
   std::condition_variable condition_;
-  bool lod_ = false;
+  bool rung_ = false;
+};
+
+/// A session that lists models, for net::exchange().
+class ListEnd {
+ public:
+  explicit ListEnd(const core::SessionOptions& options) : session_(options, Clock::now()) {}
+
+  bool connected() const noexcept { return !models_; }
+  bool takesInput() const noexcept { return session_.takesInput(); }
+  proto::Bytes takeOutgoing() { return session_.takeOutgoing(); }
+  void receive(std::span<const std::byte> bytes) {
+    session_.receive(bytes, Clock::now());
+    while (auto event = session_.nextEvent()) {
+      if (auto* listed = std::get_if<core::ModelsListed>(&*event)) models_ = std::move(listed->models);
+      if (const auto* leaving = std::get_if<core::ServerLeaving>(&*event))
+        throw Error(ErrorCode::kNetwork, leaving->reason);
+    }
+  }
+  /// Returns the models; nothing until the server has listed them.
+  std::optional<std::vector<ModelSummary>>& models() noexcept { return models_; }
+
+ private:
+  core::Session session_;
+  std::optional<std::vector<ModelSummary>> models_;
 };
 
 std::vector<ModelSummary> askForModels(const net::Route& route, const core::SessionOptions& session_options,
@@ -53,17 +80,13 @@ std::vector<ModelSummary> askForModels(const net::Route& route, const core::Sess
   const Clock::time_point deadline = Clock::now() + timeout;
   const std::string where = net::toString(route.address);
   Bell bell;
-  core::Session session(session_options, Clock::now());
+  ListEnd end(session_options);
   net::TcpTransport transport(route, [&bell] { bell.ring(); });
-  transport.send(session.takeOutgoing());
+  bell.ring();
   while (bell.waitUntil(deadline)) {
-    session.receive(transport.takeReceived(), Clock::now());
-    while (auto event = session.nextEvent()) {
-      if (auto* listed = std::get_if<core::ModelsListed>(&*event)) return std::move(listed->models);
-      if (const auto* leaving = std::get_if<core::ServerLeaving>(&*event))
-        throw Error(ErrorCode::kNetwork, leaving->reason);
-    }
-    transport.send(session.takeOutgoing());
+    if (net::exchange(transport, end)) bell.ring();
+    if (end.models()) return std::move(*end.models());
+    net::sendOutgoing(transport, end);
   }
   throw Error(ErrorCode::kTimeout, "no list from " + where + " within " + std::to_string(timeout.count()) +
                                        " ms: check the server, or allow more time");

@@ -59,17 +59,20 @@ OpenedTarget::OpenedTarget(const CommonOptions& options, const stream::StreamOpt
       start_(Clock::now()),
       streamer_(target_.served, target_.options),
       model_(openModel(streamer_, target_, timeout_)) {
-  if (!wanted_path_) frame();
+  if (!wanted_path_) {
+    const auto spent = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start_);
+    frame(std::max(timeout_ - spent, std::chrono::milliseconds(0)));
+  }
   path_ = wanted_path_ ? *wanted_path_ : core::framingCamera(model_, framing_);
 }
 
-void OpenedTarget::frame() {
-  framing_ = frameCoarsely(framing_, streamer_, model_, timeout_);
+void OpenedTarget::frame(std::chrono::milliseconds timeout) {
+  framing_ = frameCoarsely(framing_, streamer_, model_, timeout);
   is_framed_ = true;
 }
 
 glm::dvec3 OpenedTarget::up() {
-  if (!framing_.up && !is_framed_) frame();
+  if (!framing_.up && !is_framed_) frame(timeout_);
   return core::upOf(framing_);
 }
 

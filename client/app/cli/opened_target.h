@@ -51,7 +51,7 @@ class OpenedTarget {
   core::View viewAt(double t, const PictureSize& size) const;
 
  private:
-  void frame();
+  void frame(std::chrono::milliseconds timeout);
 
   const std::chrono::milliseconds timeout_;
   const std::optional<core::CameraPath> wanted_path_;

@@ -95,6 +95,7 @@ std::unique_ptr<Hierarchy::Page> Hierarchy::link(HierarchyPage page, size_t firs
 }
 
 void Hierarchy::lose(uint32_t blob_number) {
+  if (lost_.size() >= kMaxLostBlobs) lost_.clear();
   lost_.insert(blob_number);
   if (root_) markLost(*root_);
   for (const auto& [owner, page] : pages_) markLost(*page);

@@ -55,6 +55,9 @@ static_assert(kMaxLods <= 64);
 /// the bound for the smallest encoded node and LOD.
 constexpr uint64_t pageBytesAtMost(uint64_t blob_bytes) noexcept { return 128 + 8 * blob_bytes; }
 
+/// Above this number, all lost blobs are forgotten; the marks of loaded pages stay.
+constexpr size_t kMaxLostBlobs = 65'536;
+
 /// The known part of a model's octree, merged from the pages of an untrusted server. If memory is short,
 /// use() evicts pages that no view uses; evicted pages may be loaded again. Pointers to nodes stay valid
 /// until their page is evicted. Not thread safe.

@@ -45,6 +45,7 @@ std::vector<Request> Prefetcher::wantedAhead(const Model& model, const RefineOpt
 }
 
 void Prefetcher::asked(const Request& request) {
+  if (open_.size() >= kMaxUnusedPrefetches && !open_.contains(request.use)) return;
   const auto [open, is_new] = open_.try_emplace(request.use);
   if (is_new) ++counts_.requested;
   open->second.is_requested = true;

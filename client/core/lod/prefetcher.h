@@ -17,6 +17,8 @@ namespace lode::core {
 constexpr std::chrono::milliseconds kPrefetchAhead{1000};    ///< time between now and the predicted view
 constexpr std::chrono::milliseconds kPrefetchInterval{100};  ///< shortest time between two predictions
 constexpr uint64_t kMaxPrefetchBytes = 256u << 10;           ///< largest total size of the prefetch requests
+/// Largest number of prefetched blobs that no view has needed yet; further blobs are not counted.
+constexpr size_t kMaxUnusedPrefetches = 65'536;
 /// Prefetching leaves 1/4 of the mesh budget free for visible meshes.
 constexpr uint64_t kPrefetchMemoryShare = 4;
 

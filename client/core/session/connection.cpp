@@ -6,6 +6,7 @@
 namespace lode::core {
 
 void Connection::begin(const Digest& known_build_id, TimePoint now) {
+  if (!first_begin_) first_begin_ = now;
   options_.known_build_id = known_build_id;
   if (session_) {
     drop(draining_);
@@ -43,6 +44,7 @@ void Connection::end(std::string why, TimePoint now) {
 }
 
 void Connection::leave(std::string why, TimePoint now) {
+  if (is_draining_) return;
   if (!session_->opened()) return end(std::move(why), now);
   is_draining_ = true;
   retry_at_ = withJitter(now, kMoveOn);
@@ -50,19 +52,22 @@ void Connection::leave(std::string why, TimePoint now) {
 
 void Connection::endDraining() noexcept { drop(draining_); }
 
-bool Connection::survives(const Error& error) const noexcept {
-  return ever_open_ && (error.code() == ErrorCode::kNetwork || error.code() == ErrorCode::kTimeout);
+bool Connection::survives(const Error& error, TimePoint now) const noexcept {
+  const bool may_pass = error.code() == ErrorCode::kNetwork || error.code() == ErrorCode::kTimeout;
+  const bool is_patient = first_begin_ && now - *first_begin_ < options_.open_patience;
+  return may_pass && (ever_open_ || is_patient);
 }
 
 void Connection::fail(const Error& error, TimePoint now) {
-  if (!survives(error)) throw error;
+  if (!survives(error, now)) throw error;
   end(error.what(), now);
 }
 
 void Connection::restart(TimePoint now) {
   drop(session_);
   is_draining_ = false;
-  retry_at_ = now;
+  retry_at_ = restarted_ ? std::max(now, *restarted_ + kFirstRetry) : now;
+  restarted_ = retry_at_;
 }
 
 uint64_t Connection::receivedBytes() const noexcept {

@@ -53,17 +53,19 @@ class Connection {
   void succeeded() noexcept;
   /// Ends the active session and schedules a retry. @param why  reason as a text for users.
   void end(std::string why, TimePoint now);
-  /// Returns true if a retry may succeed, because the error is a network error or a timeout and the model has
-  /// been open before.
-  bool survives(const Error& error) const noexcept;
+  /// Returns true if a retry may succeed: the error is a network error or a timeout, and the model has been
+  /// open before or SessionOptions::open_patience is not over.
+  bool survives(const Error& error, TimePoint now) const noexcept;
   /// Ends the active session after an error. @throws the error if a retry cannot help: see survives().
   void fail(const Error& error, TimePoint now);
   /// Notes that the server is shutting down. Schedules the next session soon and keeps the current session
-  /// until it ends. If the model is not open, ends the current session at once.
+  /// until it ends; repeated notices change nothing. If the model is not open, ends the current session at
+  /// once.
   void leave(std::string why, TimePoint now);
   /// Ends the draining session.
   void endDraining() noexcept;
-  /// Ends the active session and makes the next session due at once.
+  /// Ends the active session and makes the next session due: at once, or kFirstRetry after the last restart,
+  /// so that a server cannot make the client reconnect without pause.
   void restart(TimePoint now);
 
   /// Reason for the missing connection; empty while there is a connection.
@@ -78,7 +80,9 @@ class Connection {
   SessionOptions options_;
   std::mt19937 random_;
   std::optional<Session> session_, draining_;
-  bool is_draining_ = false;  // the server of the active session is shutting down
+  bool is_draining_ = false;              // the server of the active session is shutting down
+  std::optional<TimePoint> first_begin_;  // time of the first begin()
+  std::optional<TimePoint> restarted_;    // time at which the session after the last restart() was due
   TimePoint retry_at_ = TimePoint::min();
   std::chrono::milliseconds longest_wait_ = kFirstRetry;  // longest wait before the next attempt
   bool ever_open_ = false;

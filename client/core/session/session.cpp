@@ -1,7 +1,6 @@
 #include "client/core/session/session.h"
 
 #include <algorithm>
-#include <unordered_set>
 #include <utility>
 
 #include "common/error.h"
@@ -20,8 +19,6 @@ constexpr uint64_t kGrantsPerWindow = 8;
 void require(bool allowed, const std::string& what) {
   if (!allowed) throw Error(ErrorCode::kProtocol, "the server violated the protocol: " + what);
 }
-
-bool differsMuch(float a, float b) { return a > b * kReprioritiseFactor || b > a * kReprioritiseFactor; }
 
 }  // namespace
 
@@ -52,6 +49,8 @@ void Session::send(const proto::Bytes& frame) {
 proto::Bytes Session::takeOutgoing() {
   sent_grant_bytes_ = granted_bytes_;
   if (!outgoing_.empty()) last_sent_ = now_;
+  answer_bytes_ = 0;
+  blocked_ = {};
   return std::exchange(outgoing_, {});
 }
 
@@ -72,9 +71,10 @@ void Session::receive(std::span<const std::byte> bytes, TimePoint now) {
 }
 
 std::optional<SessionEvent> Session::nextEvent() {
-  while (!event_ && takeFrame()) {
+  while (!event_ && !hasUnsentAnswers() && takeFrame()) {
   }
-  if (!event_) grantCredit();
+  paused_ = hasUnsentAnswers();
+  if (!event_ && !paused_) grantCredit();
   return std::exchange(event_, std::nullopt);
 }
 
@@ -116,7 +116,7 @@ void Session::handleFrame(const proto::FrameHeader& header, std::span<const std:
     case proto::FrameType::kPong:
       return handlePong(body);
     case proto::FrameType::kPing:
-      return send(proto::encode(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.call));
+      return handlePing(header, body);
     case proto::FrameType::kGoAway:
       event_ = ServerLeaving{"the server is shutting down (" + proto::decode<proto::GoAway>(body).reason +
                              "); try again later"};
@@ -165,7 +165,7 @@ void Session::handleModels(const proto::FrameHeader& header, std::span<const std
   event_ = ModelsListed{proto::decode<proto::Models>(body).models};
 }
 
-void Session::expectUnasked(const BlobRef& blob, const BlobUse& use) { unasked_ = Incoming{blob, use, {}}; }
+void Session::expectUnasked(const BlobRef& blob, const BlobUse& use) { unasked_ = Incoming{blob, use}; }
 
 void Session::handleBlob(std::span<const std::byte> body) {
   const proto::BlobChunk chunk = proto::decodeBlobChunk(body);
@@ -175,17 +175,20 @@ void Session::handleBlob(std::span<const std::byte> body) {
   if (request == 0) {
     require(unasked_.has_value(), "a blob that was not requested");
     appendChunk(*unasked_, chunk);
-    if (unasked_->bytes.size() == unasked_->blob.bytes)
+    if (unasked_->received_bytes == unasked_->blob.bytes)
       event_ = completed(*std::exchange(unasked_, std::nullopt));
   } else {
     const auto found = requests_.find(request);
     require(found != requests_.end(), "a blob that was not requested");
-    Incoming& incoming = found->second.incoming;
-    appendChunk(incoming, chunk);
-    if (incoming.bytes.size() == incoming.blob.bytes) {
-      Incoming whole = std::move(incoming);
-      endRequest(request);
-      event_ = completed(std::move(whole));
+    OpenRequest& open = found->second;
+    const size_t before = open.incoming.bytes.size();
+    appendChunk(open.incoming, chunk);
+    if (open.cancelling) cancelled_bytes_ += open.incoming.bytes.size() - before;
+    if (open.incoming.received_bytes == open.incoming.blob.bytes) {
+      Incoming whole = endRequest(request);
+      event_ = whole.is_dropped ? SessionEvent(RequestCancelled{whole.blob}) : completed(std::move(whole));
+    } else if (open.cancelling) {
+      limitCancelledBytes(open);
     }
   }
   if (!awaitsBlobs()) window_.pause();
@@ -194,8 +197,10 @@ void Session::handleBlob(std::span<const std::byte> body) {
 void Session::appendChunk(Incoming& incoming, const proto::BlobChunk& chunk) {
   require(chunk.header.total_bytes == incoming.blob.bytes,
           "blob " + std::to_string(incoming.blob.number) + " has another size than announced");
-  require(chunk.header.offset_bytes == incoming.bytes.size(),
+  require(chunk.header.offset_bytes == incoming.received_bytes,
           "a chunk of blob " + std::to_string(incoming.blob.number) + " out of order");
+  incoming.received_bytes += static_cast<uint32_t>(chunk.bytes.size());
+  if (incoming.is_dropped) return;
   if (incoming.bytes.empty()) incoming.bytes.reserve(incoming.blob.bytes);
   incoming.bytes.insert(incoming.bytes.end(), chunk.bytes.begin(), chunk.bytes.end());
 }
@@ -255,20 +260,6 @@ void Session::handleRefusal(const proto::ErrorMessage& error) {
   }
 }
 
-void Session::countRequest(const OpenRequest& request, bool is_open) {
-  const uint64_t one = is_open ? 1 : -uint64_t{1};
-  request_counts_[request.request_class] += one;
-  if (request.incoming.use.kind == BlobKind::kTile) request_counts_.tiles += one;
-}
-
-void Session::endRequest(uint32_t request) {
-  const auto found = requests_.find(request);
-  countRequest(found->second, false);
-  if (!found->second.cancelling) requested_bytes_ -= found->second.incoming.blob.bytes;
-  request_of_blob_.erase(found->second.incoming.blob.number);
-  requests_.erase(found);
-}
-
 /// Returns the number of received bytes of an incomplete frame.
 uint64_t Session::bytesOfUnfinishedFrame() const { return input_.size() - input_begin_; }
 
@@ -285,68 +276,16 @@ void Session::grantCredit() {
 
 void Session::sendCredit() { send(proto::encode(proto::Credit{granted_bytes_}, next_call_++)); }
 
-void Session::setRequests(std::span<const Request> wanted) {
-  if (state_ != State::kOpen) return;
-  std::unordered_set<uint32_t> accepted;
-  std::vector<proto::RequestChange> changes;
-  std::vector<const Request*> additions;
-  uint64_t accepted_bytes = 0;
-  for (const Request& wanting : wanted) {
-    const BlobRef& blob = wanting.blob;
-    if (accepted.size() >= max_open_requests_) break;
-    if (!accepted.empty() && accepted_bytes + blob.bytes > options_.max_requested_bytes) break;
-    if (unasked_ && unasked_->blob.number == blob.number) continue;
-    if (!accepted.insert(blob.number).second) continue;
-    accepted_bytes += blob.bytes;
-    const auto open = request_of_blob_.find(blob.number);
-    if (open == request_of_blob_.end()) {
-      additions.push_back(&wanting);
-      continue;
-    }
-    OpenRequest& request = requests_.at(open->second);
-    const bool moved = request.request_class != wanting.request_class ||
-                       differsMuch(request.priority_px, wanting.priority_px);
-    if (request.cancelling || !moved) continue;
-    countRequest(request, false);
-    request.request_class = wanting.request_class;
-    countRequest(request, true);
-    request.priority_px = wanting.priority_px;
-    changes.push_back({proto::RequestAction::kReprioritise, request.request_class, open->second, blob.number,
-                       request.priority_px});
-  }
-  for (auto& [number, request] : requests_) {
-    if (request.cancelling || accepted.contains(request.incoming.blob.number)) continue;
-    request.cancelling = true;
-    requested_bytes_ -= request.incoming.blob.bytes;
-    changes.push_back(
-        {proto::RequestAction::kCancel, request.request_class, number, request.incoming.blob.number, 0});
-  }
-  for (const Request* wanting : additions) {
-    const BlobRef& blob = wanting->blob;
-    const uint32_t number = next_request_++;
-    const OpenRequest request{{blob, wanting->use, {}}, wanting->request_class, wanting->priority_px, false};
-    countRequest(request, true);
-    requests_.emplace(number, request);
-    request_of_blob_.emplace(blob.number, number);
-    requested_bytes_ += blob.bytes;
-    changes.push_back(
-        {proto::RequestAction::kAdd, wanting->request_class, number, blob.number, wanting->priority_px});
-  }
-  sendChanges(changes);
-}
-
-void Session::sendChanges(std::span<const proto::RequestChange> changes) {
-  while (!changes.empty()) {
-    const auto some = changes.first(std::min<size_t>(changes.size(), proto::kMaxRequestsPerFrame));
-    send(proto::encode(proto::Requests{handle_, {some.begin(), some.end()}}, next_call_++));
-    changes = changes.subspan(some.size());
-  }
-}
-
 void Session::sendPing() {
   last_ping_ = now_;
   ping_open_ = true;
   send(proto::encode(proto::Ping{++pings_}, next_call_++));
+}
+
+void Session::handlePing(const proto::FrameHeader& header, std::span<const std::byte> body) {
+  const proto::Bytes pong = proto::encode(proto::Pong{proto::decode<proto::Ping>(body).payload}, header.call);
+  answer_bytes_ += pong.size();
+  send(pong);
 }
 
 void Session::handlePong(std::span<const std::byte> body) {
@@ -361,6 +300,10 @@ void Session::tick(TimePoint now) {
     throw Error(ErrorCode::kTimeout, "the server has sent nothing for " +
                                          std::to_string(kSilenceLimit.count()) +
                                          " seconds: check the network and the server, then try again");
+  if (blocked_ >= kSilenceLimit)
+    throw Error(ErrorCode::kTimeout, "the server sends, but has read nothing for " +
+                                         std::to_string(kSilenceLimit.count()) +
+                                         " seconds: check the server, then try again");
   if (state_ == State::kWelcome) return;
   if (!ping_open_ &&
       (silence_ >= kPingInterval || (!requests_.empty() && now - last_ping_ >= kMeasureInterval)))
@@ -371,7 +314,8 @@ void Session::tick(TimePoint now) {
 }
 
 void Session::advance(TimePoint now) {
-  silence_ += std::min<std::chrono::nanoseconds>(now - now_, kMaxGap);
+  const auto gap = std::min<std::chrono::nanoseconds>(now - now_, kMaxGap);
+  (paused_ ? blocked_ : silence_) += gap;
   now_ = now;
 }
 

@@ -18,6 +18,7 @@
 #include "common/codec/blob.h"
 #include "common/codec/model_summary.h"
 #include "proto/frame.h"
+#include "proto/limits.h"
 #include "proto/messages.h"
 
 namespace lode::core {
@@ -33,6 +34,10 @@ constexpr std::chrono::seconds kMaxGap{2};
 constexpr uint64_t kMaxRequestedBytes = 32ull << 20;
 /// Largest number of requests: enough to fill any window, but few enough to sort often.
 constexpr uint32_t kMaxRequestsAtOnce = 1024;
+/// Largest number of open requests, including cancelled requests that are not acknowledged yet.
+constexpr size_t kMaxUnendedRequests = 16'384;
+/// Largest total size of the bytes kept for cancelled requests; above it, their bytes are dropped.
+constexpr uint64_t kMaxCancelledBytes = 4ull << 20;
 constexpr float kReprioritiseFactor = 1.19f;  ///< 2^1/4; smaller changes of a priority are not sent
 
 struct SessionOptions {
@@ -42,6 +47,9 @@ struct SessionOptions {
   std::string program = "lodestream";
   Remedies remedies;
   uint64_t max_requested_bytes = kMaxRequestedBytes;
+  /// Time since the first attempt during which a connection retries though the model has never been open.
+  /// Zero: the first error is final.
+  std::chrono::nanoseconds open_patience{0};
   /// If the server does not have the model, the session waits for the model instead of failing.
   bool awaits_model = false;
   /// Function that returns true if the bytes match the blob's digest. If the function is empty, the session
@@ -83,18 +91,23 @@ using SessionEvent = std::variant<ModelOpened, ModelsListed, BlobArrived, BlobRe
 /// The client side of the protocol as a state machine without a socket. The caller passes in received bytes,
 /// and gets events and bytes to send. The session validates all input and throws Error kProtocol, kLimit or
 /// kFormat for a violation; do not use the session after that. Allocates memory only for blobs that the
-/// client expects, whose sizes are known in advance. Not thread safe.
+/// client expects, whose sizes are known in advance. Processes no frame while more than
+/// proto::kMaxQueuedAnswerBytes of answers to Pings wait in takeOutgoing(), so that a server that sends
+/// without reading cannot fill the client's memory. Not thread safe.
 class Session {
  public:
   Session(SessionOptions options, TimePoint now);
 
   /// Takes received bytes, which may end inside a frame. Afterwards call nextEvent() until it returns
-  /// nothing.
+  /// nothing. Requires takesInput(), unless there are no bytes.
   void receive(std::span<const std::byte> bytes, TimePoint now);
   /// Processes the received bytes up to the next event. @throws Error kProtocol, kLimit or kFormat for a
   /// violation of the protocol; kInput or kNetwork with the server's message if the server refuses the
   /// session or the model.
   std::optional<SessionEvent> nextEvent();
+  /// Returns false if frames wait to be processed, because too many Pongs wait to be sent. Then call
+  /// takeOutgoing() as soon as the transport has room, and nextEvent() again.
+  bool takesInput() const noexcept { return !paused_; }
 
   /// Announces the next blob that the server sends without a request (request 0). The session announces the
   /// root page itself. The caller announces the root's coarsest payload after reading the root page.
@@ -103,12 +116,13 @@ class Session {
   /// Replaces the set of requests: adds new requests, changes priorities and cancels requests that are not
   /// wanted any more. Omits requests above the session's limits and blobs whose cancellation is not
   /// acknowledged yet; pass them again in a later call. Cancelled requests count towards no limit, because
-  /// the server reads the cancels before the adds.
+  /// the server reads the cancels before the adds; kMaxUnendedRequests limits both together.
   /// @param wanted  requests, best first.
-  void setRequests(std::span<const Request> wanted);
+  /// @return false if nothing has changed, because too many frames wait in takeOutgoing(): call again later.
+  bool setRequests(std::span<const Request> wanted);
 
-  /// Keeps the connection alive in both directions. @throws Error kTimeout if no byte arrives for
-  /// kSilenceLimit: see kMaxGap.
+  /// Keeps the connection alive in both directions. @throws Error kTimeout if no byte arrives, or no answer
+  /// can be sent, for kSilenceLimit: see kMaxGap.
   void tick(TimePoint now);
 
   /// Returns the frames to send, in order; the first call returns Hello with Open or List.
@@ -133,8 +147,10 @@ class Session {
   struct Incoming {
     BlobRef blob;
     BlobUse use;
-    // Bytes received so far; the first chunk reserves memory for the whole blob.
-    std::vector<std::byte> bytes;
+    // Bytes received so far; the first chunk reserves memory for the whole blob. Empty if dropped.
+    std::vector<std::byte> bytes = {};
+    uint32_t received_bytes = 0;
+    bool is_dropped = false;  // the request is cancelled, and there is no memory for its bytes
   };
   struct OpenRequest {
     Incoming incoming;
@@ -152,10 +168,12 @@ class Session {
   void handleBlob(std::span<const std::byte> body);
   void handleCancelled(std::span<const std::byte> body);
   void handleError(std::span<const std::byte> body);
+  void handlePing(const proto::FrameHeader& header, std::span<const std::byte> body);
   void handlePong(std::span<const std::byte> body);
   void handleRefusal(const proto::ErrorMessage& error);
-  void endRequest(uint32_t request);
+  Incoming endRequest(uint32_t request);
   void countRequest(const OpenRequest& request, bool is_open);
+  bool hasUnsentAnswers() const noexcept { return answer_bytes_ > proto::kMaxQueuedAnswerBytes; }
   bool awaitsBlobs() const noexcept { return !requests_.empty() || unasked_; }
   uint64_t bytesOfUnfinishedFrame() const;
   void grantCredit();
@@ -165,6 +183,8 @@ class Session {
   void sendPing();
   void sendChanges(std::span<const proto::RequestChange> changes);
   void appendChunk(Incoming& incoming, const proto::BlobChunk& chunk);
+  void cancel(OpenRequest& request);
+  void limitCancelledBytes(OpenRequest& request);
   SessionEvent completed(Incoming incoming);
 
   SessionOptions options_;
@@ -178,6 +198,7 @@ class Session {
   std::unordered_map<uint32_t, uint32_t> request_of_blob_;  // request number by blob number
   RequestCounts request_counts_;
   uint64_t requested_bytes_ = 0;  // total size of the open requests that are not cancelled
+  uint64_t cancelled_bytes_ = 0;  // total size of the bytes kept for cancelled requests
   std::optional<Incoming> unasked_;
   uint64_t granted_bytes_;
   uint64_t sent_grant_bytes_;    // last grant that takeOutgoing() returned, which the server may use
@@ -185,13 +206,16 @@ class Session {
   uint64_t received_bytes_ = 0;
   TimePoint now_, last_sent_, last_ping_;
   std::chrono::nanoseconds silence_{0};  // duration of the server's silence: see kMaxGap
+  std::chrono::nanoseconds blocked_{0};  // duration for which Pongs wait and takeOutgoing() was not called
   CreditWindow window_;
   uint64_t pings_ = 0;
   bool ping_open_ = false;
   std::vector<std::byte> input_;  // received bytes that are not processed yet
   size_t input_begin_ = 0;
+  bool paused_ = false;  // frames in input_ wait until answers are sent
   std::optional<SessionEvent> event_;
   proto::Bytes outgoing_;
+  size_t answer_bytes_ = 0;  // bytes of Pongs in outgoing_
 };
 
 }  // namespace lode::core

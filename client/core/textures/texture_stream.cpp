@@ -47,6 +47,7 @@ void TextureStream::takeSet(std::span<const std::byte> bytes) {
 }
 
 void TextureStream::lose(uint32_t blob) {
+  if (blob != set_blob_.number && !keys_.contains(blob)) return;  // a mesh or a page
   lost_.insert(blob);
   std::erase_if(missing_, [blob](const Request& request) { return request.blob.number == blob; });
 }

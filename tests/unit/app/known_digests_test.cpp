@@ -30,5 +30,14 @@ TEST(KnownDigests, areNotThoseOfOtherBytesWhetherTheFirstOrNot) {
   EXPECT_FALSE(names.matchesDigest(refTo(bytes), changed));
 }
 
+TEST(KnownDigests, areForgottenAboveTheLimit) {
+  KnownDigests names;
+  for (uint32_t number = 0; number <= kMaxKnownDigests; ++number) {
+    const auto bytes = std::as_bytes(std::span(&number, 1));
+    ASSERT_TRUE(names.matchesDigest(refTo(bytes), bytes));
+    ASSERT_LE(names.size(), kMaxKnownDigests);
+  }
+}
+
 }  // namespace
 }  // namespace lode::app

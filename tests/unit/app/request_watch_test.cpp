@@ -60,6 +60,19 @@ TEST(RequestClock, countsARequestThatWasLostElsewhereFromWhenItWasSentThere) {
   EXPECT_EQ(lost.size(), 1u) << "the other may be made again later";
 }
 
+TEST(LostRequests, areRememberedUpToALimit) {
+  RequestClock::Requests lost;
+  for (uint32_t connection = 0; connection < 10; ++connection) {
+    RequestClock::Requests open;
+    for (uint32_t blob = 0; blob < 1000; ++blob)
+      open[1000 * connection + blob] = {blob, RequestClass::kVisible, kThen};
+    const size_t before = lost.size();
+    const size_t left_out = addLost(lost, open).size();
+    EXPECT_EQ(lost.size() + left_out, before + open.size());
+  }
+  EXPECT_EQ(lost.size(), kMaxLostRequests);
+}
+
 TEST(RequestClock, letsANewPriorityChangeNothing) {
   RequestClock clock;
   say(clock, RequestAction::kAdd, 9, 20);

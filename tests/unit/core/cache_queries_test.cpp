@@ -9,6 +9,7 @@ Request request(uint32_t number) {
   Digest name;
   name.bytes[0] = static_cast<std::byte>(number);
   name.bytes[1] = static_cast<std::byte>(number >> 8);
+  name.bytes[2] = static_cast<std::byte>(number >> 16);
   return {{number, 100, name}, {BlobKind::kMesh, {kRootKey, number}}};
 }
 
@@ -41,6 +42,16 @@ TEST(CacheQueries, waitWhenManyAreUnderWay) {
   queries.finish(request(1).blob, true);
   EXPECT_FALSE(queries.isMissing(request(kMaxCacheQueries + 5)));
   EXPECT_EQ(queries.take().size(), 1u);
+}
+
+TEST(CacheQueries, forgetWhatIsMissingAboveTheLimit) {
+  CacheQueries queries;
+  for (uint32_t number = 0; number <= kMaxRememberedMisses; ++number) {
+    queries.isMissing(request(number));
+    queries.finish(request(number).blob, false);
+  }
+  EXPECT_TRUE(queries.isMissing(request(kMaxRememberedMisses)));
+  EXPECT_FALSE(queries.isMissing(request(1)));
 }
 
 }  // namespace

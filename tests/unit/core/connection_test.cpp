@@ -85,6 +85,56 @@ TEST(Connection, triesAnewOnlyWhereTheModelWasOpenAndTheNetworkIsToBlame) {
   EXPECT_THROW(connection.fail(Error(ErrorCode::kProtocol, "nonsense"), kLinkStart), Error);
 }
 
+TEST(Connection, triesAnewThoughTheModelWasNeverOpenUntilItsPatienceEnds) {
+  SessionOptions options;
+  options.model = "model";
+  options.open_patience = std::chrono::seconds(20);
+  Connection connection(options, 1);
+  TimePoint now = kLinkStart;
+  while (now < kLinkStart + options.open_patience) {
+    connection.begin({}, now);
+    connection.fail(Error(ErrorCode::kNetwork, "refused"), now);
+    now += waitOf(connection, now);
+  }
+  connection.begin({}, now);
+  EXPECT_THROW(connection.fail(Error(ErrorCode::kNetwork, "refused"), now), Error);
+}
+
+TEST(Connection, isNotPatientWithAServerThatRefuses) {
+  SessionOptions options;
+  options.model = "model";
+  options.open_patience = std::chrono::seconds(20);
+  Connection connection(options, 1);
+  connection.begin({}, kLinkStart);
+  EXPECT_THROW(connection.fail(Error(ErrorCode::kInput, "no such model"), kLinkStart), Error);
+}
+
+TEST(Connection, movesOnHoweverOftenTheServerSaysThatItLeaves) {
+  Connection connection = makeConnection(1);
+  connection.begin({}, kLinkStart);
+  connection.session()->receive(fixture::welcome(), kLinkStart);
+  connection.session()->receive(fixture::opened(), kLinkStart);
+  while (connection.session()->nextEvent()) {
+  }
+  TimePoint now = kLinkStart;
+  for (; now < kLinkStart + kMoveOn; now += milliseconds(1)) connection.leave("maintenance", now);
+  EXPECT_TRUE(connection.due(now));
+}
+
+TEST(Connection, pausesBetweenRestartsOfAModelThatIsReplacedAllTheTime) {
+  Connection connection = makeConnection(1);
+  TimePoint now = kLinkStart;
+  size_t restarts = 0;
+  for (; now < kLinkStart + std::chrono::seconds(10); now += milliseconds(1)) {
+    if (!connection.due(now)) continue;
+    connection.begin({}, now);
+    connection.succeeded();
+    connection.restart(now);
+    ++restarts;
+  }
+  EXPECT_LE(restarts, 25u);
+}
+
 TEST(Connection, saysNothingOfTroubleOnceItWorksAgain) {
   Connection connection = makeConnection(1);
   connection.begin({}, kLinkStart);

@@ -43,6 +43,38 @@ TEST(Model, handsOutNoMoreToDecodeThanThereIsMemoryForAndAllInTheEnd) {
   EXPECT_EQ(model.undecodedBytes() + model.decodingBytes(), 0u);
 }
 
+TEST(Model, refusesACoarsestLodThatTakesFarMoreThanTheBudget) {
+  const SyntheticModel synthetic({.seed = 3});
+  const ScriptedServer server(synthetic);
+  for (const uint32_t triangles : {1000u, kMaxLodTriangles}) {
+    Model model(server.summary(), 16u << 20);
+    HierarchyPage page = synthetic.rootPage();
+    for (Lod& lod : page.nodes.front().lods) {
+      lod.triangles = triangles;
+      lod.vertices = 3 * triangles;
+    }
+    const auto take = [&] {
+      model.take(server.summary().root_page, {BlobKind::kRootPage, {kRootKey, 0}}, encodePage(page));
+    };
+    if (triangles == 1000)
+      EXPECT_NO_THROW(take());
+    else
+      EXPECT_THROW(take(), Error);
+  }
+}
+
+TEST(Model, forgetsRefusalsAboveTheLimit) {
+  const SyntheticModel synthetic({.seed = 3});
+  const ScriptedServer server(synthetic);
+  Model model(server.summary(), 1ull << 30);
+  const Request first{{1, 10, {}}};
+  for (uint32_t number = 1; number <= kMaxRefusedBlobs; ++number) model.refuse({number, 10, {}}, "no");
+  EXPECT_FALSE(model.wants(first));
+  model.refuse({kMaxRefusedBlobs + 1, 10, {}}, "no");
+  EXPECT_TRUE(model.wants(first));
+  EXPECT_EQ(model.failure(), "no");
+}
+
 TEST(Model, beginsWithTheNextFinerLodOnlyWhereTheCoarsestIsLost) {
   const SyntheticModel synthetic({.seed = 3});
   const ScriptedServer server(synthetic);

@@ -90,6 +90,13 @@ TEST(Prefetcher, countsAsUsedWhatAnyPlaceShows) {
   EXPECT_EQ(prefetcher.counts().used, 1u);
 }
 
+TEST(Prefetcher, remembersFewBlobsThatNobodyEverNeeds) {
+  Prefetcher prefetcher;
+  for (uint32_t number = 1; number <= kMaxUnusedPrefetches + 1000; ++number)
+    prefetcher.asked({{number, 10, {}}, {BlobKind::kMesh, {NodeKey{number}, 0}}});
+  EXPECT_EQ(prefetcher.counts().requested, kMaxUnusedPrefetches);
+}
+
 TEST(Prefetcher, takesOtherPlacesForNoMotion) {
   const SyntheticModel tree({.seed = 3});
   const Model model = coarseModel(tree, 1ull << 30);

@@ -25,6 +25,14 @@ TEST(CacheThreadTest, writesWhatItWasGivenBeforeItEnds) {
     EXPECT_EQ(cache.find(refOf(number)), bytesOf(number)) << number;
 }
 
+TEST(CacheThreadTest, dropsWhatExceedsTheLimitOfUnwrittenBytes) {
+  const test::WorkFolder folder;
+  const std::vector<std::byte> bytes(kMaxUnwrittenBytes + 1);
+  const BlobRef blob{1, static_cast<uint32_t>(bytes.size()), digestOf(bytes)};
+  CacheThread(BlobCache(folder / "cache", 1u << 30), [] {}).keep(blob, bytes);
+  EXPECT_FALSE(BlobCache(folder / "cache", 1u << 30).find(blob));
+}
+
 TEST(CacheThreadTest, answersEachQuestionOnce) {
   const test::WorkFolder folder;
   BlobCache(folder / "cache", 1u << 20).keep(refOf(1), bytesOf(1));

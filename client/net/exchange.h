@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "client/core/engine.h"
+#include "client/net/tcp_transport.h"
+#include "proto/messages.h"
+
+namespace lode::net {
+
+/// Largest number of reads and answers in one call of exchange().
+constexpr size_t kMaxExchangeRounds = 16;
+
+/// Sends the frames that a client's end of the protocol has queued. If the transport has no room, they stay
+/// where they are. @param end  has takeOutgoing().
+template <typename End>
+void sendOutgoing(TcpTransport& transport, End& end) {
+  if (transport.hasRoom()) transport.send(end.takeOutgoing());
+}
+
+/// Passes received bytes to a client's end of the protocol. If answers of the end wait to be sent, sends them
+/// before it takes more bytes; while the transport has no room for them, takes none. So a server that sends
+/// without reading fills neither queue. The work of one call is limited, so that a flood of frames does not
+/// keep the caller from its clock.
+/// @param end  has connected(), takesInput(), takeOutgoing() and receive(bytes), which handles the events.
+/// @return true if the caller should call again at once. If the transport lacks room, it wakes its owner.
+/// @throws Error as TcpTransport and `end` do.
+template <typename End>
+bool exchange(TcpTransport& transport, End& end) {
+  if (end.connected()) sendOutgoing(transport, end);
+  for (size_t round = 0; round < kMaxExchangeRounds && end.connected(); ++round) {
+    if (end.takesInput()) {
+      const proto::Bytes bytes = transport.takeReceived();
+      if (bytes.empty()) return false;
+      end.receive(bytes);
+    } else {
+      if (!transport.hasRoom()) return false;
+      transport.send(end.takeOutgoing());
+      end.receive(proto::Bytes());
+    }
+  }
+  return end.connected();
+}
+
+/// One connection of an engine, for exchange().
+class EngineEnd {
+ public:
+  EngineEnd(core::Engine& engine, core::SessionRole role, core::TimePoint now) noexcept
+      : engine_(engine), role_(role), now_(now) {}
+
+  bool connected() const noexcept { return engine_.connected(role_); }
+  bool takesInput() const noexcept { return engine_.takesInput(role_); }
+  proto::Bytes takeOutgoing() { return engine_.takeOutgoing(role_); }
+  void receive(std::span<const std::byte> bytes) { engine_.receive(bytes, now_, role_); }
+
+ private:
+  core::Engine& engine_;
+  const core::SessionRole role_;
+  const core::TimePoint now_;
+};
+
+}  // namespace lode::net
