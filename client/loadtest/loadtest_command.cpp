@@ -126,6 +126,7 @@ class PlannedLoad {
     LoadPlan plan;
     plan.model = open.served;
     plan.options = open.options;
+    plan.options.engine.session.open_patience = options_.common.timeout();
     plan.route = stream::routeTo(plan.model, plan.options);
     plan.path_of = path_of_;
     plan.size_px = {size.width_px, size.height_px};

@@ -50,6 +50,16 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
       if (node.isLeaf())
         plan_.trace.requests.push_back(
             {0, {node.lods[0].payload, {core::BlobKind::kMesh, {node.key, 0}}}, {}});
+    makeClient();
+  }
+
+  /// Replaces the client by one that retries for a time though it has never opened the model.
+  void patient(std::chrono::nanoseconds patience) {
+    plan_.options.engine.session.open_patience = patience;
+    makeClient();
+  }
+
+  void makeClient() {
     if (GetParam() == Kind::kFull)
       client_ = std::make_unique<FullClient>(io_, plan_, start_, 1, names_, counts_);
     else
@@ -141,6 +151,21 @@ TEST_P(EveryLoadClient, givesUpWithOneErrorWhereNobodyIsThereAtFirst) {
   while (client_->due() != kNever) turn();
   EXPECT_EQ(counts_.gave_up, 1u);
   EXPECT_EQ(counts_.errorCount(), 1u);
+}
+
+TEST_P(EveryLoadClient, comesAgainWithinItsPatienceThoughNobodyIsThereAtFirst) {
+  patient(60s);
+  server_->closeToTheNext(2);
+  runUntilOpened(1);
+  EXPECT_EQ(counts_.gave_up, 0u);
+  EXPECT_EQ(counts_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kNetwork, 2}}));
+}
+
+TEST_P(EveryLoadClient, givesUpWhereNobodyIsThereUntilItsPatienceEnds) {
+  patient(1ms);
+  server_->closeToTheNext(1000);
+  while (client_->due() != kNever) turn();
+  EXPECT_EQ(counts_.gave_up, 1u);
 }
 
 TEST_P(EveryLoadClient, thatGaveUpCountsAsLateAsTheEnd) {
