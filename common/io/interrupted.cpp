@@ -75,9 +75,11 @@ void say(const char* text) noexcept {
   [[maybe_unused]] const ssize_t ignored = ::write(STDERR_FILENO, text, std::strlen(text));
 }
 
-/// Removes all unfinished files and folders, then ends the process by the signal, so that the parent process
-/// sees the signal.
-void endBy(int signal) {
+void endBy(int signal) { endInterrupted(signal, nullptr); }
+
+}  // namespace
+
+void endInterrupted(int signal, const char* message) noexcept {
   is_ending = true;
   bool is_removed = false;
   for (const std::atomic<const char*>& slot : unfinished) {
@@ -85,14 +87,20 @@ void endBy(int signal) {
     if (path != nullptr && remove(path)) is_removed = true;
   }
   say(program_invocation_short_name);
-  say(is_removed ? ": interrupted; unfinished output is removed\n" : ": interrupted\n");
+  say(": ");
+  say(message != nullptr ? message
+      : is_removed       ? "interrupted; unfinished output is removed"
+                         : "interrupted");
+  say("\n");
   struct sigaction action {};
   action.sa_handler = SIG_DFL;
   ::sigaction(signal, &action, nullptr);
-  ::raise(signal);  // the signal is blocked until this handler returns
+  sigset_t only{};
+  sigaddset(&only, signal);
+  ::pthread_sigmask(SIG_UNBLOCK, &only, nullptr);  // a handler blocks its own signal
+  ::raise(signal);
+  ::_exit(128 + signal);
 }
-
-}  // namespace
 
 void endCleanlyWhenInterrupted() noexcept {
   struct sigaction action {};

@@ -68,8 +68,10 @@ void checkOutput(const ingest::BuildOptions& options) {
 }
 
 ingest::BuildReport buildUnlessInterrupted(const BuildArguments& arguments) {
+  const bool is_kept = arguments.options.resume;
   const Interruption interruption(
-      arguments.options.resume ? "interrupted" : "interrupted; nothing was written, start it again");
+      is_kept ? "interrupted" : "interrupted; nothing was written, start it again",
+      is_kept ? "; finished work is kept, run the same command again to continue" : "");
   try {
     ProgressBar bar = arguments.json_progress
                           ? ProgressBar(stdout, ProgressBar::Mode::kJson)

@@ -2,16 +2,22 @@
 
 #include <array>
 #include <csignal>
+#include <string>
+#include <thread>
+
+#include <semaphore.h>
 
 namespace lode::app {
 
-/// Records SIGINT, SIGTERM and SIGHUP while the object exists. Meanwhile these signals do not end the
-/// process, so that the running work can remove its temporary files. Ignored signals stay ignored. Only one
-/// object can exist at a time.
+/// Records SIGINT, SIGTERM and SIGHUP while the object exists. The running work can end at its next check()
+/// and remove its temporary files. If the work does not end within half a second, a thread ends the process
+/// by the signal, and removes all Unfinished files. Ignored signals stay ignored. Only one object can exist
+/// at a time.
 class Interruption {
  public:
   /// @param message  message of the error that check() throws.
-  explicit Interruption(const char* message);
+  /// @param hint  added to the message if the process ends before the work does; may be empty.
+  Interruption(const char* message, const char* hint);
   ~Interruption();
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
@@ -23,8 +29,13 @@ class Interruption {
   void endProcessIfReceived(const char* message) const;
 
  private:
+  void endAfterGrace();
+
   const char* message_;
+  const std::string forced_message_;
   std::array<struct sigaction, 3> before_{};
+  sem_t ended_{};  ///< posted when the object ends
+  std::jthread watcher_;
 };
 
 }  // namespace lode::app

@@ -120,6 +120,11 @@ void BuildFolder::syncFolders() const {
   syncFolder(files_.parent_path());
 }
 
+void BuildFolder::removeWhenInterrupted() {
+  unfinished_files_ = Unfinished(files_);
+  unfinished_ = Unfinished(path_);
+}
+
 void BuildFolder::syncFiles() const { syncFolder(files_); }
 
 }  // namespace lode::ingest

@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include "common/io/interrupted.h"
 #include "server/ingest/disk/temporary_folder.h"
 
 namespace lode::ingest {
@@ -36,6 +37,8 @@ class BuildFolder {
   /// Syncs the entries of temporary files to disk. @throws Error kIo.
   void syncFiles() const;
   void keep(bool is_kept) noexcept { is_kept_ = is_kept; }
+  /// Removes all files also if a signal ends the process.
+  void removeWhenInterrupted();
 
  private:
   std::filesystem::path filesIn(const std::filesystem::path& temporary_parent) const;
@@ -44,6 +47,7 @@ class BuildFolder {
   std::filesystem::path output_, output_folder_, path_, files_;
   int lock_ = -1;
   bool is_kept_ = true;
+  Unfinished unfinished_files_, unfinished_;  ///< marks of removeWhenInterrupted()
 };
 
 }  // namespace lode::ingest

@@ -43,6 +43,7 @@ BuildSession::BuildSession(const BuildOptions& options, const BuildProgress& pro
   if (std::filesystem::exists(folder_.journal(), ignored)) resume();
   if (!journal_) begin();
   folder_.keep(false);
+  if (!options.resume) folder_.removeWhenInterrupted();
 }
 
 /// Opens the existing journal if this build can resume from it. Otherwise removes the earlier build.

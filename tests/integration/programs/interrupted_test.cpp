@@ -5,6 +5,7 @@
 #include <csignal>
 #include <filesystem>
 #include <iterator>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -67,6 +68,61 @@ TEST_F(InterruptedCommand, leavesNoTemporaryFolderOfADoctor) {
   const std::string model = models / "a.ply";
   ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "1000000", "-o", model}).status, 0);
   expectNothingLeft({"doctor", model, "--tmp", folder_.path()}, SIGHUP);
+}
+
+/// Builds of one node, which compute for many seconds without a look at signals.
+class InterruptedBuild : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    models = std::make_unique<WorkFolder>();
+    ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "600000", "-o", model()}).status, 0);
+  }
+  static void TearDownTestSuite() { models.reset(); }
+  static std::string model() { return *models / "a.ply"; }
+
+  /// Sends a signal to a build that has begun to simplify. Expects that the build ends at once by it.
+  Outcome interrupt(const Strings& more, int signal) const {
+    Strings command{"build",         model(), "-o", folder_ / "a.lode", "--triangles-per-node", "1000000",
+                    "--json-progress"};
+    command.insert(command.end(), more.begin(), more.end());
+    Program program("lodestreamd", command);
+    std::string line;
+    do line = program.readLine();
+    while (line.find("simplify") == std::string::npos && line.ends_with('\n'));
+    program.signal(signal);
+    const auto sent = std::chrono::steady_clock::now();
+    Outcome outcome = program.wait();
+    EXPECT_LT(std::chrono::steady_clock::now() - sent, kAtOnce);
+    EXPECT_EQ(outcome.status, 128 + signal);
+    expectOneLine(outcome.err);
+    return outcome;
+  }
+
+  /// A second, and time for a busy machine to notice it.
+  static constexpr std::chrono::milliseconds kAtOnce{2500};
+  static inline std::unique_ptr<WorkFolder> models;
+  WorkFolder folder_;
+};
+
+TEST_F(InterruptedBuild, endsAtOnceAndLeavesNothingWhateverItComputes) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const Outcome outcome = interrupt({}, signal);
+    EXPECT_NE(outcome.err.find("interrupted; nothing was written"), std::string::npos) << outcome.err;
+    EXPECT_TRUE(folder_.contents().empty());
+  }
+}
+
+TEST_F(InterruptedBuild, removesItsTemporaryFilesInAnotherFolderToo) {
+  const WorkFolder temporary;
+  interrupt({"--tmp", temporary.path()}, SIGTERM);
+  EXPECT_TRUE(temporary.contents().empty());
+  EXPECT_TRUE(folder_.contents().empty());
+}
+
+TEST_F(InterruptedBuild, endsAtOnceAndKeepsItsWorkIfItIsToBeResumed) {
+  const Outcome outcome = interrupt({"--resume"}, SIGTERM);
+  EXPECT_NE(outcome.err.find("finished work is kept"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(folder_.contents().empty());
 }
 
 }  // namespace
