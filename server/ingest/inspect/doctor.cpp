@@ -116,7 +116,8 @@ class Doctor {
     PlyReadOptions read_options{.skip_bad = true, .read_truncated = true};
     read_options.on_defect = [&](const PlyDefect& defect) {
       Defects& defects = defect.is_bad ? bad_ : dropped_;
-      if (++defects.count <= kShownDefects) defects.first.push_back(defect.text);
+      if (defects.count < kShownDefects) defects.first.push_back(defect.text);
+      defects.count += defect.rows;
     };
     PlyReader& reader = reader_.emplace(options_.input, read_options);
     report_.attributes = reader.attributes();

@@ -98,6 +98,7 @@ FaceVerdict PlyFaceBatch::add(std::span<const int64_t> corners, const FaceAttrib
   if (verdict != FaceVerdict::kAccepted) {
     ++(verdict == FaceVerdict::kDropped ? counts_.dropped_faces : counts_.skipped_bad);
     countDropped(corners.size());
+    noteLeftOut(1);
     return verdict;
   }
   counts_.triangles += corners.size() - 2;
@@ -123,8 +124,20 @@ uint16_t PlyFaceBatch::takeMaterial(int64_t texnumber) {
   return number < kNoMaterial ? static_cast<uint16_t>(number) : kNoMaterial;
 }
 
+void PlyFaceBatch::addEmpty(uint64_t faces) {
+  counts_.faces += faces;
+  counts_.dropped_faces += faces;
+  noteLeftOut(faces);
+}
+
+void PlyFaceBatch::noteLeftOut(uint64_t faces) {
+  left_out_ += faces;
+  if (left_out_ >= kPlyBatchRows) flush();
+}
+
 void PlyFaceBatch::flush() {
-  if (faces_.corner_counts.empty()) return;
+  if (faces_.corner_counts.empty() && left_out_ == 0) return;
+  left_out_ = 0;
   if (sink_) sink_(faces_);
   faces_.clear();
 }

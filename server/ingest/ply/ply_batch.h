@@ -70,7 +70,8 @@ struct FaceAttributes {
   glm::u8vec4 colour{255};
 };
 
-/// Collects faces, drops degenerate ones, and passes the others to a sink in batches.
+/// Collects faces, drops degenerate ones, and passes the others to a sink in batches. A batch is empty if many
+/// faces in a row are dropped.
 class PlyFaceBatch {
  public:
   PlyFaceBatch(const PlyPlan& plan, const PlyReader::FaceSink& sink, PlyCounts& counts,
@@ -91,9 +92,13 @@ class PlyFaceBatch {
   /// Counts a face whose colour is clamped, or set to zero because it is NaN or infinite.
   void countClamped() noexcept { ++counts_.clamped_colours; }
   void countReplaced() noexcept { ++counts_.replaced_attributes; }
+  /// Counts faces without corners as dropped.
+  void addEmpty(uint64_t faces);
   void flush();
 
  private:
+  /// Passes on the batch after many faces that are not part of it, so that progress is reported.
+  void noteLeftOut(uint64_t faces);
   FaceVerdict judge(std::span<const int64_t> corners);
   void countDropped(size_t corners) noexcept { counts_.dropped_triangles += corners > 2 ? corners - 2 : 0; }
   uint16_t takeMaterial(int64_t texnumber);
@@ -107,6 +112,7 @@ class PlyFaceBatch {
   PlyCounts& counts_;
   const SkippedVertices& skipped_;
   PlyFaces faces_;
+  uint64_t left_out_ = 0;  ///< faces dropped or skipped since the last flush
   std::vector<int64_t> sorted_;
 };
 

@@ -61,6 +61,8 @@ bool convertField(VertexField field, const char* from, size_t stride, std::span<
   return convert([i](PlyVertex& row, T value) { row.texture[i] = static_cast<float>(value); });
 }
 
+constexpr uint64_t kRowsAtFirst = 64;  ///< faces that are read one by one, so that a report can name them
+
 class BinaryBody final : public PlyBody {
  public:
   BinaryBody(PlyInput& input, bool swap, PlyReadOptions options) : PlyBody(input, options), swap_(swap) {}
@@ -81,13 +83,18 @@ class BinaryBody final : public PlyBody {
 
   void readFaces(const FacePlan& plan, PlyFaceBatch& batch) override {
     element_ = plan.element;
-    for (row_ = 0; row_ < element_->count; ++row_) {
+    for (row_ = 0; row_ < element_->count;) {
       row_offset_ = input_.offset();
       if (plan.strips) {
         readStripRow(plan, batch);
+      } else if (const uint64_t rows = row_ < kRowsAtFirst ? 0 : takeEmptyRows(*element_); rows > 0) {
+        addEmptyFaces(rows, batch);
+        row_ += rows;
+        continue;
       } else {
         readFaceRow(plan, batch);
       }
+      ++row_;
     }
     batch.flush();
   }
@@ -106,6 +113,8 @@ class BinaryBody final : public PlyBody {
     }
     for (; row_ < element.count; ++row_) {
       row_offset_ = input_.offset();
+      row_ += takeEmptyRows(element);
+      if (row_ == element.count) break;
       for (const PlyProperty& property : element.properties) skipProperty(property);
     }
   }
@@ -144,6 +153,21 @@ class BinaryBody final : public PlyBody {
     const uint64_t items = static_cast<uint64_t>(count);
     if (items * plyTypeBytes(list.type) > input_.remaining()) failTruncated();
     return items;
+  }
+
+  /// Consumes a run of rows that consist of one empty list, at the speed of reading. Leaves short runs.
+  /// @return the number of rows.
+  uint64_t takeEmptyRows(const PlyElement& element) {
+    constexpr size_t kStep = 64;
+    constexpr std::array<char, kStep> kZeros{};
+    if (element.properties.size() != 1 || !element.properties[0].is_list || !input_.fill(kStep)) return 0;
+    size_t zeros = 0;
+    while (zeros + kStep <= input_.available() && std::memcmp(input_.data() + zeros, kZeros.data(), kStep) == 0)
+      zeros += kStep;
+    const size_t row_bytes = plyTypeBytes(element.properties[0].count_type);
+    const uint64_t rows = std::min<uint64_t>(zeros / row_bytes, element.count - row_);
+    input_.consume(static_cast<size_t>(rows) * row_bytes);
+    return rows;
   }
 
   double loadDouble(PlyType type, const char* from) const noexcept {

@@ -8,6 +8,7 @@
 namespace lode::ingest {
 namespace {
 
+constexpr const char* kTooFewCorners = "it has fewer than three corners";
 constexpr const char* kRepair = "repair the file, or build it with lodestreamd build --skip-bad";
 
 }  // namespace
@@ -24,9 +25,15 @@ void PlyBody::failTruncated(const std::string& how) const {
                                      " at " + where() + "; copy or export the file again" + how);
 }
 
-void PlyBody::reportDefect(bool is_bad, const std::string& what) const {
+void PlyBody::reportDefect(bool is_bad, const std::string& what, uint64_t rows) const {
   if (!options_.on_defect) return;
-  options_.on_defect({is_bad, element_->name + " " + std::to_string(row_) + " at " + where() + ": " + what});
+  options_.on_defect(
+      {is_bad, element_->name + " " + std::to_string(row_) + " at " + where() + ": " + what, rows});
+}
+
+void PlyBody::addEmptyFaces(uint64_t rows, PlyFaceBatch& batch) const {
+  batch.addEmpty(rows);
+  reportDefect(false, kTooFewCorners, rows);
 }
 
 void PlyBody::handleBadIndex(int64_t index) const {
@@ -105,7 +112,7 @@ void PlyBody::addFace(PlyFaceBatch& batch) {
     handleBadIndex(
         *std::find_if(corners_.begin(), corners_.end(), [&](int64_t i) { return !batch.isVertex(i); }));
   } else if (verdict == FaceVerdict::kDropped) {
-    reportDefect(false, corners_.size() < 3 ? "it has fewer than three corners" : "it uses a vertex twice");
+    reportDefect(false, corners_.size() < 3 ? kTooFewCorners : "it uses a vertex twice");
   }
 }
 

@@ -44,8 +44,8 @@ class PlyBody {
   /// Fails because the file is too short. @param how text that follows the remedy after a comma.
   [[noreturn]] void failTruncated(const std::string& how = {}) const;
 
-  /// Reports a defect of the current row to options.on_defect.
-  void reportDefect(bool is_bad, const std::string& what) const;
+  /// Reports a defect of the current row, or of several rows from the current row on, to options.on_defect.
+  void reportDefect(bool is_bad, const std::string& what, uint64_t rows = 1) const;
   /// Handles a defect of the vertex at batch.room()[index]: counts the defect if skip_bad is set, else fails.
   void handleVertexDefect(VertexDefect defect, size_t index, PlyVertexBatch& batch) const;
   /// Starts a row of the face element.
@@ -55,6 +55,8 @@ class PlyBody {
   void takeFaceValue(FaceRole role, PlyType type, double value) noexcept;
   /// Adds the current face to the batch.
   void addFace(PlyFaceBatch& batch);
+  /// Counts and reports faces without corners, from the current row on.
+  void addEmptyFaces(uint64_t rows, PlyFaceBatch& batch) const;
   void addStripIndex(int64_t index, StripCutter& strip, const PlyFaceBatch& batch) const;
   void checkListLength(const PlyProperty& list, FaceRole role, uint64_t count) const;
 

@@ -180,7 +180,7 @@ PlyCounts PlyReader::read(const VertexSink& vertices, const FaceSink& faces, con
     report();
   };
   const FaceSink face_sink = [&](const PlyFaces& batch) {
-    if (faces) faces(batch);
+    if (faces && !batch.corner_counts.empty()) faces(batch);
     report();
   };
   SkippedVertices skipped;
