@@ -1,7 +1,6 @@
 #include "server/ingest/measure/boundary_gap.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <tuple>
@@ -22,10 +21,14 @@ constexpr float kNegligible = 0.25f;  ///< distances below this value do not mat
 constexpr float kShortestPart = 0.5f;
 constexpr size_t kFewBoundaries = 16;     ///< up to this number of boundaries, a search tests each of them
 constexpr size_t kManyBoundaries = 4096;  ///< number of boundaries that is enough to measure an edge
+/// All boundary edges that meet at a position measure about this number of boundaries together. Each edge
+/// measures at least kLeastBoundaries, and kManyBoundaries if few edges meet.
+constexpr size_t kBoundariesOfPlace = 16384, kLeastBoundaries = 64;
 
-/// A position of the simplified mesh, and a reference one end of which maps to this position.
+/// A position of the simplified mesh, a reference one end of which maps to this position, and the position to
+/// which the other end maps.
 struct Meeting {
-  uint32_t place, reference;
+  uint32_t place, other, reference;
 };
 
 float squaredDistance(glm::vec3 point, std::span<const Segment> boundaries) noexcept {
@@ -94,56 +97,83 @@ void measureSegment(const Segment& segment, std::span<Segment> boundaries, Farth
 class MeetingBoundaries {
  public:
   MeetingBoundaries(const SimplifiedMesh& simplified, const LodInput& input)
-      : simplified_(simplified), input_(input) {
+      : input_(input) {
     for (uint32_t i = 0; i < input.referenceCount(); ++i) {
       const glm::u32vec2 image = imageOf(input.reference(i).near, simplified.remap);
-      if (image.x != kVanished) meetings_.push_back({image.x, i});
-      if (image.y != kVanished && image.y != image.x) meetings_.push_back({image.y, i});
+      if (image.x != kVanished) meetings_.push_back({image.x, image.y, i});
+      if (image.y != kVanished && image.y != image.x) meetings_.push_back({image.y, image.x, i});
     }
-    std::sort(meetings_.begin(), meetings_.end(), [](Meeting m, Meeting n) {
-      return std::tie(m.place, m.reference) < std::tie(n.place, n.reference);
+    std::sort(meetings_.begin(), meetings_.end(), [](const Meeting& m, const Meeting& n) {
+      return std::tie(m.place, m.other, m.reference) < std::tie(n.place, n.other, n.reference);
     });
   }
 
-  /// Collects the references at some positions. Stops at about kManyBoundaries references.
-  void gather(std::span<const uint32_t> places, std::vector<Segment>& boundaries) const {
-    const auto pointOf = [](PositionCode position) { return glm::vec3(unpackPosition(position)); };
+  /// Collects references at both ends of an edge, at most about `most`. Prefers those that map to the edge or
+  /// to one of its ends.
+  void gather(glm::u32vec2 ends, size_t most, std::vector<Segment>& boundaries) const {
     boundaries.clear();
-    for (const uint32_t place : places) {
+    for (const uint32_t place : {ends.x, ends.y}) {
       if (boundaries.size() >= kManyBoundaries) break;
-      for (const Meeting meeting : meetingsAt(place)) {
-        const ReferenceBoundary boundary = input_.reference(meeting.reference);
-        boundaries.push_back({pointOf(boundary.from), pointOf(boundary.to)});
+      const std::span<const Meeting> all = meetingsAt(place);
+      if (most >= kManyBoundaries || all.size() <= most) {
+        add(all, boundaries);
+        continue;
       }
+      for (const uint32_t other : {ends.x, ends.y}) add(withOther(all, other, most), boundaries);
+      if (boundaries.empty()) add(all.first(most), boundaries);
     }
   }
 
-  /// Returns both ends of an edge, then the positions that share a reference with one of the ends.
-  std::vector<uint32_t> around(glm::u32vec2 ends) const {
-    std::vector<uint32_t> places;
-    for (const uint32_t end : {ends.x, ends.y}) {
-      for (const Meeting meeting : meetingsAt(end)) {
-        const glm::u32vec2 image = imageOf(input_.reference(meeting.reference).near, simplified_.remap);
-        for (const uint32_t place : {image.x, image.y})
-          if (place != ends.x && place != ends.y && place != kVanished) places.push_back(place);
-      }
+  /// Adds references at the positions that share one with an end, until there are about `most`.
+  void gatherAround(glm::u32vec2 ends, size_t most, std::vector<Segment>& boundaries) const {
+    gather(ends, most, boundaries);
+    for (const uint32_t place : around(ends, most)) {
+      if (boundaries.size() >= most) break;
+      const std::span<const Meeting> all = meetingsAt(place);
+      add(most >= kManyBoundaries ? all : all.first(std::min(most, all.size())), boundaries);
     }
-    std::sort(places.begin(), places.end());
-    places.erase(std::unique(places.begin(), places.end()), places.end());
-    places.insert(places.begin(), {ends.x, ends.y});
-    return places;
   }
 
  private:
   std::span<const Meeting> meetingsAt(uint32_t place) const {
     const auto first = std::partition_point(meetings_.begin(), meetings_.end(),
-                                            [=](Meeting meeting) { return meeting.place < place; });
-    const auto last =
-        std::find_if(first, meetings_.end(), [=](Meeting meeting) { return meeting.place != place; });
+                                            [=](const Meeting& meeting) { return meeting.place < place; });
+    const auto last = std::partition_point(first, meetings_.end(),
+                                           [=](const Meeting& meeting) { return meeting.place == place; });
     return {first, last};
   }
 
-  const SimplifiedMesh& simplified_;
+  static std::span<const Meeting> withOther(std::span<const Meeting> all, uint32_t other, size_t most) {
+    const auto first = std::partition_point(all.begin(), all.end(),
+                                            [=](const Meeting& meeting) { return meeting.other < other; });
+    const auto last = std::partition_point(first, all.end(),
+                                           [=](const Meeting& meeting) { return meeting.other == other; });
+    return {first, std::min(last, first + std::min(static_cast<ptrdiff_t>(most), all.end() - first))};
+  }
+
+  void add(std::span<const Meeting> meetings, std::vector<Segment>& boundaries) const {
+    const auto pointOf = [](PositionCode position) { return glm::vec3(unpackPosition(position)); };
+    for (const Meeting& meeting : meetings) {
+      const ReferenceBoundary boundary = input_.reference(meeting.reference);
+      boundaries.push_back({pointOf(boundary.from), pointOf(boundary.to)});
+    }
+  }
+
+  /// Returns the positions that share a reference with an end, except the ends. Looks at about `most`
+  /// references of each end.
+  std::vector<uint32_t> around(glm::u32vec2 ends, size_t most) const {
+    std::vector<uint32_t> places;
+    for (const uint32_t end : {ends.x, ends.y}) {
+      const std::span<const Meeting> all = meetingsAt(end);
+      for (const Meeting& meeting : most >= kManyBoundaries ? all : all.first(std::min(most, all.size())))
+        if (meeting.other != ends.x && meeting.other != ends.y && meeting.other != kVanished)
+          places.push_back(meeting.other);
+    }
+    std::sort(places.begin(), places.end());
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    return places;
+  }
+
   const LodInput& input_;
   std::vector<Meeting> meetings_;
 };
@@ -167,15 +197,21 @@ float boundaryGap(const SimplifiedMesh& simplified, const LodInput& input) {
     return glm::vec3(unpackPosition(simplified.mesh.positions[place]));
   };
   const MeetingBoundaries meeting(simplified, input);
+  const std::vector<glm::u32vec2> images = imagesOfBoundaries(simplified, input);
+  std::vector<uint32_t> edges_at(simplified.mesh.positions.size());
+  for (const glm::u32vec2 image : images)
+    for (const uint32_t place : {image.x, image.y}) ++edges_at[place];
   std::vector<Segment> boundaries;
   Farthest farthest;
-  for (const glm::u32vec2 image : imagesOfBoundaries(simplified, input)) {
+  for (const glm::u32vec2 image : images) {
+    const size_t share = kBoundariesOfPlace / std::max(edges_at[image.x], edges_at[image.y]);
+    const size_t most = std::clamp(share, kLeastBoundaries, kManyBoundaries);
     const Segment segment{pointOf(image.x), pointOf(image.y)};
-    meeting.gather(std::array{image.x, image.y}, boundaries);
+    meeting.gather(image, most, boundaries);
     Farthest from_these = farthest;
     measureSegment(segment, boundaries, from_these);
     if (from_these.at_most <= farthest.at_most) continue;
-    meeting.gather(meeting.around(image), boundaries);
+    meeting.gatherAround(image, most, boundaries);
     measureSegment(segment, boundaries, farthest);
   }
   return input.referenceGapSteps() + kMargin * std::sqrt(farthest.at_most);

@@ -85,7 +85,7 @@ class Measurement {
     if (walked <= largest_) return walked;
     const float exact = searches_++ < kMostSearchesOfInput
                             ? input_.walk().nearestOfAll(point, {walked * walked, walked, 0}).distance
-                            : input_.tree().nearest(point, 0, {walked * walked, walked, 0}).distance;
+                            : input_.tree().nearest(point, 0, {walked * walked, walked, 0}, effort_).distance;
     largest_ = std::max(largest_, exact);
     return exact;
   }
@@ -181,6 +181,7 @@ class Measurement {
   const std::span<const uint32_t> sources_;
   float largest_;
   int searches_ = 0;
+  SearchEffort effort_;
   std::vector<float> of_vertex_, of_edge_;
   NumberTable edges_;  ///< maps an edge to an index in of_edge_
 };
@@ -227,7 +228,7 @@ class EdgeMeasurement {
       const TriangleTree::Nearest walked{distance * distance, distance, hint};
       const TriangleTree::Nearest nearest = searches_++ < kMostSearchesOfInput
                                                 ? walk.nearestOfAll(at, walked)
-                                                : input_.tree().nearest(at, largest_, walked);
+                                                : input_.tree().nearest(at, largest_, walked, effort_);
       distance = nearest.distance;
       hint = nearest.triangle;
     }
@@ -267,6 +268,7 @@ class EdgeMeasurement {
   const LodInput& input_;
   float largest_;
   int searches_ = 0;
+  SearchEffort effort_;
   std::vector<MeasuredPoint> corners_;
 };
 

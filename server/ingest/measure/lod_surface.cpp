@@ -16,7 +16,7 @@ TriangleTree::Nearest LodSurface::nearest(glm::vec3 point, float tolerance,
     return walk_.nearestOfAll(point, bound);
   }
   if (!tree_) tree_.emplace(lod_);
-  return tree_->nearest(point, tolerance, bound);
+  return tree_->nearest(point, tolerance, bound, effort_);
 }
 
 MeasuredPoint LodSurface::walkFrom(glm::vec3 at, uint32_t hint, float tolerance) const noexcept {

@@ -40,6 +40,7 @@ class LodSurface {
   const SurfaceWalk walk_;
   mutable int searches_ = 0;
   mutable std::optional<TriangleTree> tree_;
+  mutable SearchEffort effort_;
 };
 
 }  // namespace lode::ingest

@@ -5,13 +5,30 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "server/ingest/mesh/point_triangle.h"
 
 namespace lode::ingest {
 namespace {
 
+/// Number of triangles around a position up to which a walk looks at all of them. Around other positions a
+/// walk looks at some, so that a mesh of n triangles around one position does not take a time of n * n.
+constexpr uint32_t kMostAround = 256;
+/// Squared mean of the directions to triangles from which on they count as on one side.
+constexpr float kOneSided = 0.01f;
+constexpr uint32_t kSpotsAtOnce = 32;  ///< number of groups of four triangles that visitSome() spreads
+
 float squaredLength(glm::vec3 v) noexcept { return glm::dot(v, v); }
+
+/// Returns a number from 0 to 4 that grows with the angle of a direction in the plane.
+float turnOf(float x, float y) noexcept {
+  const float sum = std::abs(x) + std::abs(y);
+  if (sum == 0) return 0;
+  return x >= 0 ? (y >= 0 ? y / sum : 4 + y / sum) : 2 - y / sum;
+}
 
 glm::vec3 vectorOf(Four four) noexcept { return {four[0], four[1], four[2]}; }
 
@@ -82,6 +99,43 @@ SurfaceWalk::SurfaceWalk(const NodeMesh& mesh) : begin_(mesh.positions.size() + 
   for (auto t = static_cast<uint32_t>(corners_.size()); t-- > 0;) {
     for (int k = 0; k < 3; ++k) around_[--begin_[corners_[t][k]]] = t;
   }
+  for (uint32_t position = 0; position < mesh.positions.size(); ++position)
+    if (isHub(position)) sortAround(position, at(position));
+}
+
+void SurfaceWalk::sortAround(uint32_t position, glm::vec3 at) {
+  const std::span<uint32_t> around(around_.data() + begin_[position],
+                                   begin_[position + 1] - begin_[position]);
+  const auto towards = [&](uint32_t t) {
+    const PackedTriangle& triangle = triangles_[t];
+    const glm::vec3 away =
+        3.f * (vectorOf(triangle.a()) - at) + vectorOf(triangle.ab()) + vectorOf(triangle.ac());
+    const float length = std::sqrt(squaredLength(away));
+    return length > 0 ? away / length : away;
+  };
+  glm::vec3 sum(0), squares(0);
+  for (const uint32_t t : around) {
+    const glm::vec3 direction = towards(t);
+    sum += direction;
+    squares += direction * direction;
+  }
+  const bool is_one_sided =
+      squaredLength(sum) > kOneSided * static_cast<float>(around.size()) * static_cast<float>(around.size());
+  const glm::vec3 axis = is_one_sided                                       ? glm::normalize(sum)
+                         : squares.x <= squares.y && squares.x <= squares.z ? glm::vec3(1, 0, 0)
+                         : squares.y <= squares.z                           ? glm::vec3(0, 1, 0)
+                                                                            : glm::vec3(0, 0, 1);
+  const glm::vec3 aside =
+      glm::normalize(glm::cross(axis, std::abs(axis.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0)));
+  const glm::vec3 ahead = glm::cross(axis, aside);
+  std::vector<std::pair<float, uint32_t>> order;
+  order.reserve(around.size());
+  for (const uint32_t t : around) {
+    const glm::vec3 direction = towards(t);
+    order.emplace_back(turnOf(glm::dot(direction, aside), glm::dot(direction, ahead)), t);
+  }
+  std::sort(order.begin(), order.end());
+  std::transform(order.begin(), order.end(), around.begin(), [](const auto& entry) { return entry.second; });
 }
 
 float SurfaceWalk::distance(glm::vec3 point, uint32_t start, float tolerance) const noexcept {
@@ -128,6 +182,7 @@ std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
   Place place;
   const FourVectors points(point);
   const uint32_t end = begin_[position + 1];
+  if (isHub(position)) return std::nullopt;
   FourVectors first_normal;
   for (uint32_t i = begin_[position]; i < end; i += 4) {
     const FourTriangles four = trianglesFrom(i, end);
@@ -173,14 +228,22 @@ SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start,
 }
 
 uint32_t SurfaceWalk::acrossEdge(uint32_t triangle, uint32_t from, uint32_t to) const noexcept {
-  uint32_t found = triangle;
-  for (uint32_t i = begin_[from + 1];
-       i-- > begin_[from];) {  // runs backwards, so that the first match wins without a branch
-    const uint32_t other = around_[i];
+  if (begin_[to + 1] - begin_[to] < begin_[from + 1] - begin_[from]) std::swap(from, to);
+  const auto isAcross = [&](uint32_t other) {
     const glm::u32vec3& t = corners_[other];
     const uint32_t has_both = (t.x == to) | (t.y == to) | (t.z == to);
-    const uint32_t chosen = 0u - (has_both & (other != triangle));
-    found = (chosen & other) | (~chosen & found);
+    return has_both & (other != triangle);
+  };
+  uint32_t found = triangle;
+  if (isHub(from)) {
+    const auto end = around_.begin() + begin_[from + 1];
+    const auto at = std::find_if(around_.begin() + begin_[from], end, isAcross);
+    return at == end ? found : *at;
+  }
+  for (uint32_t i = begin_[from + 1];
+       i-- > begin_[from];) {  // backwards, so that the first match wins without a branch
+    const uint32_t chosen = 0u - isAcross(around_[i]);
+    found = (chosen & around_[i]) | (~chosen & found);
   }
   return found;
 }
@@ -235,17 +298,47 @@ bool SurfaceWalk::isAbove(glm::vec3 point, uint32_t triangle) const noexcept {
          glm::dot(normal, glm::cross(c, a)) > 0;
 }
 
+bool SurfaceWalk::isHub(uint32_t position) const noexcept {
+  return begin_[position + 1] - begin_[position] > kMostAround;
+}
+
+float SurfaceWalk::visitFour(const FourVectors& points, uint32_t begin, uint32_t end, float tolerance_squared,
+                             Nearest& best) const noexcept {
+  const Four found = trianglesFrom(begin, end).squaredDistances(points);
+  const unsigned within = bitsOf(found <= tolerance_squared);
+  const float least = leastOf(found);
+  if (within == 0 && !(least < best.squared)) return least;
+  const auto first = static_cast<uint32_t>(std::countr_zero(within != 0 ? within : bitsOf(found == least)));
+  best = {found[first], around_[begin + first]};
+  return least;
+}
+
 void SurfaceWalk::visitAround(glm::vec3 point, uint32_t position, float tolerance_squared,
                               Nearest& best) const noexcept {
   const FourVectors points(point);
   const uint32_t end = begin_[position + 1];
-  for (uint32_t i = begin_[position]; i < end && best.squared > tolerance_squared; i += 4) {
-    const Four found = trianglesFrom(i, end).squaredDistances(points);
-    const unsigned within = bitsOf(found <= tolerance_squared);
-    const float least = leastOf(found);
-    if (within == 0 && !(least < best.squared)) continue;
-    const auto first = static_cast<uint32_t>(std::countr_zero(within != 0 ? within : bitsOf(found == least)));
-    best = {found[first], around_[i + first]};
+  if (isHub(position)) return visitSome(points, begin_[position], end, tolerance_squared, best);
+  for (uint32_t i = begin_[position]; i < end && best.squared > tolerance_squared; i += 4)
+    visitFour(points, i, end, tolerance_squared, best);
+}
+
+/// Visits triangles that are spread over a long list, then more and more closely those around the nearest.
+/// The list is sorted around an axis; see sortAround().
+void SurfaceWalk::visitSome(const FourVectors& points, uint32_t begin, uint32_t end, float tolerance_squared,
+                            Nearest& best) const noexcept {
+  uint32_t first = begin, last = end, stride = end - begin;
+  while (stride > 4 && best.squared > tolerance_squared) {
+    stride = std::max(4u, (last - first + kSpotsAtOnce - 1) / kSpotsAtOnce);
+    uint32_t nearest = first;
+    float least = std::numeric_limits<float>::infinity();
+    for (uint32_t i = first; i < last && best.squared > tolerance_squared; i += stride) {
+      const float found = visitFour(points, i, end, tolerance_squared, best);
+      if (!(found < least)) continue;
+      least = found;
+      nearest = i;
+    }
+    first = nearest - std::min(stride, nearest - begin);
+    last = nearest + std::min(stride, end - nearest);
   }
 }
 
@@ -253,6 +346,7 @@ void SurfaceWalk::visitAround(glm::vec3 point, uint32_t position, float toleranc
 /// this function, which takes a third of the time of full distances.
 void SurfaceWalk::visitAbove(glm::vec3 point, uint32_t position, float tolerance_squared,
                              Nearest& best) const noexcept {
+  if (isHub(position)) return;
   const FourVectors points(point);
   const uint32_t end = begin_[position + 1];
   for (uint32_t i = begin_[position]; i < end; i += 4) {

@@ -33,8 +33,9 @@ struct TriangleChain {
 /// Finds the distance from a point to a mesh, in lattice steps, by a walk. The walk goes from the triangles
 /// around one position to the triangles around the next, as long as the distance falls. The result is never
 /// smaller than the true distance. It is larger if every path to the nearest triangle first leads away from
-/// the point, or if the nearest triangle is on another piece of the mesh. If a position near the point is
-/// known, a walk is much faster than a TriangleTree. Const functions are thread safe.
+/// the point, if the nearest triangle is on another piece of the mesh, or if very many triangles meet at a
+/// position. If a position near the point is known, a walk is much faster than a TriangleTree. Const
+/// functions are thread safe.
 class SurfaceWalk {
  public:
   /// @param mesh  the mesh to walk on.
@@ -92,9 +93,19 @@ class SurfaceWalk {
   }
   /// Returns the other triangle with this edge, or the given triangle if no other has the edge.
   uint32_t acrossEdge(uint32_t triangle, uint32_t from, uint32_t to) const noexcept;
+  /// Sorts the triangles around a position by their angle around the mean of the directions to them or, if
+  /// they lie on all sides, around the axis along which they extend least.
+  void sortAround(uint32_t position, glm::vec3 at);
+  /// Returns whether a position has so many triangles that a walk looks at some of them only.
+  bool isHub(uint32_t position) const noexcept;
   bool isAbove(glm::vec3 point, uint32_t triangle) const noexcept;
   void visitAbove(glm::vec3 point, uint32_t position, float tolerance_squared, Nearest& best) const noexcept;
   void visitAround(glm::vec3 point, uint32_t position, float tolerance_squared, Nearest& best) const noexcept;
+  void visitSome(const FourVectors& points, uint32_t begin, uint32_t end, float tolerance_squared,
+                 Nearest& best) const noexcept;
+  /// Visits the next four triangles around a position. @return their least squared distance.
+  float visitFour(const FourVectors& points, uint32_t begin, uint32_t end, float tolerance_squared,
+                  Nearest& best) const noexcept;
 
   float longest_edge_ = 0;
   std::vector<PackedTriangle> triangles_;

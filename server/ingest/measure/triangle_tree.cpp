@@ -166,12 +166,14 @@ void TriangleTree::search(const FourVectors& points, const Reach& reach, const V
   }
 }
 
-TriangleTree::Nearest TriangleTree::nearest(glm::vec3 point, float tolerance, Nearest bound) const noexcept {
+TriangleTree::Nearest TriangleTree::nearestWithin(glm::vec3 point, float tolerance, Nearest bound,
+                                                  uint64_t& leaves) const noexcept {
   if (triangles_.empty()) return bound;
   const FourVectors points(point, point, point, point);
   const float tolerance_squared = tolerance * tolerance;
-  const auto reach = [&] { return bound.squared > tolerance_squared ? bound.squared : 0; };
+  const auto reach = [&] { return bound.squared > tolerance_squared && leaves > 0 ? bound.squared : 0; };
   search(points, reach, [&](size_t begin) {
+    --leaves;
     const PackedTriangle* const leaf = &triangles_[begin];
     const Four found = FourTriangles(leaf[0], leaf[1], leaf[2], leaf[3]).squaredDistances(points);
     for (size_t i = 0; i < 4; ++i)

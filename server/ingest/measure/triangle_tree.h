@@ -13,6 +13,18 @@
 
 namespace lode::ingest {
 
+/// Limits the work of many searches in all, for meshes in which the boxes of nearly all triangles overlap.
+/// Searches of other meshes stay far below the limit. Not thread safe.
+class SearchEffort {
+ public:
+  /// Returns the number of leaves that the next search may visit; the search counts it down.
+  uint64_t& begin() noexcept { return left_ += kLeavesPerSearch; }
+
+ private:
+  static constexpr uint64_t kLeavesPerSearch = 192, kLeavesAtFirst = 1u << 16;
+  uint64_t left_ = kLeavesAtFirst;
+};
+
 /// Finds the distance from a point to a mesh, in lattice steps, by a tree of boxes around the mesh's
 /// triangles. Each step of the construction halves a set of triangles at the median along the longest side of
 /// the box around their centroids. A search tests four boxes or four triangles at once. Unlike a grid, the
@@ -32,7 +44,14 @@ class TriangleTree {
 
   /// @param tolerance  the search ends at any triangle within this distance.
   /// @param bound      the result if no triangle is nearer; a smaller bound makes the search shorter.
-  Nearest nearest(glm::vec3 point, float tolerance = 0, Nearest bound = kNothing) const noexcept;
+  Nearest nearest(glm::vec3 point, float tolerance = 0, Nearest bound = kNothing) const noexcept {
+    uint64_t leaves = ~uint64_t{0};
+    return nearestWithin(point, tolerance, bound, leaves);
+  }
+  /// Like nearest(), but the result may be farther than the nearest triangle if the effort is used up.
+  Nearest nearest(glm::vec3 point, float tolerance, Nearest bound, SearchEffort& effort) const noexcept {
+    return nearestWithin(point, tolerance, bound, effort.begin());
+  }
   float distance(glm::vec3 point) const noexcept { return nearest(point).distance; }
   struct ExactNearest {
     double distance;
@@ -70,6 +89,8 @@ class TriangleTree {
   };
   template <typename Reach, typename Visit>
   void search(const FourVectors& points, const Reach& reach, const Visit& visit) const noexcept;
+  /// @param leaves  number of leaves that the search may visit; receives the number that is left.
+  Nearest nearestWithin(glm::vec3 point, float tolerance, Nearest bound, uint64_t& leaves) const noexcept;
   Branch build(const NodeMesh& mesh, std::span<Middle> middles);
   static size_t partInHalves(std::span<Middle> middles);
   Branch buildLeaf(const NodeMesh& mesh, std::span<const Middle> middles);

@@ -9,8 +9,7 @@ void MeshWelder::begin(AttributeSet attributes, size_t expected_positions, size_
   mesh_.attributes = attributes;
   mesh_.triangles.reserve(expected_triangles);
   table_.reset(expected_positions);
-  first_wedge_.clear();
-  next_wedge_.clear();
+  wedges_.reset(0);
 }
 
 uint32_t MeshWelder::addCorner(PositionCode code, uint8_t lca_depth, const VertexAttributes& attributes) {
@@ -19,18 +18,18 @@ uint32_t MeshWelder::addCorner(PositionCode code, uint8_t lca_depth, const Verte
   if (position == new_position) {
     mesh_.positions.push_back(code);
     mesh_.lca_depth.push_back(lca_depth);
-    first_wedge_.push_back(NumberTable::kAbsent);
+    wedges_.addPosition();
   } else {
     mesh_.lca_depth[position] = std::min(mesh_.lca_depth[position], lca_depth);
   }
-  for (uint32_t w = first_wedge_[position]; w != NumberTable::kAbsent; w = next_wedge_[w]) {
-    if (mesh_.wedge_attributes.empty() || mesh_.wedge_attributes[w] == attributes) return w;
-  }
+  const bool has_attributes = mesh_.attributes.bits != 0;
+  const uint32_t known = has_attributes ? wedges_.find(position, attributes, mesh_.wedge_attributes)
+                                        : wedges_.any(position);
+  if (known != WedgeFinder::kNone) return known;
   const auto wedge = static_cast<uint32_t>(mesh_.wedge_position.size());
   mesh_.wedge_position.push_back(position);
-  if (mesh_.attributes.bits != 0) mesh_.wedge_attributes.push_back(attributes);
-  next_wedge_.push_back(first_wedge_[position]);
-  first_wedge_[position] = wedge;
+  if (has_attributes) mesh_.wedge_attributes.push_back(attributes);
+  wedges_.add(position, wedge, mesh_.wedge_attributes);
   return wedge;
 }
 
@@ -70,25 +69,22 @@ NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<u
 }
 
 void joinEqualWedges(NodeMesh& mesh) {
-  std::vector<uint32_t> last(mesh.positions.size(), NumberTable::kAbsent);  // last wedge of each position
-  std::vector<uint32_t> before;  // for each wedge, the previous wedge of the same position
+  WedgeFinder known;
+  known.reset(mesh.positions.size());
+  uint32_t count = 0;
   std::vector<uint32_t> number(mesh.wedge_position.size());
   for (size_t wedge = 0; wedge < number.size(); ++wedge) {
     const uint32_t position = mesh.wedge_position[wedge];
     const VertexAttributes attributes = mesh.wedge_attributes[wedge];
-    uint32_t found = last[position];
-    while (found != NumberTable::kAbsent && mesh.wedge_attributes[found] != attributes) found = before[found];
-    if (found == NumberTable::kAbsent) {
-      found = static_cast<uint32_t>(before.size());
-      before.push_back(last[position]);
-      last[position] = found;
-      mesh.wedge_position[found] = position;
-      mesh.wedge_attributes[found] = attributes;
-    }
-    number[wedge] = found;
+    number[wedge] = known.find(position, attributes, mesh.wedge_attributes);
+    if (number[wedge] != WedgeFinder::kNone) continue;
+    number[wedge] = count++;
+    mesh.wedge_position[number[wedge]] = position;
+    mesh.wedge_attributes[number[wedge]] = attributes;
+    known.add(position, number[wedge], mesh.wedge_attributes);
   }
-  mesh.wedge_position.resize(before.size());
-  mesh.wedge_attributes.resize(before.size());
+  mesh.wedge_position.resize(count);
+  mesh.wedge_attributes.resize(count);
   for (glm::u32vec3& t : mesh.triangles) t = {number[t.x], number[t.y], number[t.z]};
 }
 

@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "server/ingest/mesh/node_mesh.h"
 #include "server/ingest/mesh/number_table.h"
+#include "server/ingest/mesh/wedge_finder.h"
 
 namespace lode::ingest {
 
@@ -28,8 +30,7 @@ class MeshWelder {
  private:
   NodeMesh mesh_;
   NumberTable table_;
-  std::vector<uint32_t> first_wedge_;  ///< first wedge of each position
-  std::vector<uint32_t> next_wedge_;   ///< next wedge of the same position, or NumberTable::kAbsent
+  WedgeFinder wedges_;
 };
 
 /// Welds the meshes of several nodes. If the meshes lock a position at different depths, the result has the

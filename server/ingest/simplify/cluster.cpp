@@ -6,6 +6,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "server/ingest/mesh/wedge_finder.h"
 #include "server/ingest/simplify/cluster_tree.h"
 #include "server/ingest/simplify/collapse_mesh.h"
 #include "server/ingest/simplify/quadric.h"
@@ -250,9 +251,7 @@ SimplifiedMesh Clusterer::snapshot() {
   NodeMesh result;
   result.attributes = mesh_.attributes;
   std::vector<uint32_t> new_position(count + states_.size(), kNone), new_wedge(mesh_.wedges.size(), kNone);
-  // `last_wedge` contains the last wedge of each new position; `wedge_before` links each new wedge to the
-  // previous wedge of its position.
-  std::vector<uint32_t> last_wedge, wedge_before;
+  WedgeFinder known;
   const auto positionAt = [&](uint32_t place) {
     uint32_t& position = new_position[place];
     if (position != kNone) return position;
@@ -260,7 +259,7 @@ SimplifiedMesh Clusterer::snapshot() {
     const glm::dvec3 point = place < count ? mesh_.point(place) : states_[place - count].point;
     result.positions.push_back(packPosition(glm::uvec3(point + mesh_.origin)));
     result.lca_depth.push_back(place < count ? mesh_.positions[place].lca_depth : kNeverLocked);
-    last_wedge.push_back(kNone);
+    known.addPosition();
     if (!mesh_.hasWedges()) result.wedge_position.push_back(position);
     return position;
   };
@@ -269,12 +268,12 @@ SimplifiedMesh Clusterer::snapshot() {
     uint32_t& wedge = new_wedge[wedges_.find(old)];
     if (wedge != kNone) return wedge;
     const VertexAttributes code = values_.code(wedges_.find(old));
-    for (uint32_t i = last_wedge[position]; i != kNone; i = wedge_before[i])
-      if (result.wedge_attributes[i] == code) return wedge = i;
+    wedge = known.find(position, code, result.wedge_attributes);
+    if (wedge != WedgeFinder::kNone) return wedge;
     wedge = static_cast<uint32_t>(result.wedge_position.size());
     result.wedge_position.push_back(position);
     result.wedge_attributes.push_back(code);
-    wedge_before.push_back(std::exchange(last_wedge[position], wedge));
+    known.add(position, wedge, result.wedge_attributes);
     return wedge;
   };
   for (size_t i = 0; i < triangles.size(); ++i) {

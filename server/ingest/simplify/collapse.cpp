@@ -36,6 +36,16 @@ constexpr double kBreaksFeature = 8;  // cost factor of a collapse that moves a 
 constexpr double kLeastArea = 1e-6;   // area that replaces zero, in square lattice steps
 // The next level begins after a round that collapses less than 1 in 32 of its edges.
 constexpr size_t kProgress = 32;
+// Up to this number of pairs of wedges, the cost of an edge counts attributes.
+constexpr size_t kMostPairs = 64;
+// The cost of a position around a vertex with very many triangles grows by this share for each rank; see
+// drop().
+constexpr double kSpread = 0.25;
+// The costs of these positions grow with each collapse; a higher key saves evaluations.
+constexpr double kAhead = 1.5;
+// Collapses around such vertices may look at this number of triangles: a number for each mesh and a number
+// for each triangle of the mesh.
+constexpr uint64_t kLooksOfMesh = 1u << 18, kLooksPerTriangle = 64;
 
 /// Freedom of an edge's end in a collapse: the end may move, may move at a higher cost, or must stay.
 enum class Freedom { kFree, kPenalised, kFixed };
@@ -88,6 +98,13 @@ class Collapser {
   double breadth(uint32_t u, uint32_t v) const noexcept;
   Freedom freedom(const CollapsePosition& position, EdgeKind edge) const;
   bool alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at);
+  bool isAroundHub(const Record& record) const noexcept {
+    return level_ + 1 == kLimits.size() &&
+           mesh_.positions[record.u].count + mesh_.positions[record.v].count > kLimits[0].most_triangles;
+  }
+  bool mayLookAround(uint32_t u, uint32_t v);
+  bool canDrop(uint32_t gone, uint32_t keep) const;
+  void drop(Record record, uint32_t gone, uint32_t keep, const Candidate& candidate);
   void put(Record record, double cost);
   void apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds);
   SimplifiedMesh snapshot();
@@ -111,6 +128,7 @@ class Collapser {
                                    ///< remaining position refers to itself
   uint32_t clock_ = 0;             ///< number of collapses so far
   size_t level_ = 0;
+  uint64_t looks_left_ = 0;  ///< see kLooksPerTriangle
 };
 
 Collapser::Collapser(NodeMesh&& mesh, const CollapseOptions& options)
@@ -122,6 +140,7 @@ Collapser::Collapser(NodeMesh&& mesh, const CollapseOptions& options)
       far_points_(mesh_),
       places_(mesh_, options.max_position) {
   mesh_.mixes_values = !attributes_.coversAll();
+  looks_left_ = kLooksOfMesh + kLooksPerTriangle * mesh_.live_triangles;
   seen_.resize(std::bit_ceil(mesh_.positions.size() / 2 + 1));
   forward_.resize(mesh_.positions.size());
   std::iota(forward_.begin(), forward_.end(), 0u);
@@ -204,7 +223,9 @@ Freedom Collapser::freedom(const CollapsePosition& position, EdgeKind edge) cons
 void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
   const uint32_t wedge_u = mesh_.only_wedge[u], wedge_v = mesh_.only_wedge[v];
   if (wedge_u != kManyWedges && wedge_v != kManyWedges) return attributes_.reduce(q, wedge_u, wedge_v);
+  if (!mayLookAround(u, v)) return;
   mesh_.findPairs(v, u, pairs_);
+  if (pairs_.size() > kMostPairs) return;
   mesh_.forEachWedge(u, [&](uint32_t wedge) {
     if (std::none_of(pairs_.begin(), pairs_.end(), [=](const auto& pair) { return pair.gone == wedge; }))
       attributes_.reduce(q, wedge);
@@ -320,12 +341,43 @@ bool Collapser::collapseNext() {
   if (stale) {
     record.postponed = 0;
     if (EdgeQueue<Record>::bucketOf(keyOf(candidate.placement.cost)) > queue_.current()) {
-      put(record, candidate.placement.cost);
+      put(record, candidate.placement.cost * (isAroundHub(record) ? kAhead : 1));
       return true;
     }
   }
   collapseEdge(record, candidate);
   return true;
+}
+
+// Returns whether there is time to look at all triangles around both ends of an edge. Otherwise a vertex with
+// n triangles would take a time of n * n, because each of its edges is looked at.
+bool Collapser::mayLookAround(uint32_t u, uint32_t v) {
+  const uint32_t triangles = mesh_.positions[u].count + mesh_.positions[v].count;
+  if (triangles <= kLimits[0].most_triangles) return true;
+  if (triangles > looks_left_) return false;
+  looks_left_ -= triangles;
+  return true;
+}
+
+// Returns whether a position with few triangles can merge into one with very many without a look at those:
+// all triangles of the former vanish, so no other triangle moves.
+bool Collapser::canDrop(uint32_t gone, uint32_t keep) const {
+  const CollapsePosition& position = mesh_.positions[gone];
+  const bool is_free = position.kind == PositionKind::kSmooth || position.kind == PositionKind::kBoundary;
+  if (position.locked || !is_free || position.count > kLimits[0].most_triangles) return false;
+  return std::ranges::all_of(mesh_.around(gone), [&](uint32_t corner) {
+    return mesh_.at(CollapseMesh::next(corner)) == keep || mesh_.at(CollapseMesh::previous(corner)) == keep;
+  });
+}
+
+// Merges a position into one with very many triangles. Every second position goes first, then every second of
+// the others, so that those that remain are spread evenly.
+void Collapser::drop(Record record, uint32_t gone, uint32_t keep, const Candidate& candidate) {
+  const double cost = candidate.placement.cost * (1 + kSpread * std::countr_zero(gone | 1u << 31));
+  if (EdgeQueue<Record>::bucketOf(keyOf(cost)) <= queue_.current())
+    return apply(record.u, record.v, mesh_.point(keep), false);
+  record.postponed = 0;
+  put(record, cost);
 }
 
 // Requeues an edge that cannot collapse now.
@@ -335,8 +387,14 @@ void Collapser::postpone(Record record, const Candidate& candidate) {
 
 void Collapser::collapseEdge(Record record, const Candidate& candidate) {
   const CollapseLimits& limits = kLimits[level_];
-  if (mesh_.positions[record.u].count + mesh_.positions[record.v].count > limits.most_triangles)
-    return postpone(record, candidate);
+  const uint32_t count_u = mesh_.positions[record.u].count, count_v = mesh_.positions[record.v].count;
+  if (count_u + count_v > limits.most_triangles) return postpone(record, candidate);
+  if (isAroundHub(record)) {
+    const auto [few, many] =
+        count_u < count_v ? std::pair(record.u, record.v) : std::pair(record.v, record.u);
+    if (canDrop(few, many)) return drop(record, few, many, candidate);
+  }
+  if (!mayLookAround(record.u, record.v)) return postpone(record, candidate);
   around_.gather(record.u, record.v);
   if (around_.apexes().empty()) return;
   const glm::dvec3 to = places_.settle(candidate.placement.point, quadric_,

@@ -88,6 +88,19 @@ double CollapseCheck::areaOf(uint32_t u, uint32_t a, uint32_t b) const {
   return glm::length(glm::cross(mesh_.point(a) - mesh_.point(u), mesh_.point(b) - mesh_.point(u)));
 }
 
+bool CollapseCheck::hasSide(std::span<const EdgeSurroundings::Side> sides, EdgeSurroundings::Side side) {
+  const auto endsOf = [](const EdgeSurroundings::Side& of) {
+    return uint64_t{std::min(of.a, of.b)} << 32 | std::max(of.a, of.b);
+  };
+  if (sides.size() <= kFewSides)
+    return std::ranges::any_of(sides, [&](const auto& of_u) { return endsOf(of_u) == endsOf(side); });
+  if (ends_of_u_.empty()) {
+    for (const EdgeSurroundings::Side& of_u : sides) ends_of_u_.push_back(endsOf(of_u));
+    std::sort(ends_of_u_.begin(), ends_of_u_.end());
+  }
+  return std::binary_search(ends_of_u_.begin(), ends_of_u_.end(), endsOf(side));
+}
+
 CollapseFinding CollapseCheck::check(const EdgeSurroundings& around, glm::dvec3 to,
                                      const CollapseLimits& limits) {
   CollapseFinding finding;
@@ -96,14 +109,12 @@ CollapseFinding CollapseCheck::check(const EdgeSurroundings& around, glm::dvec3 
   for (const EdgeSurroundings::Side& side : around.ofU()) marks_[side.a] = marks_[side.b] = stamp_;
   for (const uint32_t apex : around.apexes()) marks_[apex] = stamp_ + kApex;
   bool others_meet = false;
+  ends_of_u_.clear();
   for (const EdgeSurroundings::Side& side : around.ofV()) {
     const uint32_t mark_a = marks_[side.a], mark_b = marks_[side.b];
     others_meet |= (mark_a == stamp_) | (mark_b == stamp_);
     if ((mark_a < stamp_) | (mark_b < stamp_)) continue;
-    const auto is_same = [&](const EdgeSurroundings::Side& of_u) {
-      return (of_u.a == side.a && of_u.b == side.b) || (of_u.a == side.b && of_u.b == side.a);
-    };
-    if (std::ranges::none_of(around.ofU(), is_same)) continue;
+    if (!hasSide(around.ofU(), side)) continue;
     finding.folds = true;
     finding.folded_area += areaOf(around.u(), side.a, side.b);
   }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -37,13 +39,17 @@ class CollapseCheck {
  private:
   bool keepsShapes(const EdgeSurroundings& around, glm::dvec3 to, const CollapseLimits& limits) const;
   double areaOf(uint32_t u, uint32_t a, uint32_t b) const;
+  /// Returns whether one of u's sides has the same two ends.
+  bool hasSide(std::span<const EdgeSurroundings::Side> sides, EdgeSurroundings::Side side);
 
   /// Added to stamp_ in the mark of an apex of the edge; the mark of any other neighbour of u is stamp_.
   static constexpr uint32_t kApex = 1;
   static constexpr uint32_t kMarks = 2;
+  static constexpr size_t kFewSides = 16;  ///< number of sides up to which hasSide() compares one by one
 
   const CollapseMesh& mesh_;
   std::vector<uint32_t> marks_;
+  std::vector<uint64_t> ends_of_u_;  ///< ends of u's sides, sorted; memory that is reused between calls
   uint32_t stamp_ = 0;  ///< smallest mark of the current check; lower marks belong to earlier checks
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/ingest/mesh/node_mesh.h"
+#include "server/ingest/mesh/wedge_finder.h"
 
 namespace lode::ingest {
 namespace {
@@ -14,6 +15,9 @@ constexpr uint32_t kNoIndex = ~0u;
 constexpr uint32_t kSlack = 4;  // number of spare slots of a corner list after the list has moved
 // From this number of removed triangles on, each affected corner list is scanned once for all of them.
 constexpr size_t kMany = 64;
+
+// From this length on, the slots of a list's corners are recorded.
+constexpr uint32_t kLongList = 256;
 
 // Weights in quadrics. The plane of a triangle has the triangle's area as weight. Weight of a corner's own
 // point, relative to the area. This point makes the optimum unique on flat surfaces.
@@ -87,6 +91,13 @@ void CollapseMesh::gatherCorners() {
       pool[position.first + position.count++] = c + k;
     }
   }
+  for (const CollapsePosition& position : positions) noteSlots(position, 0);
+}
+
+void CollapseMesh::noteSlots(const CollapsePosition& list, uint32_t from) {
+  if (list.count <= kLongList) return;
+  if (slots_.empty()) slots_.resize(corner_position.size());
+  for (uint32_t i = list.first + from; i < list.first + list.count; ++i) slots_[pool[i]] = i;
 }
 
 void CollapseMesh::findEdges(uint32_t u, std::vector<Edge>& edges, std::vector<uint32_t>& places) const {
@@ -110,6 +121,7 @@ void CollapseMesh::findEdges(uint32_t u, std::vector<Edge>& edges, std::vector<u
 }
 
 EdgeKind CollapseMesh::edgeKind(uint32_t u, uint32_t v) const noexcept {
+  if (positions[v].count < positions[u].count) std::swap(u, v);
   uint32_t uses = 0, wedge_u = 0, wedge_v = 0;
   bool seam = false;
   for (const uint32_t corner : around(u)) {
@@ -141,8 +153,13 @@ void CollapseMesh::classify(const std::vector<Features>& features) {
 void CollapseMesh::unlist(uint32_t corner) {
   CollapsePosition& list = positions[corner_position[corner]];
   uint32_t* const begin = pool.data() + list.first;
-  *std::find(begin, begin + list.count, corner) = begin[list.count - 1];
-  --list.count;
+  const uint32_t last = begin[--list.count];
+  if (list.count < kLongList) {
+    *std::find(begin, begin + list.count, corner) = last;
+  } else {
+    pool[slots_[corner]] = last;
+    slots_[last] = slots_[corner];
+  }
 }
 
 void CollapseMesh::kill(uint32_t corner, bool is_listed) {
@@ -176,6 +193,7 @@ void CollapseMesh::killAll(std::span<const uint32_t> corners, bool are_listed) {
     uint32_t* const end = std::remove_if(
         begin, begin + list.count, [&](uint32_t corner) { return corner_position[corner] == kNoIndex; });
     list.count = static_cast<uint32_t>(end - begin);
+    noteSlots(list, 0);
   }
 }
 
@@ -189,7 +207,8 @@ void CollapseMesh::merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double 
   });
   killAll(std::span(shared, dying_.end()), false);
   const uint32_t moving = static_cast<uint32_t>(shared - dying_.begin());
-  if (kept.count + moving > kept.capacity) {
+  const bool moves = kept.count + moving > kept.capacity, was_long = kept.count > kLongList;
+  if (moves) {
     const uint32_t total = kept.count + moving;
     if (total <= left.capacity) {
       std::copy_n(pool.data() + kept.first, kept.count, pool.data() + left.first);
@@ -203,10 +222,12 @@ void CollapseMesh::merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double 
       kept.capacity = capacity;
     }
   }
+  const uint32_t before = kept.count;
   for (uint32_t i = 0; i < moving; ++i) {
     pool[kept.first + kept.count++] = dying_[i];
     corner_position[dying_[i]] = keep;
   }
+  noteSlots(kept, was_long && !moves ? before : 0);
   left.count = left.capacity = 0;
   points[keep] = glm::ivec4(point, 0);
   quadrics[keep] += quadrics[gone];
@@ -224,15 +245,15 @@ uint32_t CollapseMesh::findOnlyWedge(uint32_t position) const noexcept {
   return wedge;
 }
 
-void CollapseMesh::findPairs(uint32_t keep, uint32_t gone, std::vector<WedgeTable::Pair>& pairs) const {
+void CollapseMesh::findPairs(uint32_t keep, uint32_t gone, std::vector<WedgeTable::Pair>& pairs) {
   pairs.clear();
+  const uint64_t stamp = newStamp();
   for (const uint32_t corner : around(gone)) {
     for (const uint32_t other : {next(corner), previous(corner)}) {
       if (corner_position[other] != keep) continue;
       const uint32_t wedge = corner_wedge[corner];
-      const auto known = std::find_if(pairs.begin(), pairs.end(),
-                                      [wedge](const WedgeTable::Pair& pair) { return pair.gone == wedge; });
-      if (known == pairs.end()) pairs.push_back({corner_wedge[other], wedge});
+      if (std::exchange(wedge_marks_[wedge], stamp) == stamp) continue;
+      pairs.push_back({corner_wedge[other], wedge});
     }
   }
 }
@@ -255,18 +276,16 @@ void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) 
     return;
   }
   findPairs(keep, gone, pairs_);
-  for (size_t i = 0; i < pairs_.size(); ++i) {
-    const bool again = std::any_of(pairs_.begin(), pairs_.begin() + static_cast<ptrdiff_t>(i),
-                                   [&](const WedgeTable::Pair& pair) { return pair.keep == pairs_[i].keep; });
-    if (!again && mixes_values) wedges.mix(pairs_[i].keep, pairs_[i].gone, gone_share);
+  const uint64_t stamp = newStamp();
+  for (const WedgeTable::Pair& pair : pairs_) {
+    const bool again = std::exchange(wedge_marks_[pair.keep], stamp) == stamp;
+    if (!again && mixes_values) wedges.mix(pair.keep, pair.gone, gone_share);
   }
+  const uint64_t first = stamp + 1;  // the mark of pair i's wedge is first + i
+  for (const WedgeTable::Pair& pair : pairs_) wedge_marks_[pair.gone] = newStamp();
   for (const uint32_t corner : around(gone)) {
-    for (const WedgeTable::Pair& pair : pairs_) {
-      if (corner_wedge[corner] == pair.gone) {
-        corner_wedge[corner] = pair.keep;
-        break;
-      }
-    }
+    const uint64_t mark = wedge_marks_[corner_wedge[corner]];
+    if (mark >= first) corner_wedge[corner] = pairs_[mark - first].keep;
   }
 }
 
@@ -320,18 +339,19 @@ NodeMesh CollapseMesh::compact(std::vector<uint32_t>& new_position) const {
   }
   // Merge the wedges of a position if their attributes have become equal.
   std::vector<uint32_t> new_wedge(wedges.size(), kNoIndex);
+  WedgeFinder known;
   for (uint32_t i = 0; i < positions.size(); ++i) {
-    const size_t first = result.wedge_position.size();
+    known.reset(1);
     for (const uint32_t corner : around(i)) {
       uint32_t& wedge = new_wedge[corner_wedge[corner]];
       if (wedge != kNoIndex) continue;
       const VertexAttributes code = wedges.code(corner_wedge[corner]);
-      const auto known = std::find(result.wedge_attributes.begin() + static_cast<ptrdiff_t>(first),
-                                   result.wedge_attributes.end(), code);
-      wedge = static_cast<uint32_t>(known - result.wedge_attributes.begin());
-      if (known != result.wedge_attributes.end()) continue;
+      wedge = known.find(0, code, result.wedge_attributes);
+      if (wedge != WedgeFinder::kNone) continue;
+      wedge = static_cast<uint32_t>(result.wedge_position.size());
       result.wedge_position.push_back(new_position[i]);
       result.wedge_attributes.push_back(code);
+      known.add(0, wedge, result.wedge_attributes);
     }
   }
   for (size_t c = 0; c < corner_position.size(); c += 4) {

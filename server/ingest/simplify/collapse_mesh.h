@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -110,16 +111,15 @@ struct CollapseMesh {
   /// Returns the pairs of wedges that the last merge() joined.
   std::span<const WedgeTable::Pair> joined() const noexcept { return pairs_; }
   /// Fills `pairs` with the wedges that a merge would join: each a wedge of `gone` and a wedge of `keep`.
-  void findPairs(uint32_t keep, uint32_t gone, std::vector<WedgeTable::Pair>& pairs) const;
+  void findPairs(uint32_t keep, uint32_t gone, std::vector<WedgeTable::Pair>& pairs);
   /// Calls visit(wedge) once for each wedge at a position.
   template <typename Visit>
-  void forEachWedge(uint32_t position, Visit&& visit) const {
+  void forEachWedge(uint32_t position, Visit&& visit) {
     if (only_wedge[position] != kManyWedges) return visit(only_wedge[position]);
-    const std::span<const uint32_t> corners = around(position);
-    for (size_t i = 0; i < corners.size(); ++i) {
-      bool seen = false;
-      for (size_t j = 0; j < i && !seen; ++j) seen = corner_wedge[corners[j]] == corner_wedge[corners[i]];
-      if (!seen) visit(corner_wedge[corners[i]]);
+    const uint64_t stamp = newStamp();
+    for (const uint32_t corner : around(position)) {
+      const uint32_t wedge = corner_wedge[corner];
+      if (std::exchange(wedge_marks_[wedge], stamp) != stamp) visit(wedge);
     }
   }
   /// Removes identical triangles of opposite orientation around a position, in pairs.
@@ -155,6 +155,11 @@ struct CollapseMesh {
   };
 
   void gatherCorners();
+  /// Returns a mark that no wedge has.
+  uint64_t newStamp() {
+    if (wedge_marks_.empty()) wedge_marks_.resize(wedges.size());
+    return ++wedge_stamp_;
+  }
   /// Fills `edges` with the edges from u to higher positions. @param places index in `edges`, by position;
   /// the function ignores entries from earlier calls
   void findEdges(uint32_t u, std::vector<Edge>& edges, std::vector<uint32_t>& places) const;
@@ -169,6 +174,8 @@ struct CollapseMesh {
   void classify(const std::vector<Features>& features);
   /// Removes a corner from its position's list.
   void unlist(uint32_t corner);
+  /// Records the slots of a list's corners from index `from` on, if the list is long.
+  void noteSlots(const CollapsePosition& list, uint32_t from);
   /// Removes the triangle of a corner. @param is_listed true if the list of the corner's position contains
   /// the corner
   void kill(uint32_t corner, bool is_listed);
@@ -179,6 +186,9 @@ struct CollapseMesh {
   bool share(uint32_t keep, uint32_t gone) const noexcept;
   void mergeWedges(uint32_t keep, uint32_t gone, double gone_share);
 
+  std::vector<uint32_t> slots_;  // index in `pool`, by corner; valid in long lists; empty without long lists
+  std::vector<uint64_t> wedge_marks_;    // last stamp of each wedge
+  uint64_t wedge_stamp_ = 0;
   std::vector<uint32_t> dying_;          // corners to remove; memory that is reused between calls
   std::vector<WedgeTable::Pair> pairs_;  // scratch
 };
