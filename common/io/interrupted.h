@@ -13,7 +13,8 @@ namespace lode {
 void endCleanlyWhenInterrupted() noexcept;
 
 /// Removes every unfinished file and folder, prints a message on stderr and ends the process by a signal, as
-/// the sender expects, even if other threads compute. Any thread and any signal handler can call the function.
+/// the sender expects, even if other threads compute. Any thread and any signal handler can call the
+/// function.
 /// @param message text after the program's name; nullptr: a text that says whether files were removed.
 [[noreturn]] void endInterrupted(int signal, const char* message) noexcept;
 

@@ -96,8 +96,7 @@ void measureSegment(const Segment& segment, std::span<Segment> boundaries, Farth
 /// Finds the references whose ends map to given positions of the simplified mesh.
 class MeetingBoundaries {
  public:
-  MeetingBoundaries(const SimplifiedMesh& simplified, const LodInput& input)
-      : input_(input) {
+  MeetingBoundaries(const SimplifiedMesh& simplified, const LodInput& input) : input_(input) {
     for (uint32_t i = 0; i < input.referenceCount(); ++i) {
       const glm::u32vec2 image = imageOf(input.reference(i).near, simplified.remap);
       if (image.x != kVanished) meetings_.push_back({image.x, image.y, i});

@@ -23,8 +23,8 @@ uint32_t MeshWelder::addCorner(PositionCode code, uint8_t lca_depth, const Verte
     mesh_.lca_depth[position] = std::min(mesh_.lca_depth[position], lca_depth);
   }
   const bool has_attributes = mesh_.attributes.bits != 0;
-  const uint32_t known = has_attributes ? wedges_.find(position, attributes, mesh_.wedge_attributes)
-                                        : wedges_.any(position);
+  const uint32_t known =
+      has_attributes ? wedges_.find(position, attributes, mesh_.wedge_attributes) : wedges_.any(position);
   if (known != WedgeFinder::kNone) return known;
   const auto wedge = static_cast<uint32_t>(mesh_.wedge_position.size());
   mesh_.wedge_position.push_back(position);

@@ -61,7 +61,8 @@ class WedgeFinder {
     size_t operator()(const Key& key) const noexcept {
       const VertexAttributes& a = key.attributes;
       const uint64_t low = uint64_t{key.position} << 32 | uint64_t{a.normal} << 16 | a.material,
-                     high = uint64_t{std::bit_cast<uint32_t>(a.colour)} << 32 | std::bit_cast<uint32_t>(a.texture);
+                     high = uint64_t{std::bit_cast<uint32_t>(a.colour)} << 32 |
+                            std::bit_cast<uint32_t>(a.texture);
       return NumberTable::hash(low ^ NumberTable::hash(high));
     }
   };

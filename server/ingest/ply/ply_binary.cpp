@@ -162,7 +162,8 @@ class BinaryBody final : public PlyBody {
     constexpr std::array<char, kStep> kZeros{};
     if (element.properties.size() != 1 || !element.properties[0].is_list || !input_.fill(kStep)) return 0;
     size_t zeros = 0;
-    while (zeros + kStep <= input_.available() && std::memcmp(input_.data() + zeros, kZeros.data(), kStep) == 0)
+    while (zeros + kStep <= input_.available() &&
+           std::memcmp(input_.data() + zeros, kZeros.data(), kStep) == 0)
       zeros += kStep;
     const size_t row_bytes = plyTypeBytes(element.properties[0].count_type);
     const uint64_t rows = std::min<uint64_t>(zeros / row_bytes, element.count - row_);

@@ -187,7 +187,7 @@ struct CollapseMesh {
   void mergeWedges(uint32_t keep, uint32_t gone, double gone_share);
 
   std::vector<uint32_t> slots_;  // index in `pool`, by corner; valid in long lists; empty without long lists
-  std::vector<uint64_t> wedge_marks_;    // last stamp of each wedge
+  std::vector<uint64_t> wedge_marks_;  // last stamp of each wedge
   uint64_t wedge_stamp_ = 0;
   std::vector<uint32_t> dying_;          // corners to remove; memory that is reused between calls
   std::vector<WedgeTable::Pair> pairs_;  // scratch

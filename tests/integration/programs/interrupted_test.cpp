@@ -82,8 +82,8 @@ class InterruptedBuild : public testing::Test {
 
   /// Sends a signal to a build that has begun to simplify. Expects that the build ends at once by it.
   Outcome interrupt(const Strings& more, int signal) const {
-    Strings command{"build",         model(), "-o", folder_ / "a.lode", "--triangles-per-node", "1000000",
-                    "--json-progress"};
+    Strings command{"build",   model(),          "-o", folder_ / "a.lode", "--triangles-per-node",
+                    "1000000", "--json-progress"};
     command.insert(command.end(), more.begin(), more.end());
     Program program("lodestreamd", command);
     std::string line;

@@ -15,9 +15,10 @@ namespace {
 constexpr uint64_t kMany = 1'000'000;
 
 std::string headOf(const std::string& format, uint64_t faces, const std::string& count_type) {
-  return "ply\nformat " + format + " 1.0\nelement vertex 3\nproperty char x\nproperty char y\nproperty char z\n"
-         "element face " + std::to_string(faces) + "\nproperty list " + count_type +
-         " uchar vertex_indices\nend_header\n";
+  return "ply\nformat " + format +
+         " 1.0\nelement vertex 3\nproperty char x\nproperty char y\nproperty char z\n"
+         "element face " +
+         std::to_string(faces) + "\nproperty list " + count_type + " uchar vertex_indices\nend_header\n";
 }
 
 std::string vertices() { return {"\0\0\0\1\0\0\0\1\0", 9}; }
