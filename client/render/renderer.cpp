@@ -130,12 +130,11 @@ DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& style, floa
   uint32_t flags = hasNormals(item.attributes) ? kDrawHasNormals : 0;
   if (item.attributes.has(AttributeSet::kColour)) flags |= kDrawHasColour;
   if (textures_.set() != nullptr && item.attributes.has(AttributeSet::kTexture)) flags |= kDrawTextured;
-  if (style.show == ColorMode::kUnlit) flags |= kDrawUnlit;
-  if (style.show == ColorMode::kNormals) flags |= kDrawNormals;
-  if (style.show == ColorMode::kTexels) flags |= kDrawTexels;
+  const ColorModeTraits& mode = traitsOf(style.show);
+  flags |= mode.draw_flags;
   const uint32_t share = in256ths(faded.from) | in256ths(faded.to) << 16;
-  if (!coloursParts(style.show)) return {flags, glm::u8vec4(255), share};
-  const glm::u8vec3 colour = colourOf(style.show, item, threshold_rad, style.instance.number);
+  if (mode.colour == nullptr) return {flags, glm::u8vec4(255), share};
+  const glm::u8vec3 colour = mode.colour(item, threshold_rad, style.instance.number);
   return {flags | kDrawTinted, glm::u8vec4(colour, 255), share};
 }
 

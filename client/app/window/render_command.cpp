@@ -137,8 +137,9 @@ void checkOutput(const RenderOptions& options) {
   if (options.output.empty() == options.folder.empty())
     throw Error(ErrorCode::kUsage, "render needs one of -o OUT.png, --frames DIR and --video OUT.mp4");
   if (!options.output.empty()) checkPictureFile(options.common.target, options.output);
-  if (options.look.show == nameOf(render::ColorMode::kAges))
-    throw Error(ErrorCode::kUsage, "--show ages is for view: render draws every part for the first time");
+  if (traitsOf(styleOf(options.look).show).shows_time)
+    throw Error(ErrorCode::kUsage,
+                "--show " + options.look.show + " is for view: render draws every part for the first time");
 }
 
 void render(const RenderOptions& options) {

@@ -13,8 +13,8 @@ size_t memoryStepAt(uint64_t bytes) noexcept {
 }
 
 void ColorModeSwitch::step(int steps) noexcept {
-  const int next = static_cast<int>(shown_) + steps % render::kColorModeCount + render::kColorModeCount;
-  shown_ = static_cast<render::ColorMode>(next % render::kColorModeCount);
+  const auto count = static_cast<int>(render::colorModes().size());
+  shown_ = static_cast<render::ColorMode>((static_cast<int>(shown_) + steps % count + count) % count);
 }
 
 void ColorModeSwitch::toggleWireframe() noexcept {

@@ -128,7 +128,7 @@ void Viewer::passUnseen() {
 bool Viewer::isPictureOld(const Input& input) const {
   if (input.any() || input.damaged || uploading_ || scene_.fading() || !options_.screenshot.empty())
     return true;
-  if (style_.show == render::ColorMode::kAges && scene_.ageing()) return true;
+  if (traitsOf(style_.show).shows_time && scene_.ageing()) return true;
   return differ(content_, drawn_.content) || scene_.drawnSerial() != drawn_.serial ||
          isQuick() != drawn_.is_quick || (rig_ && rig_->view() != drawn_.view);
 }
@@ -303,7 +303,7 @@ void Viewer::describe() {
   content_.marks = rig_ ? marksOf(picks_, rig_->view()) : PickMarks();
   content_.recording = recorder_.recording();
   content_.show = nameOf(style_.show);
-  content_.explanation = explanationOf(style_.show);
+  content_.explanation = traitsOf(style_.show).explanation;
   content_.settings = settings();
   content_.message = secondsSince(noted_) < kNoteS ? note_ : "";
 }

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 
+#include "client/render/passes/mesh_shaders.h"
+
 namespace lode::render {
 namespace {
-
-constexpr std::array<std::string_view, kColorModeCount> kNames{
-    "surface", "unlit", "wireframe", "normals", "texels", "nodes", "depths", "lods", "errors", "ages"};
 
 constexpr std::array<glm::u8vec3, kTexelColourCount> kTexelLadder{
     {{220, 50, 40}, {235, 200, 60}, {110, 190, 90}, {70, 170, 200}, {49, 104, 190}, {130, 130, 130}}};
@@ -94,9 +94,8 @@ std::string instanceName(const ShownInstance& instance) {
   return std::string(instance.model) + (instance.nth > 0 ? " " + std::to_string(instance.nth) : "") + ", ";
 }
 
-/// Returns the legend of kNodes. Lists the first instance of each model before the second instance of any
-/// model.
-std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
+/// Lists the first instance of each model before the second instance of any model.
+std::vector<LegendEntry> nodeLegend(std::span<const DrawItem> drawn, float /*threshold_px*/) {
   std::map<std::tuple<uint32_t, uint32_t, NodeKey>, ShownInstance> nodes;
   for (const DrawItem& part : drawn)
     nodes.emplace(std::tuple(part.instance.nth, part.instance.number, part.node), part.instance);
@@ -116,13 +115,37 @@ std::vector<LegendEntry> legendOfNodes(std::span<const DrawItem> drawn) {
   return legend;
 }
 
-/// Describes a depth or an LOD, and marks the coarsest and the finest that are drawn.
-std::string stepMeaning(ColorMode show, uint32_t step, bool is_first, bool is_last) {
-  const bool is_depth = show == ColorMode::kDepths;
-  std::string meaning = (is_depth ? "depth " : "LOD ") + std::to_string(step);
-  if (!is_depth && step == 0) return meaning + ", the finest of its node";
-  if (is_first == is_last) return meaning;
-  return meaning + (is_first == is_depth ? ", the coarsest shown" : ", the finest shown");
+glm::u8vec3 depthColour(const DrawItem& part, float /*threshold_rad*/, uint32_t /*instance*/) {
+  return ladder(static_cast<uint32_t>(part.node.depth()));
+}
+
+glm::u8vec3 lodColour(const DrawItem& part, float /*threshold_rad*/, uint32_t /*instance*/) {
+  return ladder(part.lod);
+}
+
+/// Describes the depths or LODs that are drawn, and marks the first and the last.
+std::vector<LegendEntry> legendOfSteps(const std::set<uint32_t>& steps, const std::string& name,
+                                       const char* first_mark, const char* last_mark) {
+  std::vector<LegendEntry> legend;
+  for (const uint32_t step : steps) legend.push_back({ladder(step), name + std::to_string(step)});
+  if (legend.size() < 2) return legend;
+  legend.front().meaning += first_mark;
+  legend.back().meaning += last_mark;
+  return legend;
+}
+
+std::vector<LegendEntry> depthLegend(std::span<const DrawItem> drawn, float /*threshold_px*/) {
+  std::set<uint32_t> depths;
+  for (const DrawItem& part : drawn) depths.insert(static_cast<uint32_t>(part.node.depth()));
+  return legendOfSteps(depths, "depth ", ", the coarsest shown", ", the finest shown");
+}
+
+std::vector<LegendEntry> lodLegend(std::span<const DrawItem> drawn, float /*threshold_px*/) {
+  std::set<uint32_t> lods;
+  for (const DrawItem& part : drawn) lods.insert(part.lod);
+  std::vector<LegendEntry> legend = legendOfSteps(lods, "LOD ", ", the finest shown", ", the coarsest shown");
+  if (lods.contains(0)) legend.front().meaning = "LOD 0, the finest of its node";
+  return legend;
 }
 
 std::string errorMeaning(size_t bin, float threshold_px) {
@@ -132,6 +155,76 @@ std::string errorMeaning(size_t bin, float threshold_px) {
                 static_cast<double>(threshold_px * (is_last ? 1 : kErrorBins[bin].part)));
   return text;
 }
+
+glm::u8vec3 errorColour(const DrawItem& part, float threshold_rad, uint32_t /*instance*/) {
+  return kErrorBins[errorBin(part.error_rad, threshold_rad)].colour;
+}
+
+std::vector<LegendEntry> errorLegend(std::span<const DrawItem> /*drawn*/, float threshold_px) {
+  std::vector<LegendEntry> legend;
+  for (size_t bin = 0; bin < kErrorBins.size(); ++bin)
+    legend.push_back({kErrorBins[bin].colour, errorMeaning(bin, threshold_px)});
+  return legend;
+}
+
+glm::u8vec3 ageColour(const DrawItem& part, float /*threshold_rad*/, uint32_t /*instance*/) {
+  return kAgeBins[ageBin(part.age_s)].colour;
+}
+
+std::vector<LegendEntry> ageLegend(std::span<const DrawItem> /*drawn*/, float /*threshold_px*/) {
+  std::vector<LegendEntry> legend;
+  for (size_t bin = 0; bin < kAgeBins.size(); ++bin)
+    legend.push_back({kAgeBins[bin].colour, ageMeaning(bin)});
+  return legend;
+}
+
+glm::u8vec3 nodeColour(const DrawItem& part, float /*threshold_rad*/, uint32_t instance) {
+  return colourOfNode(part.node, instance);
+}
+
+std::vector<LegendEntry> normalLegend(std::span<const DrawItem> /*drawn*/, float /*threshold_px*/) {
+  return {{{255, 128, 128}, "faces +x"}, {{0, 128, 128}, "faces -x"},   {{128, 255, 128}, "faces +y"},
+          {{128, 0, 128}, "faces -y"},   {{128, 128, 255}, "faces +z"}, {{128, 128, 0}, "faces -z"}};
+}
+
+std::vector<LegendEntry> texelLegend(std::span<const DrawItem> /*drawn*/, float /*threshold_px*/) {
+  std::vector<LegendEntry> legend;
+  for (size_t i = 0; i < kTexelColourCount; ++i) legend.push_back({kTexelLadder[i], kTexelMeanings[i]});
+  return legend;
+}
+
+constexpr std::array kModes{
+    ColorModeTraits{.mode = ColorMode::kSurface, .name = "surface"},
+    ColorModeTraits{.mode = ColorMode::kUnlit,
+                    .name = "unlit",
+                    .explanation = "surface colours without light",
+                    .draw_flags = kDrawUnlit},
+    ColorModeTraits{.mode = ColorMode::kWireframe,
+                    .name = "wireframe",
+                    .explanation = "triangle edges; triangles too small for lines are shown as a surface"},
+    ColorModeTraits{
+        .mode = ColorMode::kNormals, .name = "normals", .draw_flags = kDrawNormals, .legend = normalLegend},
+    ColorModeTraits{
+        .mode = ColorMode::kTexels, .name = "texels", .draw_flags = kDrawTexels, .legend = texelLegend},
+    ColorModeTraits{.mode = ColorMode::kNodes, .name = "nodes", .colour = nodeColour, .legend = nodeLegend},
+    ColorModeTraits{
+        .mode = ColorMode::kDepths, .name = "depths", .colour = depthColour, .legend = depthLegend},
+    ColorModeTraits{.mode = ColorMode::kLods, .name = "lods", .colour = lodColour, .legend = lodLegend},
+    ColorModeTraits{
+        .mode = ColorMode::kErrors, .name = "errors", .colour = errorColour, .legend = errorLegend},
+    ColorModeTraits{.mode = ColorMode::kAges,
+                    .name = "ages",
+                    .shows_time = true,
+                    .colour = ageColour,
+                    .legend = ageLegend},
+};
+
+constexpr bool isInOrder() {
+  for (size_t i = 0; i < kModes.size(); ++i)
+    if (static_cast<size_t>(kModes[i].mode) != i) return false;
+  return true;
+}
+static_assert(isInOrder());
 
 }  // namespace
 
@@ -144,71 +237,30 @@ std::string nodeName(NodeKey node) {
 
 const std::array<glm::u8vec3, kTexelColourCount>& texelColours() noexcept { return kTexelLadder; }
 
-std::string_view nameOf(ColorMode show) noexcept { return kNames[static_cast<size_t>(show)]; }
+std::span<const ColorModeTraits> colorModes() noexcept { return kModes; }
+
+const ColorModeTraits& traitsOf(ColorMode show) noexcept { return kModes[static_cast<size_t>(show)]; }
 
 std::optional<ColorMode> colorModeNamed(std::string_view name) noexcept {
-  const auto found = std::ranges::find(kNames, name);
-  if (found == kNames.end()) return std::nullopt;
-  return static_cast<ColorMode>(found - kNames.begin());
+  const auto* const found = std::ranges::find(kModes, name, &ColorModeTraits::name);
+  if (found == kModes.end()) return std::nullopt;
+  return found->mode;
 }
 
 std::string colorModeNames() {
   std::string names;
-  for (const std::string_view name : kNames) names += (names.empty() ? "" : ", ") + std::string(name);
+  for (const ColorModeTraits& mode : kModes) names += (names.empty() ? "" : ", ") + std::string(mode.name);
   return names;
 }
 
-glm::u8vec3 colourOf(ColorMode show, const DrawItem& part, float threshold_rad, uint32_t instance) noexcept {
-  switch (show) {
-    case ColorMode::kNodes:
-      return colourOfNode(part.node, instance);
-    case ColorMode::kDepths:
-      return ladder(static_cast<uint32_t>(part.node.depth()));
-    case ColorMode::kLods:
-      return ladder(part.lod);
-    case ColorMode::kErrors:
-      return kErrorBins[errorBin(part.error_rad, threshold_rad)].colour;
-    case ColorMode::kAges:
-      return kAgeBins[ageBin(part.age_s)].colour;
-    default:
-      return glm::u8vec3(255);
-  }
-}
-
-std::string_view explanationOf(ColorMode show) noexcept {
-  if (show == ColorMode::kUnlit) return "surface colours without light";
-  if (show == ColorMode::kWireframe)
-    return "triangle edges; triangles too small for lines are shown as a surface";
-  return "";
+glm::u8vec3 colourOf(ColorMode show, const DrawItem& part, float threshold_rad, uint32_t instance) {
+  const ColorModeTraits& mode = traitsOf(show);
+  return mode.colour == nullptr ? glm::u8vec3(255) : mode.colour(part, threshold_rad, instance);
 }
 
 std::vector<LegendEntry> legendOf(ColorMode show, std::span<const DrawItem> drawn, float threshold_px) {
-  if (show == ColorMode::kNormals)
-    return {{{255, 128, 128}, "faces +x"}, {{0, 128, 128}, "faces -x"},   {{128, 255, 128}, "faces +y"},
-            {{128, 0, 128}, "faces -y"},   {{128, 128, 255}, "faces +z"}, {{128, 128, 0}, "faces -z"}};
-  if (show == ColorMode::kNodes) return legendOfNodes(drawn);
-  std::vector<LegendEntry> legend;
-  if (show == ColorMode::kTexels) {
-    for (size_t i = 0; i < kTexelColourCount; ++i) legend.push_back({kTexelLadder[i], kTexelMeanings[i]});
-  }
-  if (show == ColorMode::kAges) {
-    for (size_t bin = 0; bin < kAgeBins.size(); ++bin)
-      legend.push_back({kAgeBins[bin].colour, ageMeaning(bin)});
-  }
-  if (show == ColorMode::kErrors) {
-    for (size_t bin = 0; bin < kErrorBins.size(); ++bin)
-      legend.push_back({kErrorBins[bin].colour, errorMeaning(bin, threshold_px)});
-  }
-  if (show == ColorMode::kDepths || show == ColorMode::kLods) {
-    std::map<uint32_t, glm::u8vec3> steps;
-    for (const DrawItem& part : drawn)
-      steps.emplace(show == ColorMode::kDepths ? static_cast<uint32_t>(part.node.depth()) : part.lod,
-                    colourOf(show, part, 0));
-    for (const auto& [step, colour] : steps)
-      legend.push_back(
-          {colour, stepMeaning(show, step, step == steps.begin()->first, step == steps.rbegin()->first)});
-  }
-  return legend;
+  const ColorModeTraits& mode = traitsOf(show);
+  return mode.legend == nullptr ? std::vector<LegendEntry>() : mode.legend(drawn, threshold_px);
 }
 
 }  // namespace lode::render

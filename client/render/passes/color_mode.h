@@ -16,7 +16,7 @@
 
 namespace lode::render {
 
-/// Property that the colours in a picture show.
+/// Property that the colours in a picture show. Each mode has a row in the table of color_mode.cpp.
 enum class ColorMode : uint8_t {
   kSurface,    ///< surface colours with light
   kUnlit,      ///< surface colours without light
@@ -29,28 +29,7 @@ enum class ColorMode : uint8_t {
   kErrors,     ///< projected error of each part in the view for which the cut was made
   kAges,       ///< time since each part entered the picture
 };
-constexpr int kColorModeCount = 10;
 constexpr float kOldS = 16;  ///< age in seconds after which a part's colour no longer changes
-
-std::string_view nameOf(ColorMode show) noexcept;
-std::optional<ColorMode> colorModeNamed(std::string_view name) noexcept;
-/// Returns "surface, unlit, ..." for help texts and errors.
-std::string colorModeNames();
-
-/// Returns true if the mode draws each part in one colour.
-constexpr bool coloursParts(ColorMode show) noexcept { return show >= ColorMode::kNodes; }
-/// Returns the sRGB colour of a part. @param threshold_rad  the cut's threshold, for kErrors.
-/// @param instance  ShownInstance::number, for kNodes.
-glm::u8vec3 colourOf(ColorMode show, const DrawItem& part, float threshold_rad,
-                     uint32_t instance = 0) noexcept;
-
-/// sRGB colours of kTexels. The first five are for 1/4 or less, 1/2, 1, 2, and 4 or more texels per pixel;
-/// values between these are interpolated. The last colour is for surfaces without an image.
-constexpr size_t kTexelColourCount = 6;
-const std::array<glm::u8vec3, kTexelColourCount>& texelColours() noexcept;
-
-/// Returns a node's name as `lodestreamd info --nodes` prints it: "root/3/0".
-std::string nodeName(NodeKey node);
 
 /// A colour and its meaning.
 struct LegendEntry {
@@ -60,11 +39,42 @@ struct LegendEntry {
 
   bool operator==(const LegendEntry&) const = default;
 };
-/// Returns a description of kUnlit or kWireframe, which have no legend. Returns an empty text for other
-/// modes.
-std::string_view explanationOf(ColorMode show) noexcept;
+
+/// Everything that programs need to know about a mode.
+struct ColorModeTraits {
+  ColorMode mode = ColorMode::kSurface;
+  std::string_view name;
+  std::string_view explanation = "";  ///< description of a mode without a legend; empty for other modes
+  unsigned draw_flags = 0;            ///< bits of DrawState::flags that the mode sets
+  bool shows_time = false;            ///< colours change in a picture that stays on the screen
+  /// Returns the sRGB colour of a part; null if the mode does not draw each part in one colour.
+  /// @param threshold_rad  the cut's threshold. @param instance  ShownInstance::number.
+  glm::u8vec3 (*colour)(const DrawItem& part, float threshold_rad, uint32_t instance) = nullptr;
+  /// Returns the legend for the drawn parts; null if the mode has no legend.
+  /// @param threshold_px  the picture's threshold.
+  std::vector<LegendEntry> (*legend)(std::span<const DrawItem> drawn, float threshold_px) = nullptr;
+};
+/// Returns all modes, in the order of the enumerators.
+std::span<const ColorModeTraits> colorModes() noexcept;
+const ColorModeTraits& traitsOf(ColorMode show) noexcept;
+
+inline std::string_view nameOf(ColorMode show) noexcept { return traitsOf(show).name; }
+std::optional<ColorMode> colorModeNamed(std::string_view name) noexcept;
+/// Returns "surface, unlit, ..." for help texts and errors.
+std::string colorModeNames();
+
+/// Returns the sRGB colour of a part: see ColorModeTraits::colour. White if the mode has none.
+glm::u8vec3 colourOf(ColorMode show, const DrawItem& part, float threshold_rad, uint32_t instance = 0);
 /// Returns the legend for the drawn parts; empty if the mode has no legend.
 /// @param threshold_px  the picture's threshold.
 std::vector<LegendEntry> legendOf(ColorMode show, std::span<const DrawItem> drawn, float threshold_px);
+
+/// sRGB colours of kTexels. The first five are for 1/4 or less, 1/2, 1, 2, and 4 or more texels per pixel;
+/// values between these are interpolated. The last colour is for surfaces without an image.
+constexpr size_t kTexelColourCount = 6;
+const std::array<glm::u8vec3, kTexelColourCount>& texelColours() noexcept;
+
+/// Returns a node's name as `lodestreamd info --nodes` prints it: "root/3/0".
+std::string nodeName(NodeKey node);
 
 }  // namespace lode::render

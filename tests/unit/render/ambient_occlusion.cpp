@@ -195,9 +195,9 @@ TEST_F(Occlusion, darkensTheWallCloseBehindABox) {
 }
 
 TEST_F(Occlusion, leavesAllViewsButTheLitSurfaceAsTheyAreToTheBit) {
-  for (int number = 0; number < render::kColorModeCount; ++number) {
+  for (const render::ColorModeTraits& mode : render::colorModes()) {
     render::DrawStyle style = magentaBehind();
-    style.show = static_cast<render::ColorMode>(number);
+    style.show = mode.mode;
     const Pair pair = drawBoth(floorAndWall(), atCrease(), style);
     EXPECT_EQ(pair.before.rgba == pair.after.rgba, style.show != render::ColorMode::kSurface)
         << nameOf(style.show);

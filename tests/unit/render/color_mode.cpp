@@ -127,10 +127,9 @@ TEST_F(Shown, partsHaveTheColoursOfTheirLegend) {
 }
 
 TEST(ShownColours, haveNamesThatAreReadBack) {
-  for (int i = 0; i < render::kColorModeCount; ++i) {
-    const ColorMode show = static_cast<ColorMode>(i);
-    EXPECT_EQ(render::colorModeNamed(nameOf(show)), show);
-    EXPECT_NE(render::colorModeNames().find(nameOf(show)), std::string::npos);
+  for (const render::ColorModeTraits& mode : render::colorModes()) {
+    EXPECT_EQ(render::colorModeNamed(mode.name), mode.mode);
+    EXPECT_NE(render::colorModeNames().find(mode.name), std::string::npos);
   }
   EXPECT_FALSE(render::colorModeNamed("nothing"));
 }
@@ -203,8 +202,8 @@ TEST(ShownColours, sayOfNormalsWhichWayEachOfSixColoursFaces) {
 
 TEST(ShownColours, areNotAllThatExplainsAPicture) {
   for (const ColorMode show : {ColorMode::kUnlit, ColorMode::kWireframe})
-    EXPECT_FALSE(explanationOf(show).empty());
-  EXPECT_TRUE(explanationOf(ColorMode::kSurface).empty());
+    EXPECT_FALSE(traitsOf(show).explanation.empty());
+  EXPECT_TRUE(traitsOf(ColorMode::kSurface).explanation.empty());
 }
 
 TEST(ShownColours, areExplainedForTheFirstOfVeryManyNodesAndTheOthersCounted) {

@@ -18,8 +18,8 @@ TEST(Settings, haveTheMemoryStepThatIsNearestByItsRatio) {
 TEST(ColorModeSwitch, goesRoundInBothDirections) {
   ColorModeSwitch show(ColorMode::kSurface);
   show.step(-1);
-  EXPECT_EQ(static_cast<int>(show.shown()), render::kColorModeCount - 1);
-  show.step(1 + render::kColorModeCount);
+  EXPECT_EQ(show.shown(), render::colorModes().back().mode);
+  show.step(1 + static_cast<int>(render::colorModes().size()));
   EXPECT_EQ(show.shown(), ColorMode::kSurface);
 }
 

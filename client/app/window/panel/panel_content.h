@@ -61,7 +61,7 @@ struct PanelContent {
   PickMarks marks;                          ///< marks of the last two picks in the picture
   std::string_view show;                    ///< name of the colour mode
   std::vector<render::LegendEntry> legend;  ///< meaning of the colours in this mode
-  std::string_view explanation;             ///< explanation of the colour mode, see render::explanationOf()
+  std::string_view explanation;             ///< explanation of the colour mode, see render::ColorModeTraits
   std::string warning;                      ///< warnings of the builds, see warningOf()
   std::string missing;                      ///< missing models of the scene, see missingText()
   Notice notice;                            ///< state of the stream
