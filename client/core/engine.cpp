@@ -226,6 +226,29 @@ const std::string& Engine::failure() const noexcept {
   return model_ ? model_->failure() : kNone;
 }
 
+EngineCounts& EngineCounts::operator+=(const EngineCounts& other) noexcept {
+  received_bytes += other.received_bytes;
+  cache_bytes += other.cache_bytes;
+  open_requests += other.open_requests;
+  requests += other.requests;
+  decoding += other.decoding;
+  transit_bytes += other.transit_bytes;
+  resident_bytes += other.resident_bytes;
+  wanted_bytes += other.wanted_bytes;
+  known_nodes += other.known_nodes;
+  hierarchy_bytes += other.hierarchy_bytes;
+  texture_blob_bytes += other.texture_blob_bytes;
+  texture_bytes += other.texture_bytes;
+  tiles += other.tiles;
+  tiles_left_out += other.tiles_left_out;
+  prefetch += other.prefetch;
+  waited += other.waited;
+  link_bytes_per_s += other.link_bytes_per_s;
+  round_trip_ms = std::max(round_trip_ms, other.round_trip_ms);
+  window_bytes += other.window_bytes;
+  return *this;
+}
+
 EngineCounts Engine::counts() const noexcept {
   EngineCounts counts;
   counts.received_bytes = connection_.receivedBytes();

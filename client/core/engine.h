@@ -74,6 +74,12 @@ class WaitTimes {
     since_ = now;
   }
   Duration of(Waiting waiting) const noexcept { return times_[static_cast<size_t>(waiting)]; }
+  /// Adds the totals of another model.
+  WaitTimes& operator+=(const WaitTimes& other) noexcept {
+    for (size_t i = 0; i < kWaitings; ++i) times_[i] += other.times_[i];
+    return *this;
+  }
+  bool operator==(const WaitTimes&) const = default;
 
  private:
   std::array<Duration, kWaitings> times_{};
@@ -82,6 +88,7 @@ class WaitTimes {
   TimePoint since_{};
 };
 
+/// Figures of one model's stream, or of several by operator+=. PanelContent has them all.
 struct EngineCounts {
   uint64_t received_bytes = 0;  ///< all bytes received from the server
   uint64_t cache_bytes = 0;     ///< size of the blobs read from the cache
@@ -102,6 +109,10 @@ struct EngineCounts {
   double link_bytes_per_s = 0;  ///< measured throughput of the link; 0: unknown
   double round_trip_ms = 0;     ///< smallest measured round trip; 0: unknown
   uint64_t window_bytes = 0;    ///< unacknowledged bytes that the server may send
+
+  /// Adds the counts of another model. The round trip becomes the larger one.
+  EngineCounts& operator+=(const EngineCounts& other) noexcept;
+  bool operator==(const EngineCounts&) const = default;
 };
 
 /// The client's state machine: a connection, a model and its views. The caller passes in received bytes,

@@ -27,6 +27,15 @@ struct PrefetchCounts {
   uint64_t used = 0;          ///< number of prefetched blobs that a view has needed since then
   uint64_t unused = 0;        ///< number of prefetched blobs received, but not needed by a view yet
   uint64_t unused_bytes = 0;  ///< size of the unused blobs
+
+  PrefetchCounts& operator+=(const PrefetchCounts& other) noexcept {
+    requested += other.requested;
+    used += other.used;
+    unused += other.unused;
+    unused_bytes += other.unused_bytes;
+    return *this;
+  }
+  bool operator==(const PrefetchCounts&) const = default;
 };
 
 /// Predicts the views of moving cameras and requests the blobs that these views need. Blobs that the current

@@ -45,5 +45,35 @@ TEST(RefiningProgress, isAlmostWholeWhereTheErrorNeverWasAboveTheThreshold) {
   EXPECT_LT(part, 1);
 }
 
+TEST(PanelContent, differsOnceAShownFigureDoes) {
+  PanelContent drawn;
+  PanelContent now = drawn;
+  now.counts.received_bytes = 1000;
+  EXPECT_TRUE(differ(now, drawn));
+  now = drawn;
+  now.counts.texture_bytes = 1000;
+  EXPECT_TRUE(differ(now, drawn)) << "a part of the memory";
+}
+
+TEST(PanelContent, doesNotDifferByCountsThatItDoesNotShowOrByFrameTimes) {
+  PanelContent drawn;
+  PanelContent now = drawn;
+  now.counts.known_nodes = 7;
+  now.counts.waited.begin(core::Waiting::kLink, core::TimePoint());
+  now.frame_ms = now.upload_ms = 5;
+  EXPECT_FALSE(differ(now, drawn));
+}
+
+TEST(PanelContent, doesNotDifferByTheNetworkOnceThePictureHasConverged) {
+  PanelContent drawn;
+  drawn.converged = true;
+  PanelContent now = drawn;
+  now.counts.received_bytes = 1'000'000;
+  now.counts.link_bytes_per_s = now.counts.round_trip_ms = 9;
+  EXPECT_FALSE(differ(now, drawn));
+  now.counts.resident_bytes = 1'000'000;
+  EXPECT_TRUE(differ(now, drawn));
+}
+
 }  // namespace
 }  // namespace lode::app

@@ -16,18 +16,18 @@ std::string valueOf(const PanelContent& content, std::string_view name) {
 TEST(PanelFigures, sayHowManyRequestsOfEachClassAreOpen) {
   PanelContent content;
   EXPECT_EQ(valueOf(content, "requests"), "none");
-  content.requests = {1200, 3, 0, 7};
+  content.counts.requests = {1200, 3, 0, 7};
   EXPECT_EQ(valueOf(content, "requests"), "visible 1\u00a0200, margin 3, prefetch 0") << "no line ends in it";
 }
 
 TEST(PanelFigures, leaveOutWhatHasNotBeenMeasured) {
   PanelContent content;
-  content.received_bytes = 1000;
+  content.counts.received_bytes = 1000;
   EXPECT_EQ(valueOf(content, "network"), "1.0 KB");
-  content.round_trip_ms = 0.01;
+  content.counts.round_trip_ms = 0.01;
   EXPECT_EQ(valueOf(content, "network"), "1.0 KB") << "0.0 ms would be said";
-  content.link_bytes_per_s = 2000;
-  content.round_trip_ms = 12;
+  content.counts.link_bytes_per_s = 2000;
+  content.counts.round_trip_ms = 12;
   EXPECT_EQ(valueOf(content, "network"), "1.0 KB, 2.0 KB/s, 12.0 ms round trip");
 }
 

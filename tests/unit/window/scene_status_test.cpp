@@ -88,7 +88,13 @@ TEST_F(SceneStatus, hasNotEndedWhileOneModelGoesOn) {
 
 TEST_F(SceneStatus, hasNotEndedBeforeThereIsAModel) { EXPECT_FALSE(sceneStatus({}, scene_view_).ended); }
 
-TEST_F(SceneStatus, countsWhatAllModelsTake) { EXPECT_EQ(merged().counts.received_bytes, 15u); }
+TEST_F(SceneStatus, countsWhatAllModelsTake) {
+  first_.counts.round_trip_ms = 7;
+  first_.counts.requests.visible = second_.counts.requests.visible = 2;
+  EXPECT_EQ(merged().counts.received_bytes, 15u);
+  EXPECT_EQ(merged().counts.requests.visible, 4u);
+  EXPECT_EQ(merged().counts.round_trip_ms, 7);
+}
 
 }  // namespace
 }  // namespace lode::app

@@ -95,7 +95,7 @@ std::string sharpnessOf(const PanelContent& content) {
   if (content.incomplete) return lackingText(content.error_px);
   if (content.waiting_for_server) return waitingText(content.error_px);
   return refiningText(
-      {content.error_px, content.threshold_px, content.requests.tiles, content.received_bytes});
+      {content.error_px, content.threshold_px, content.counts.requests.tiles, content.counts.received_bytes});
 }
 
 bool isRefining(const PanelContent& content) {

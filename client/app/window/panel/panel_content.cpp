@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/app/window/panel/panel_figures.h"
+
 namespace lode::app {
 namespace {
 
@@ -28,13 +30,7 @@ double RefiningProgress::update(float error_px, float threshold_px, bool converg
 
 void describe(const ViewedScene& scene, const ViewState& state, PanelContent& content) {
   const stream::StreamStatus& status = scene.status();
-  const core::EngineCounts& counts = status.counts;
-  content.received_bytes = counts.received_bytes;
-  content.link_bytes_per_s = counts.link_bytes_per_s;
-  content.round_trip_ms = counts.round_trip_ms;
-  content.requests = counts.requests;
-  content.resident_bytes = counts.resident_bytes + counts.texture_bytes;
-  content.tiles_left_out = counts.tiles_left_out;
+  content.counts = status.counts;
   content.exhausted = status.exhausted;
   const bool is_whole = status.cut && status.cut->converged && status.cut->lost_tiles == 0;
   content.converged = state.is_settled && scene.upToDate() && is_whole;
@@ -44,7 +40,7 @@ void describe(const ViewedScene& scene, const ViewState& state, PanelContent& co
   content.notice = noticeOf(status, state.is_offline, onGpu(scene));
   const ViewedScene::GpuUse gpu = scene.gpuUse();
   content.gpu_bytes = gpu.bytes;
-  content.tiles = gpu.tiles;
+  content.gpu_tiles = gpu.tiles;
   content.textured = gpu.textured;
 }
 
@@ -52,10 +48,13 @@ bool differ(PanelContent now, const PanelContent& drawn) {
   now.frame_ms = drawn.frame_ms;
   now.upload_ms = drawn.upload_ms;
   if (now.converged) {
-    now.received_bytes = drawn.received_bytes;
-    now.link_bytes_per_s = drawn.link_bytes_per_s;
-    now.round_trip_ms = drawn.round_trip_ms;
+    now.counts.received_bytes = drawn.counts.received_bytes;
+    now.counts.link_bytes_per_s = drawn.counts.link_bytes_per_s;
+    now.counts.round_trip_ms = drawn.counts.round_trip_ms;
   }
+  // Most counts are not shown, and some change in each step of a stream.
+  if (figuresOf(now) != figuresOf(drawn) || now.counts.requests != drawn.counts.requests) return true;
+  now.counts = drawn.counts;
   return now != drawn;
 }
 

@@ -37,13 +37,10 @@ struct PanelContent {
   double waiting_part = -1;           ///< finished share of the step of opening, 0 to 1; negative: unknown
   uint64_t triangles = 0, nodes = 0;  ///< numbers of drawn triangles and nodes
   uint64_t model_triangles = 0;
-  uint64_t received_bytes = 0;
-  double link_bytes_per_s = 0, round_trip_ms = 0;  ///< speed and round trip of the link; 0: not measured yet
-  core::RequestCounts requests;                    ///< open requests
-  uint64_t resident_bytes = 0, resident_budget_bytes = 0, gpu_bytes = 0, gpu_budget_bytes = 0;
+  core::EngineCounts counts;  ///< figures of the scene's streams
+  uint64_t resident_budget_bytes = 0, gpu_bytes = 0, gpu_budget_bytes = 0;
   bool textured = false;
-  uint64_t tiles = 0, tiles_left_out = 0;  ///< number of texture tiles on the GPU, and of tiles that do not
-                                           ///< fit in memory
+  uint64_t gpu_tiles = 0;  ///< number of texture tiles on the GPU
   float threshold_px = 1, error_px = 0;
   double target_ms = 0;  ///< target frame time for which the threshold is coarsened; 0 if it is not coarsened
   double aimed_ms = 0;   ///< target frame time while the camera moves; 0: none
@@ -82,8 +79,8 @@ struct ViewState {
 /// Fills in the figures and the state of a scene's stream and GPU use.
 void describe(const ViewedScene& scene, const ViewState& state, PanelContent& content);
 
-/// Returns true if the panel must be drawn again. Ignores frame times and, once the picture has converged,
-/// network figures.
+/// Returns true if the panel must be drawn again, because it shows something else. Ignores frame times and,
+/// once the picture has converged, network figures.
 bool differ(PanelContent now, const PanelContent& drawn);
 
 }  // namespace lode::app

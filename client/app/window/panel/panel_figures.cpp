@@ -39,11 +39,11 @@ std::string nameOf(CameraKind camera) {
   return "orbit";
 }
 
-std::string networkOf(const PanelContent& content) {
-  std::string text = describeBytes(content.received_bytes);
-  if (content.link_bytes_per_s > 0)
-    text += ", " + describeBytes(static_cast<uint64_t>(content.link_bytes_per_s)) + "/s";
-  if (content.round_trip_ms >= kLeastTripMs) text += formatted(", %.1f ms round trip", content.round_trip_ms);
+std::string networkOf(const core::EngineCounts& counts) {
+  std::string text = describeBytes(counts.received_bytes);
+  if (counts.link_bytes_per_s > 0)
+    text += ", " + describeBytes(static_cast<uint64_t>(counts.link_bytes_per_s)) + "/s";
+  if (counts.round_trip_ms >= kLeastTripMs) text += formatted(", %.1f ms round trip", counts.round_trip_ms);
   return text;
 }
 
@@ -59,8 +59,9 @@ Figure memoryFigure(const char* name, uint64_t bytes, uint64_t budget_bytes, int
 }
 
 std::string tilesOf(const PanelContent& content) {
-  const std::string tiles = countOf(content.tiles) + " tiles";
-  return content.tiles_left_out == 0 ? tiles : tiles + ", no memory for " + countOf(content.tiles_left_out);
+  const std::string tiles = countOf(content.gpu_tiles) + " tiles";
+  const uint64_t left_out = content.counts.tiles_left_out;
+  return left_out == 0 ? tiles : tiles + ", no memory for " + countOf(left_out);
 }
 
 /// Describes the threshold, and the frame rate for which the threshold is coarsened. The real rate can be
@@ -79,9 +80,10 @@ std::vector<Figure> figuresOf(const PanelContent& content) {
   std::vector<Figure> figures{
       {"triangles", countOf(content.triangles) + " of " + countOf(content.model_triangles), -1, 1},
       {"nodes", countOf(content.nodes), -1, 8},
-      {"network", networkOf(content), -1, 3},
-      {"requests", requestsOf(content.requests), -1, 4},
-      memoryFigure("memory", content.resident_bytes, content.resident_budget_bytes, 5),
+      {"network", networkOf(content.counts), -1, 3},
+      {"requests", requestsOf(content.counts.requests), -1, 4},
+      memoryFigure("memory", content.counts.resident_bytes + content.counts.texture_bytes,
+                   content.resident_budget_bytes, 5),
       memoryFigure("on the GPU", content.gpu_bytes, content.gpu_budget_bytes, 6),
   };
   if (content.textured) figures.push_back({"textures", tilesOf(content), -1, 7});

@@ -5,20 +5,6 @@
 #include <utility>
 
 namespace lode::app {
-namespace {
-
-void add(core::EngineCounts& counts, const core::EngineCounts& one) {
-  counts.received_bytes += one.received_bytes;
-  counts.link_bytes_per_s += one.link_bytes_per_s;
-  counts.round_trip_ms = std::max(counts.round_trip_ms, one.round_trip_ms);
-  counts.open_requests += one.open_requests;
-  counts.requests += one.requests;
-  counts.resident_bytes += one.resident_bytes;
-  counts.texture_bytes += one.texture_bytes;
-  counts.tiles_left_out += one.tiles_left_out;
-}
-
-}  // namespace
 
 stream::StreamStatus sceneStatus(std::span<const ModelStatus> models, const core::View& scene_view) {
   stream::StreamStatus all;
@@ -28,7 +14,7 @@ stream::StreamStatus sceneStatus(std::span<const ModelStatus> models, const core
   all.ended = !models.empty();
   bool is_shown = true, is_for_view = true;
   for (const auto& [one, view] : models) {
-    add(all.counts, one.counts);
+    all.counts += one.counts;
     all.limited = all.limited || one.limited;
     all.settled = all.settled && one.settled;
     all.exhausted = all.exhausted || one.exhausted;
