@@ -39,7 +39,7 @@ class Plain {
   }
 
   Refinement refineFor(const View& view, const RefineOptions& options) {
-    Refinement result = refine(hierarchy_, cache_, kLattice, kAttributes, view, options);
+    Refinement result = refine({hierarchy_, cache_, kLattice.step, kAttributes}, view, options);
     benchmark::DoNotOptimize(cache_.use(result.in_use, result.ancestors));
     hierarchy_.use(result.pages, UINT64_MAX);
     return result;

@@ -38,8 +38,9 @@ std::vector<Request> Prefetcher::wantedAhead(const Model& model, const RefineOpt
   std::vector<std::vector<Request>> wanted;
   for (const CameraMotion& motion : motions_)
     if (const std::optional<View> ahead = motion.predict(now, kPrefetchAhead))
-      wanted.push_back(refine(model.hierarchy(), model.meshes(), model.summary().lattice,
-                              model.summary().attributes, *ahead, options)
+      wanted.push_back(refine({model.hierarchy(), model.meshes(), model.summary().lattice.step,
+                               model.summary().attributes},
+                              *ahead, options)
                            .wanted);
   return mergeRequests(wanted);
 }

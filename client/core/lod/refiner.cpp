@@ -24,14 +24,14 @@ constexpr uint64_t kStandInBytesRatio = 2;
 /// One refinement: builds the best cut that the resident meshes allow, and the requests for the rest.
 class Run {
  public:
-  Run(const Hierarchy& hierarchy, const MeshCache& cache, const Lattice& lattice, AttributeSet attributes,
-      const View& view, const RefineOptions& options, std::span<const HeldNode> held, const SeenPlaces* seen)
-      : cache_(cache),
-        step_(lattice.step),
+  Run(const KnownModel& model, const View& view, const RefineOptions& options, std::span<const HeldNode> held,
+      const SeenPlaces* seen)
+      : cache_(model.cache),
+        step_(model.lattice_step),
         options_(options),
         seen_(seen),
-        want_(hierarchy, lattice.step, attributes, view, options, held),
-        may_leave_out_(cache.lodsOf(kRootKey).any()),
+        want_(model.hierarchy, model.lattice_step, model.attributes, view, options, held),
+        may_leave_out_(cache_.lodsOf(kRootKey).any()),
         cut_(std::make_shared<Cut>()) {
     cut_->view = view;
     cut_->lattice_step = step_;
@@ -400,11 +400,10 @@ class Run {
 
 }  // namespace
 
-Refinement refine(const Hierarchy& hierarchy, const MeshCache& cache, const Lattice& lattice,
-                  AttributeSet attributes, const View& view, const RefineOptions& options,
+Refinement refine(const KnownModel& model, const View& view, const RefineOptions& options,
                   std::span<const HeldNode> held, const SeenPlaces* seen) {
-  if (!hierarchy.root()) return {};
-  return Run(hierarchy, cache, lattice, attributes, view, options, held, seen).refine();
+  if (!model.hierarchy.root()) return {};
+  return Run(model, view, options, held, seen).refine();
 }
 
 }  // namespace lode::core

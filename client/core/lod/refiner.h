@@ -31,6 +31,14 @@ struct Refinement {
   bool settled = false;
 };
 
+/// The known and resident parts of a model.
+struct KnownModel {
+  const Hierarchy& hierarchy;
+  const MeshCache& cache;
+  double lattice_step = 1;
+  AttributeSet attributes;  ///< attributes of all meshes
+};
+
 /// Best-first refinement: selects the wanted cut (see WantedCut), publishes the best cut that the resident
 /// meshes allow, and requests the missing blobs. The result depends on the arguments alone, so the converged
 /// cut does not depend on the order in which blobs arrive. The running time is proportional to the number of
@@ -54,8 +62,7 @@ struct Refinement {
 /// @param held  Refinement::held of the previous refinement; empty if there is none.
 /// @param seen  places that this view sees; null treats no node as occluded. Changes the order of requests
 ///              and the stand-ins, but never the converged cut.
-Refinement refine(const Hierarchy& hierarchy, const MeshCache& cache, const Lattice& lattice,
-                  AttributeSet attributes, const View& view, const RefineOptions& options,
+Refinement refine(const KnownModel& model, const View& view, const RefineOptions& options,
                   std::span<const HeldNode> held = {}, const SeenPlaces* seen = nullptr);
 
 }  // namespace lode::core

@@ -85,9 +85,9 @@ ViewGroup::Gathered ViewGroup::refineWith(const Model& model, const RefineOption
   std::vector<std::shared_ptr<const Cut>> cuts;
   for (const ViewState& state : views_) {
     const SeenPlaces* const seen = state.seen ? &*state.seen : nullptr;
-    gathered.refinements.push_back(core::refine(model.hierarchy(), model.meshes(), model.summary().lattice,
-                                                model.summary().attributes, state.view, options, state.held,
-                                                seen));
+    gathered.refinements.push_back(core::refine(
+        {model.hierarchy(), model.meshes(), model.summary().lattice.step, model.summary().attributes},
+        state.view, options, state.held, seen));
     if (const auto& cut = gathered.refinements.back().cut) cuts.push_back(cut);
   }
   if (cuts.size() < views_.size()) return gathered;

@@ -343,18 +343,17 @@ class Scheduler {
 
 }  // namespace
 
-void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, PayloadSpool& payloads,
-               const TemporaryFolder& folder, SimplifyLog& log, NodeSpool& nodes,
+void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, const TreeFiles& files,
                const TreeResources& resources, const BuildProgress& progress) {
   const TreePlan plan(partition.leaves);
-  Scheduler scheduler(plan, log, nodes, resources, settings.triangles_per_node);
+  Scheduler scheduler(plan, files.log, files.nodes, resources, settings.triangles_per_node);
   {
     const std::vector<std::jthread> workers = startThreads(resources.threads, "to simplify", [&] {
-      scheduler.work([&] { return NodeBuilder(settings, partition, payloads, folder); });
+      scheduler.work([&] { return NodeBuilder(settings, partition, files.payloads, files.folder); });
     });
     scheduler.waitUntilDone(progress);
   }
-  payloads.flush();
+  files.payloads.flush();
   scheduler.finish();
 }
 

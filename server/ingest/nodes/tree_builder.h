@@ -16,14 +16,20 @@ struct TreeResources {
                               ///< parents, and for the tree itself
 };
 
-/// Builds and encodes all nodes on several threads, children before parents, and adds them to `nodes`. Builds
-/// an inner node as soon as its children are built, so the coarsest LODs of about one path are in memory. A
-/// node waits if it does not fit into memory beside the nodes being built. The calling thread reports
-/// progress and writes finished nodes to the log. Continues from the nodes in the log. Throws the first error
-/// of any thread.
-/// @param folder  folder for LODs of large nodes.
-void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, PayloadSpool& payloads,
-               const TemporaryFolder& folder, SimplifyLog& log, NodeSpool& nodes,
+/// Files of a tree.
+struct TreeFiles {
+  PayloadSpool& payloads;         ///< receives the encoded LODs
+  const TemporaryFolder& folder;  ///< folder for LODs of large nodes
+  SimplifyLog& log;               ///< finished nodes, from which a resumed build continues
+  NodeSpool& nodes;               ///< receives the nodes
+};
+
+/// Builds and encodes all nodes on several threads, children before parents, and adds them to files.nodes.
+/// Builds an inner node as soon as its children are built, so the coarsest LODs of about one path are in
+/// memory. A node waits if it does not fit into memory beside the nodes being built. The calling thread
+/// reports progress and writes finished nodes to the log. Continues from the nodes in the log. Throws the
+/// first error of any thread.
+void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, const TreeFiles& files,
                const TreeResources& resources, const BuildProgress& progress);
 
 }  // namespace lode::ingest

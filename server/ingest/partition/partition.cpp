@@ -46,20 +46,21 @@ Partition Partition::load(const TemporaryFolder& folder, AttributeSet attributes
   return result;
 }
 
-Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t triangles_per_node,
-                    const CreaseAngle& crease, uint64_t memory_bytes, unsigned threads,
-                    const TemporaryFolder& folder, const BuildProgress& progress) {
-  Partition result{attributes,
+Partition partition(const PartitionInput& input) {
+  RecordSorter& sorted = input.sorted;
+  const BuildProgress& progress = input.progress;
+  Partition result{input.attributes,
                    {},
                    {0},
                    0,
-                   Spool(folder.lastingFile(Partition::kLeafFile)),
-                   BorderTable(folder, memory_bytes)};
-  FixedHelpers helpers(threads - 1);
-  LeafWelder welder(result.border, attributes, crease, helpers, [&](std::span<const std::byte> mesh) {
-    result.meshes.append(mesh);
-    result.begin.push_back(result.meshes.size());
-  });
+                   Spool(input.folder.lastingFile(Partition::kLeafFile)),
+                   BorderTable(input.folder, input.memory_bytes)};
+  FixedHelpers helpers(input.threads - 1);
+  LeafWelder welder(result.border, input.attributes, input.crease, helpers,
+                    [&](std::span<const std::byte> mesh) {
+                      result.meshes.append(mesh);
+                      result.begin.push_back(result.meshes.size());
+                    });
   const auto takeLeaf = [&](NodeKey key, std::span<const std::byte> records, uint32_t triangles) {
     const auto leaf = static_cast<uint32_t>(result.leaves.size());
     result.leaves.push_back(key);
@@ -71,12 +72,12 @@ Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t tria
                sorted.size());
     }
   };
-  LeafCutter cutter(soupBytes(attributes), triangles_per_node, takeLeaf);
+  LeafCutter cutter(soupBytes(input.attributes), input.triangles_per_node, takeLeaf);
   while (const auto record = sorted.next()) cutter.push(record->key, record->bytes);
   cutter.finish();
   welder.finish();
   result.meshes.flush();
-  result.border.join(result.leaves, crease, [&](uint64_t done, uint64_t total) {
+  result.border.join(result.leaves, input.crease, [&](uint64_t done, uint64_t total) {
     if (progress) progress("border", static_cast<double>(done) / static_cast<double>(total), done, total);
   });
   return result;

@@ -35,10 +35,18 @@ struct Partition {
   static Partition load(const TemporaryFolder& folder, AttributeSet attributes, RecordReader& record);
 };
 
+struct PartitionInput {
+  RecordSorter& sorted;     ///< finished sorter with cell codes as keys
+  AttributeSet attributes;  ///< attributes of the sorted triangles
+  uint32_t triangles_per_node = 0;
+  CreaseAngle crease;
+  uint64_t memory_bytes = 0;  ///< memory for the border table
+  unsigned threads = 1;
+  const TemporaryFolder& folder;
+  const BuildProgress& progress;
+};
+
 /// Cuts sorted triangles into leaves, welds each leaf, and finds the vertices that leaves share.
-/// @param sorted   finished sorter with cell codes as keys.
-Partition partition(RecordSorter& sorted, AttributeSet attributes, uint32_t triangles_per_node,
-                    const CreaseAngle& crease, uint64_t memory_bytes, unsigned threads,
-                    const TemporaryFolder& folder, const BuildProgress& progress);
+Partition partition(const PartitionInput& input);
 
 }  // namespace lode::ingest

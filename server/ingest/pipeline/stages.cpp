@@ -265,9 +265,14 @@ Stage::Work PartitionStage::run() {
   const std::unique_ptr<RecordSorter> sorted = dereference_.takeSorted();
   const BuildOptions& options = session_.options();
   const MemoryPlan& plan = session_.plan();
-  partition_.emplace(ingest::partition(*sorted, session_.facts().soup_attributes, options.triangles_per_node,
-                                       CreaseAngle(options.crease_angle_deg), plan.sort_bytes, plan.threads,
-                                       session_.files(), session_.progress()));
+  partition_.emplace(ingest::partition({.sorted = *sorted,
+                                        .attributes = session_.facts().soup_attributes,
+                                        .triangles_per_node = options.triangles_per_node,
+                                        .crease = CreaseAngle(options.crease_angle_deg),
+                                        .memory_bytes = plan.sort_bytes,
+                                        .threads = plan.threads,
+                                        .folder = session_.files(),
+                                        .progress = session_.progress()}));
   return {partition_->triangles, partition_->meshes.size() + partition_->border.temporaryBytes()};
 }
 
@@ -321,7 +326,8 @@ Stage::Work SimplifyStage::run() {
   }
   SimplifyLog log(session_.files(), *payloads_, std::move(finished),
                   [&](std::span<const std::byte> entry) { session_.note(BuildEntry::kNodes, entry); });
-  buildTree(settings(), partition_.partition(), *payloads_, session_.files(), log, *nodes_,
+  buildTree(settings(), partition_.partition(),
+            {.payloads = *payloads_, .folder = session_.files(), .log = log, .nodes = *nodes_},
             {session_.plan().threads, session_.plan().node_bytes}, session_.progress());
   partition_.release();
   return {nodes_->size(), payloads_->size()};

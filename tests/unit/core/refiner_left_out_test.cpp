@@ -148,8 +148,9 @@ TEST_P(RefinerOnSeeds, leavesNothingOutWhileNothingCouldBeShownInstead) {
   bool shown = false;
   for (; !missing.empty(); missing.pop_back()) {
     cache.insert({missing.back(), 0}, model_.mesh({missing.back(), 0}));
-    const Refinement now = refine(hierarchy, cache, SyntheticModel::lattice(), SyntheticModel::attributes(),
-                                  insideView(), {.threshold_px = 1});
+    const Refinement now =
+        refine({hierarchy, cache, SyntheticModel::lattice().step, SyntheticModel::attributes()}, insideView(),
+               {.threshold_px = 1});
     shown |= now.cut != nullptr;
     if (now.cut) expectComplete(model_, *now.cut, true);
   }

@@ -208,8 +208,7 @@ TEST(Refiner, countsPartsWithoutTrianglesInTheMemoryToo) {
   const MeshCache cache(1u << 20);
   const View view = lookingAt({512, 512, 2000}, {512, 512, 0});
   const auto limitedBy = [&](uint64_t budget_bytes) {
-    return refine(hierarchy, cache, {{0, 0, 0}, 1}, {}, view,
-                  {.threshold_px = 2, .cut_budget_bytes = budget_bytes})
+    return refine({hierarchy, cache, 1, {}}, view, {.threshold_px = 2, .cut_budget_bytes = budget_bytes})
         .limited;
   };
   EXPECT_TRUE(limitedBy(8 * kPartBytes));

@@ -338,12 +338,11 @@ TEST(Refiner, refinesOnTheAppearanceErrorToo) {
   Hierarchy hierarchy(1);
   hierarchy.addRootPage(page);
   MeshCache cache(1u << 20);
-  const Lattice lattice{{0, 0, 0}, 1};
   const View view = lookingAt({512, 512, 2000}, {512, 512, 0});
-  EXPECT_EQ(refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 2}).wanted[0].use.mesh.lod, 1u);
+  EXPECT_EQ(refine({hierarchy, cache, 1, {}}, view, {.threshold_px = 2}).wanted[0].use.mesh.lod, 1u);
   cache.insert({kRootKey, 1}, std::make_shared<const Mesh>());
-  EXPECT_TRUE(refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 2}).wanted.empty());
-  const Refinement sharp = refine(hierarchy, cache, lattice, {}, view, {.threshold_px = 0.1f});
+  EXPECT_TRUE(refine({hierarchy, cache, 1, {}}, view, {.threshold_px = 2}).wanted.empty());
+  const Refinement sharp = refine({hierarchy, cache, 1, {}}, view, {.threshold_px = 0.1f});
   ASSERT_EQ(sharp.wanted.size(), 1u);
   EXPECT_EQ(sharp.wanted[0].use.mesh.lod, 0u);
 }

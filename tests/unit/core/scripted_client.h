@@ -108,8 +108,8 @@ class Scripted {
 
   const Refinement& refineFor(const View& view, const RefineOptions& options) {
     const std::vector<HeldNode> held = std::move(last_.held);
-    last_ = refine(hierarchy_, cache_, SyntheticModel::lattice(), SyntheticModel::attributes(), view, options,
-                   held, seen_ ? &*seen_ : nullptr);
+    last_ = refine({hierarchy_, cache_, SyntheticModel::lattice().step, SyntheticModel::attributes()}, view,
+                   options, held, seen_ ? &*seen_ : nullptr);
     cache_.use(last_.in_use, last_.ancestors);
     cache_.trim();
     hierarchy_.use(last_.pages, options.hierarchy_budget_bytes);
