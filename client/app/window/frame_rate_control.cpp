@@ -4,14 +4,14 @@
 #include <array>
 #include <cmath>
 
-namespace lode::render {
+namespace lode::app {
 namespace {
 
 constexpr double kStepsOfOctave = 4;
 /// Number of threshold steps that halve or double the work. kStepsOfHalving is for a coarser threshold and
 /// assumes that work falls by kFallOfWork. kStepsOfDoubling is for a finer threshold and assumes the square,
 /// to be careful.
-constexpr double kStepsOfHalving = kStepsOfOctave / kFallOfWork;
+constexpr double kStepsOfHalving = kStepsOfOctave / render::kFallOfWork;
 constexpr double kStepsOfDoubling = kStepsOfOctave / 2;
 /// Largest number of steps, for 8 times the threshold. If frames need more steps, the rate is halved.
 constexpr int kMostSteps = 12;
@@ -102,7 +102,7 @@ void FrameRateControl::step(double seconds, bool moved) noexcept {
 
 /// Adds a drawn frame. A frame with missing parts can still show that a coarser threshold is needed. Only
 /// complete parts can show that a finer threshold fits.
-void FrameRateControl::add(double work_ms, const Coarsening& coarsening) noexcept {
+void FrameRateControl::add(double work_ms, const render::Coarsening& coarsening) noexcept {
   if (coarsening.scale != movingScale()) return;
   const double steps = stepsOf(coarsening.drawn), complete_steps = stepsOf(coarsening.complete);
   const double of_target = std::max(work_ms, 1e-3) / targetMs();
@@ -206,4 +206,4 @@ bool FrameRateControl::isWorthWaiting(double coarsening, double work_ms, double 
 
 double FrameRateControl::targetMs() const noexcept { return wanted_ms_ * std::exp2(halvings_); }
 
-}  // namespace lode::render
+}  // namespace lode::app

@@ -2,7 +2,7 @@
 
 #include "client/render/draw_counts.h"
 
-namespace lode::render {
+namespace lode::app {
 
 /// Hysteresis for a change that may prove wrong and be undone. After each failure, the next change needs more
 /// rounds of frames that agree.
@@ -49,7 +49,7 @@ class FrameRateControl {
   void step(double seconds, bool moved) noexcept;
   /// Adds a drawn frame, which may be several frames old. Ignores a frame of another resolution.
   /// @param work_ms  time of the frame without the wait for the display
-  void add(double work_ms, const Coarsening& coarsening) noexcept;
+  void add(double work_ms, const render::Coarsening& coarsening) noexcept;
 
   /// Returns true if the camera has not moved for a while.
   bool isResting() const noexcept;
@@ -97,4 +97,4 @@ class FrameRateControl {
   double still_s_ = 0;
 };
 
-}  // namespace lode::render
+}  // namespace lode::app

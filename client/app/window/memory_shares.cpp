@@ -6,7 +6,7 @@
 #include "client/render/residency/staging_ring.h"
 #include "client/render/residency/texture_residency.h"
 
-namespace lode::render {
+namespace lode::app {
 namespace {
 
 constexpr uint64_t kStagingShare = 256;  // a frame uploads at most 1/256 of the memory
@@ -24,14 +24,15 @@ MemoryShares shareMemory(uint64_t memory_budget_bytes) {
   MemoryShares shares;
   shares.stream_bytes = memory_budget_bytes / 2;
   const uint64_t gpu_bytes = memory_budget_bytes - shares.stream_bytes;
-  ResidencyOptions& gpu = shares.gpu;
+  render::ResidencyOptions& gpu = shares.gpu;
   const uint64_t staging_bytes = memory_budget_bytes / kStagingShare;
   gpu.staging_bytes = static_cast<uint32_t>(std::clamp<uint64_t>(staging_bytes, 256u << 10, 4u << 20));
   gpu.texture_staging_bytes = static_cast<uint32_t>(
-      std::clamp<uint64_t>(staging_bytes, kLeastTextureStagingBytes, 4 * kTileLayerBytes));
+      std::clamp<uint64_t>(staging_bytes, render::kLeastTextureStagingBytes, 4 * render::kTileLayerBytes));
   gpu.texture_budget_bytes = shares.stream_bytes / core::kTextureBudgetShare;
-  const uint64_t others = gpu.texture_budget_bytes + gpu.texture_budget_bytes / 2 +
-                          StagingRing::kSegments * (uint64_t{gpu.staging_bytes} + gpu.texture_staging_bytes);
+  const uint64_t others =
+      gpu.texture_budget_bytes + gpu.texture_budget_bytes / 2 +
+      render::StagingRing::kSegments * (uint64_t{gpu.staging_bytes} + gpu.texture_staging_bytes);
   const uint64_t least_bytes = gpu_bytes * 3 / 8;
   gpu.budget_bytes = std::max(gpu_bytes > others ? gpu_bytes - others : 0, least_bytes);
   gpu.page_bytes =
@@ -47,4 +48,4 @@ stream::StreamOptions withShare(stream::StreamOptions options, const MemoryShare
   return options;
 }
 
-}  // namespace lode::render
+}  // namespace lode::app

@@ -5,7 +5,7 @@
 #include "client/render/residency/mesh_residency.h"
 #include "client/stream/streamer.h"
 
-namespace lode::render {
+namespace lode::app {
 
 /// Division of a program's memory budget. One half is for the client core, the other half for the copies on
 /// the GPU.
@@ -15,7 +15,7 @@ struct MemoryShares {
   /// on the GPU.
   uint64_t drawn_bytes = 0;
   /// Budgets of the GPU's half. With memory budgets below 32 MB, the upload buffers exceed this half.
-  ResidencyOptions gpu;
+  render::ResidencyOptions gpu;
 };
 
 /// Divides a memory budget. Pure.
@@ -24,4 +24,4 @@ MemoryShares shareMemory(uint64_t memory_budget_bytes);
 /// Returns the options with the budgets of the stream's share.
 stream::StreamOptions withShare(stream::StreamOptions options, const MemoryShares& memory);
 
-}  // namespace lode::render
+}  // namespace lode::app

@@ -21,7 +21,7 @@ class Pacing {
     float threshold_px = 1;
     bool is_fixed = false;  ///< true keeps the user's threshold even if frames are slow
     double fps = 60;
-    render::FrameRateControl::Begin begin = render::FrameRateControl::Begin::kFine;
+    FrameRateControl::Begin begin = FrameRateControl::Begin::kFine;
   };
 
   Pacing(const Options& options, TimePoint now) noexcept;
@@ -60,7 +60,7 @@ class Pacing {
   bool is_fixed_;
   double fps_;
   float threshold_px_, asked_px_;
-  render::FrameRateControl control_;
+  FrameRateControl control_;
   double work_ms_ = 0;
   double drawn_coarsening_ = 1;
   TimePoint drawn_, began_to_move_;

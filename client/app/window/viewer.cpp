@@ -33,12 +33,12 @@ Viewer::Viewer(const ViewOptions& options)
               options.common.target + " - Lodestream"),
       panel_(window_.handle()),
       scene_(options.common, isInteractive() ? MissingModels::kAllowed : MissingModels::kRefused),
-      pacing_({.threshold_px = options.common.pixels,
-               .is_fixed = options.is_threshold_fixed,
-               .fps = options.fps,
-               .begin = draws_in_software_ ? render::FrameRateControl::Begin::kCoarse
-                                           : render::FrameRateControl::Begin::kFine},
-              Clock::now()),
+      pacing_(
+          {.threshold_px = options.common.pixels,
+           .is_fixed = options.is_threshold_fixed,
+           .fps = options.fps,
+           .begin = draws_in_software_ ? FrameRateControl::Begin::kCoarse : FrameRateControl::Begin::kFine},
+          Clock::now()),
       first_start_(cacheFolder()),
       style_(styleOf(options.look)),
       show_(style_.show) {

@@ -155,7 +155,7 @@ void Viewer::apply(const Settings& wanted) {
 
 void Viewer::setMemoryBudget(uint64_t budget_bytes) {
   memory_bytes_ = budget_bytes;
-  const render::MemoryShares memory = render::shareMemory(budget_bytes);
+  const MemoryShares memory = shareMemory(budget_bytes);
   content_.resident_budget_bytes = memory.stream_bytes;
   content_.gpu_budget_bytes = memory.gpu.budget_bytes + memory.gpu.texture_budget_bytes +
                               render::StagingRing::kSegments *

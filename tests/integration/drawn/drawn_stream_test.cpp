@@ -202,7 +202,7 @@ INSTANTIATE_TEST_SUITE_P(Leaves, DrawnWithinMemory, testing::Values(4000u, 16'38
 
 TEST_P(DrawnWithinMemory, countsTheCopiesOnTheGpuInTheMemoryThatAllDrawFrom) {
   constexpr uint64_t kMemoryBytes = 32u << 20;
-  const render::MemoryShares memory = render::shareMemory(kMemoryBytes);
+  const app::MemoryShares memory = app::shareMemory(kMemoryBytes);
   stream::StreamOptions options = threads(1);
   options.engine.memory_budget_bytes = memory.stream_bytes;
   options.engine.refine.drawn_budget_bytes = memory.drawn_bytes;

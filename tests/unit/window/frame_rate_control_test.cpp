@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lode::render {
+namespace lode::app {
 namespace {
 
 /// Draws with the threshold requested some frames ago, since a cut takes some frames to arrive.
@@ -285,4 +285,4 @@ TEST(FrameRateControl, restsWhenTheCameraHasNotMovedForAQuarterOfASecond) {
 }
 
 }  // namespace
-}  // namespace lode::render
+}  // namespace lode::app

@@ -6,7 +6,7 @@
 
 #include "client/app/window/frame_rate_control.h"
 
-namespace lode::render {
+namespace lode::app {
 namespace {
 
 /// A CPU that draws with the threshold and resolution requested some frames ago.
@@ -162,4 +162,4 @@ TEST(FrameRateResolution, isNotLearnedOfFramesOfAnother) {
 }
 
 }  // namespace
-}  // namespace lode::render
+}  // namespace lode::app

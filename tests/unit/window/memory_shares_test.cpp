@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lode::render {
+namespace lode::app {
 namespace {
 
 TEST(MemoryShares, haveNoBufferThatTakesMuchOfAFrameToMake) {
@@ -14,4 +14,4 @@ TEST(MemoryShares, haveNoBufferThatTakesMuchOfAFrameToMake) {
 }
 
 }  // namespace
-}  // namespace lode::render
+}  // namespace lode::app

@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Pacing::Options kCoarseFirst{.begin = render::FrameRateControl::Begin::kCoarse};
+constexpr Pacing::Options kCoarseFirst{.begin = FrameRateControl::Begin::kCoarse};
 const Pacing::TimePoint kBegun{};
 
 /// Frames of a camera that stops.
@@ -25,8 +25,7 @@ TEST(Pacing, asksForTheUsersThresholdAtRestAndForCoarserCutsWhileTheCameraMoves)
 }
 
 TEST(Pacing, asksForAFixedThresholdWhateverFramesTake) {
-  Pacing pacing({.threshold_px = 2, .is_fixed = true, .begin = render::FrameRateControl::Begin::kCoarse},
-                kBegun);
+  Pacing pacing({.threshold_px = 2, .is_fixed = true, .begin = FrameRateControl::Begin::kCoarse}, kBegun);
   for (int i = 0; i < 10; ++i) {
     pacing.step(0.016, true, kBegun);
     pacing.measure(800, render::Coarsening{1, 1});

@@ -41,7 +41,7 @@ TEST(PickMarks, haveTheirTextBesideTheLineHoweverShortAndSteepThatIs) {
   const glm::dvec2 text(60, 16), window(800, 600);
   for (const glm::dvec2 to :
        {glm::dvec2(410, 300), {400, 310}, {420, 280}, {300, 200}, {700, 310}, {400, 300}}) {
-    const core::PictureLine line{{400, 300}, to};
+    const PictureLine line{{400, 300}, to};
     const glm::dvec2 corner = besideLine(line, text, window, 5), along = to - line.from_px;
     const glm::dvec2 across =
         along == glm::dvec2(0) ? glm::dvec2(0, 1) : glm::normalize(glm::dvec2(-along.y, along.x));

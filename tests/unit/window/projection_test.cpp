@@ -1,14 +1,14 @@
-#include "client/app/window/scene/projection.h"
+#include "client/app/window/panel/projection.h"
 
 #include <gtest/gtest.h>
 
 #include "client/core/lod/cut_probe.h"
 
-namespace lode::core {
+namespace lode::app {
 namespace {
 
-View slantedView() {
-  View view;
+core::View slantedView() {
+  core::View view;
   view.eye_model = {3, -2, 5};
   view.forward = glm::normalize(glm::dvec3(1, 2, -2));
   view.up = glm::normalize(glm::cross(glm::cross(view.forward, glm::dvec3(0, 1, 0)), view.forward));
@@ -18,10 +18,10 @@ View slantedView() {
 }
 
 TEST(Projection, ofAPointOnARayIsWhereTheRayGoesThrough) {
-  const View view = slantedView();
+  const core::View view = slantedView();
   for (const glm::dvec2 place_px :
        {glm::dvec2(0, 0), glm::dvec2(639, 20), glm::dvec2(320, 180), glm::dvec2(-50, 400)}) {
-    const Ray ray = rayThrough(view, place_px);
+    const core::Ray ray = core::rayThrough(view, place_px);
     const auto found_px = pointInPicture(view, ray.origin_model + 7.0 * ray.direction);
     ASSERT_TRUE(found_px);
     EXPECT_NEAR(glm::distance(*found_px, place_px), 0, 1e-9);
@@ -29,7 +29,7 @@ TEST(Projection, ofAPointOnARayIsWhereTheRayGoesThrough) {
 }
 
 TEST(Projection, isNowhereForWhatIsBehindTheEye) {
-  const View view = slantedView();
+  const core::View view = slantedView();
   EXPECT_FALSE(pointInPicture(view, view.eye_model - view.forward));
   EXPECT_FALSE(pointInPicture(view, view.eye_model));
   EXPECT_FALSE(
@@ -37,7 +37,7 @@ TEST(Projection, isNowhereForWhatIsBehindTheEye) {
 }
 
 TEST(Projection, ofASegmentThatPassesTheEyeIsThatOfItsPartInFront) {
-  const View view = slantedView();
+  const core::View view = slantedView();
   const glm::dvec3 front = view.eye_model + 4.0 * view.forward,
                    behind = view.eye_model - view.forward + view.up;
   for (const bool turned : {false, true}) {
@@ -52,4 +52,4 @@ TEST(Projection, ofASegmentThatPassesTheEyeIsThatOfItsPartInFront) {
 }
 
 }  // namespace
-}  // namespace lode::core
+}  // namespace lode::app

@@ -15,7 +15,7 @@
 #include "client/app/window/panel/panel_layout.h"
 #include "client/app/window/panel/panel_window.h"
 #include "client/app/window/panel/pick_marks.h"
-#include "client/app/window/sharpness.h"
+#include "client/app/window/panel/sharpness.h"
 
 namespace lode::app {
 namespace {

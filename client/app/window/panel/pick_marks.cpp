@@ -7,17 +7,16 @@ namespace lode::app {
 PickMarks marksOf(const Picks& picks, const core::View& view) {
   PickMarks marks;
   for (const PickedPoint& point : picks.points())
-    if (const auto place_px = core::pointInPicture(view, point.position_model))
+    if (const auto place_px = pointInPicture(view, point.position_model))
       marks.points_px.push_back(*place_px);
   if (picks.points().size() == 2) {
-    marks.line =
-        core::lineInPicture(view, picks.points()[0].position_model, picks.points()[1].position_model);
+    marks.line = lineInPicture(view, picks.points()[0].position_model, picks.points()[1].position_model);
     marks.distance = picks.distance();
   }
   return marks;
 }
 
-glm::dvec2 besideLine(const core::PictureLine& line, const glm::dvec2& text, const glm::dvec2& window,
+glm::dvec2 besideLine(const PictureLine& line, const glm::dvec2& text, const glm::dvec2& window,
                       double gap) noexcept {
   const glm::dvec2 along = line.to_px - line.from_px;
   const double length = glm::length(along);

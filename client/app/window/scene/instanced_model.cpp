@@ -7,10 +7,10 @@ namespace lode::app {
 InstancedModel::InstancedModel(size_t model_number, const std::string& target,
                                const std::filesystem::path& textures_folder, stream::StreamOptions options,
                                core::Framing framing, std::chrono::milliseconds timeout,
-                               const render::MemoryShares& memory)
+                               const MemoryShares& memory)
     : number(model_number),
       renderer(1, memory.gpu),
-      opener(target, textures_folder, render::withShare(std::move(options), memory), std::move(framing),
+      opener(target, textures_folder, withShare(std::move(options), memory), std::move(framing),
              timeout) {}
 
 bool InstancedModel::poll() {

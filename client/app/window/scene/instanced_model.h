@@ -24,7 +24,7 @@ struct InstancedModel {
   /// Begins to open the target. @param number  index in Scene::models.
   InstancedModel(size_t model_number, const std::string& target, const std::filesystem::path& textures_folder,
                  stream::StreamOptions options, core::Framing framing, std::chrono::milliseconds timeout,
-                 const render::MemoryShares& memory);
+                 const MemoryShares& memory);
 
   /// Updates `opened` without waiting. @return true once, when the model has opened.
   bool poll();

@@ -4,7 +4,7 @@
 
 #include "common/image/image.h"
 
-namespace lode::core {
+namespace lode::app {
 namespace {
 
 glm::dvec3 toLinear(const glm::u8vec4& srgb) {
@@ -12,7 +12,7 @@ glm::dvec3 toLinear(const glm::u8vec4& srgb) {
 }
 
 /// Returns the finest resident texel. @param uv  v = 0 is the image's bottom.
-std::optional<glm::u8vec4> texelAt(const Cut& cut, uint32_t number, const glm::dvec2& uv) {
+std::optional<glm::u8vec4> texelAt(const core::Cut& cut, uint32_t number, const glm::dvec2& uv) {
   if (!cut.textures || number >= cut.textures->textures.size()) return std::nullopt;
   const Texture& texture = cut.textures->textures[number];
   const glm::dvec2 at = glm::fract(glm::dvec2(uv.x, 1 - uv.y));
@@ -20,8 +20,8 @@ std::optional<glm::u8vec4> texelAt(const Cut& cut, uint32_t number, const glm::d
     const glm::uvec2 size = levelSize(texture, level);
     const glm::uvec2 texel = glm::min(glm::uvec2(at * glm::dvec2(size)), size - 1u);
     const glm::uvec2 tile = texel / kTileInnerPx;
-    const TileKey key{level, number, tile.y, tile.x};
-    const auto found = std::ranges::lower_bound(cut.tiles, key, {}, &ResidentTile::key);
+    const core::TileKey key{level, number, tile.y, tile.x};
+    const auto found = std::ranges::lower_bound(cut.tiles, key, {}, &core::ResidentTile::key);
     if (found == cut.tiles.end() || found->key != key) continue;
     const glm::uvec2 in_tile = texel - tile * kTileInnerPx + kTileGutterPx;
     return found->image->texels[size_t{in_tile.y} * found->image->size.x + in_tile.x];
@@ -31,7 +31,7 @@ std::optional<glm::u8vec4> texelAt(const Cut& cut, uint32_t number, const glm::d
 
 }  // namespace
 
-std::optional<glm::u8vec3> paintAt(const Hit& hit, const Cut& textured) {
+std::optional<glm::u8vec3> paintAt(const core::Hit& hit, const core::Cut& textured) {
   const Mesh& mesh = *hit.part->mesh;
   if (mesh.vertex_attributes.empty()) return std::nullopt;
   const bool has_colours = mesh.attributes.has(AttributeSet::kColour);
@@ -52,4 +52,4 @@ std::optional<glm::u8vec3> paintAt(const Hit& hit, const Cut& textured) {
   return glm::u8vec3(srgbOf(light.r), srgbOf(light.g), srgbOf(light.b));
 }
 
-}  // namespace lode::core
+}  // namespace lode::app

@@ -31,7 +31,7 @@ PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core:
           hit.part->lod,
           hit.part->error_px,
           model.lattice.step,
-          core::paintAt(hit, textured),
+          paintAt(hit, textured),
           ""};
 }
 

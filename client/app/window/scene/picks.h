@@ -23,7 +23,7 @@ struct PickedPoint {
   std::string model;  ///< name of the model; empty on the ground and in a scene of one model
 };
 
-/// Describes a hit. @param textured  cut that has the model's textures, see core::paintAt().
+/// Describes a hit. @param textured  cut that has the model's textures, see paintAt().
 PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core::Cut& textured);
 
 /// The last two points on which the user clicked.

@@ -13,10 +13,10 @@
 namespace lode::app {
 
 struct RenderedScene::Model {
-  Model(const std::string& target_text, const CommonOptions& options, const render::MemoryShares& memory,
+  Model(const std::string& target_text, const CommonOptions& options, const MemoryShares& memory,
         bool announce)
       : target(resolveTarget(parseTarget(target_text, options.textures_folder),
-                             render::withShare(options.streamOptions(), memory), announce)),
+                             withShare(options.streamOptions(), memory), announce)),
         streamer(target.served, target.options),
         summary(openModel(streamer, target, options.timeout())),
         renderer(summary.lattice.step, memory.gpu) {}
@@ -35,8 +35,8 @@ RenderedScene::RenderedScene(const CommonOptions& options, bool announce)
   const std::optional<core::CameraPath> wanted = wantedPath(options);
   core::Framing framing;
   if (!wanted || scene_.is_single_model) framing = framingOf(scene_, options);
-  const render::MemoryShares memory =
-      render::shareMemory(options.streamOptions().engine.memory_budget_bytes / scene_.models.size());
+  const MemoryShares memory =
+      shareMemory(options.streamOptions().engine.memory_budget_bytes / scene_.models.size());
   std::vector<const ModelSummary*> summaries;
   for (size_t model = 0; model < scene_.models.size(); ++model) {
     try {

@@ -86,7 +86,7 @@ struct SceneStage::Ground {
   Lattice lattice;
   std::vector<render::ContactShadow> shadows;
   render::ContactShadows shadow_pass;
-  render::Renderer renderer{1, render::shareMemory(kGroundBytes).gpu};
+  render::Renderer renderer{1, shareMemory(kGroundBytes).gpu};
 };
 
 SceneStage::~SceneStage() = default;

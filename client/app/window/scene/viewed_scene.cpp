@@ -57,7 +57,7 @@ ViewedScene::~ViewedScene() = default;
 
 void ViewedScene::openNext() {
   const size_t number = models_.size();
-  const render::MemoryShares memory = render::shareMemory(memory_.parts()[number]);
+  const MemoryShares memory = app::shareMemory(memory_.parts()[number]);
   models_.push_back(std::make_unique<InstancedModel>(
       number, scene_.models[number].target, options_.textures_folder, streamOptionsOf(options_, scene_),
       framing_, options_.timeout(), memory));
@@ -165,7 +165,7 @@ void ViewedScene::setMemory(uint64_t budget_bytes) {
   memory_ = SceneMemory(budget_bytes, models_.size());
   gpu_budget_bytes_ = 0;
   for (const auto& model : models_) {
-    const render::ResidencyOptions gpu = render::shareMemory(memory_.parts()[model->number]).gpu;
+    const render::ResidencyOptions gpu = app::shareMemory(memory_.parts()[model->number]).gpu;
     model->renderer.setMemory(gpu);
     gpu_budget_bytes_ += gpu.budget_bytes;
     if (model->isOpen()) applyShare(*model);
@@ -200,7 +200,7 @@ void ViewedScene::shareMemory() {
   std::vector<GpuShare> on_gpu;
   for (const auto& model : models_) {
     needs.push_back({model->status.counts.wanted_bytes, model->status.limited});
-    on_gpu.push_back({render::shareMemory(memory_.parts()[model->number]).gpu.budget_bytes,
+    on_gpu.push_back({app::shareMemory(memory_.parts()[model->number]).gpu.budget_bytes,
                       model->renderer.meshes().pages().capacityBytes()});
   }
   const std::vector<uint64_t> gpu_budgets = gpuBudgets(gpu_budget_bytes_, on_gpu);
@@ -212,7 +212,7 @@ void ViewedScene::shareMemory() {
 
 /// Sets the budgets of a model's stream, from the model's part of the memory.
 void ViewedScene::applyShare(const InstancedModel& model) {
-  const render::MemoryShares memory = render::shareMemory(memory_.parts()[model.number]);
+  const MemoryShares memory = app::shareMemory(memory_.parts()[model.number]);
   model.opened.streamer->setMemoryBudget(memory.stream_bytes, memory.drawn_bytes);
 }
 

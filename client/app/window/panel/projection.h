@@ -6,7 +6,7 @@
 
 #include "client/core/view/view.h"
 
-namespace lode::core {
+namespace lode::app {
 
 /// A line in a picture, in pixels from the picture's top left corner, y down. The ends of the line may lie
 /// outside the picture.
@@ -16,13 +16,13 @@ struct PictureLine {
   bool operator==(const PictureLine&) const = default;
 };
 
-/// Projects a point into the picture. The inverse of rayThrough().
+/// Projects a point into the picture. The inverse of core::rayThrough().
 /// @return nothing if the point is nearer than view.near_model or behind the eye.
-std::optional<glm::dvec2> pointInPicture(const View& view, const glm::dvec3& point_model) noexcept;
+std::optional<glm::dvec2> pointInPicture(const core::View& view, const glm::dvec3& point_model) noexcept;
 
 /// Projects the part of a segment that is in front of the eye. Returns nothing if the whole segment is behind
 /// the eye.
-std::optional<PictureLine> lineInPicture(const View& view, const glm::dvec3& from_model,
+std::optional<PictureLine> lineInPicture(const core::View& view, const glm::dvec3& from_model,
                                          const glm::dvec3& to_model) noexcept;
 
-}  // namespace lode::core
+}  // namespace lode::app

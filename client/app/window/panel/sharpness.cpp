@@ -1,4 +1,4 @@
-#include "client/app/window/sharpness.h"
+#include "client/app/window/panel/sharpness.h"
 
 #include <cstdio>
 

@@ -1,21 +1,21 @@
-#include "client/app/window/scene/projection.h"
+#include "client/app/window/panel/projection.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace lode::core {
+namespace lode::app {
 namespace {
 
 // Least depth of a point that is projected, relative to the depth of the segment's far end. A nearer point
 // would project very far outside the picture.
 constexpr double kNearest = 1e-3;
 
-double depthOf(const View& view, const glm::dvec3& point_model) noexcept {
+double depthOf(const core::View& view, const glm::dvec3& point_model) noexcept {
   return glm::dot(point_model - view.eye_model, view.forward);
 }
 
 /// Projects a point that is in front of the eye.
-glm::dvec2 project(const View& view, const glm::dvec3& point_model) noexcept {
+glm::dvec2 project(const core::View& view, const glm::dvec3& point_model) noexcept {
   const double slope_per_px = 2 * std::tan(view.fov_y_rad / 2) / std::max(1u, view.height_px);
   const glm::dvec3 away = point_model - view.eye_model;
   const glm::dvec2 across(glm::dot(away, glm::cross(view.forward, view.up)), -glm::dot(away, view.up));
@@ -25,12 +25,12 @@ glm::dvec2 project(const View& view, const glm::dvec3& point_model) noexcept {
 
 }  // namespace
 
-std::optional<glm::dvec2> pointInPicture(const View& view, const glm::dvec3& point_model) noexcept {
+std::optional<glm::dvec2> pointInPicture(const core::View& view, const glm::dvec3& point_model) noexcept {
   if (!(depthOf(view, point_model) >= view.near_model)) return std::nullopt;
   return project(view, point_model);
 }
 
-std::optional<PictureLine> lineInPicture(const View& view, const glm::dvec3& from_model,
+std::optional<PictureLine> lineInPicture(const core::View& view, const glm::dvec3& from_model,
                                          const glm::dvec3& to_model) noexcept {
   const double from = depthOf(view, from_model), to = depthOf(view, to_model);
   const double nearest = std::max(view.near_model, kNearest * std::max(from, to));
@@ -42,4 +42,4 @@ std::optional<PictureLine> lineInPicture(const View& view, const glm::dvec3& fro
                      project(view, inFront(to_model, to, from_model, from))};
 }
 
-}  // namespace lode::core
+}  // namespace lode::app
