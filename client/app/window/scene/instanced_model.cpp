@@ -10,8 +10,7 @@ InstancedModel::InstancedModel(size_t model_number, const std::string& target,
                                const MemoryShares& memory)
     : number(model_number),
       renderer(1, memory.gpu),
-      opener(target, textures_folder, withShare(std::move(options), memory), std::move(framing),
-             timeout) {}
+      opener(target, textures_folder, withShare(std::move(options), memory), std::move(framing), timeout) {}
 
 bool InstancedModel::poll() {
   if (isOpen()) return false;
