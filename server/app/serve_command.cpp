@@ -117,7 +117,13 @@ void runServe(serve::ServeOptions options) {
   Signals signals(server);
   Json metrics = nullptr;
   if (const auto address = server.metricsAddress()) metrics = *address;
-  printJson({{"listen", server.address()}, {"metrics", metrics}, {"models", server.models()}});
+  Json skipped = Json::array();
+  for (const serve::SkippedStore& store : server.skipped())
+    skipped.push_back({{"model", store.model}, {"why", store.why}});
+  printJson({{"listen", server.address()},
+             {"metrics", metrics},
+             {"models", server.models()},
+             {"skipped", std::move(skipped)}});
   notifyService("READY=1");
   server.run();
   if (!signals.reloadsEndWithin(kReloadPatience))
@@ -182,6 +188,8 @@ void addLimits(CLI::App& command, serve::ServeOptions& options) {
              "longest time from one frame of a client to the next");
   addSeconds(command, "--write-deadline", options.write_deadline, kLeastSeconds,
              "longest time in which a client reads none of the data that waits for it");
+  addSeconds(command, "--read-deadline", options.read_deadline, kLeastSeconds,
+             "longest time of a read from a store; its request then ends with an error");
   addSeconds(
       command, "--drain-delay", options.drain_delay, 0,
       "time after SIGTERM in which the server still accepts connections; a second SIGTERM ends this time");
@@ -201,6 +209,8 @@ void addServeCommand(CLI::App& program) {
       ->add_option("--listen", options->listen, "address and port to listen on; port 0 selects a free port")
       ->type_name("ADDR:PORT")
       ->capture_default_str();
+  command->add_flag("--strict", options->strict,
+                    "refuse to start if a store in a folder cannot be opened (default: skip the store)");
   command->add_flag("--public", options->public_ok, "allow an address beyond loopback without tokens");
   command->add_flag("--insecure", options->insecure, "allow an address beyond loopback without TLS");
   command->add_option("--token-file", options->token_file, "file with the tokens that clients must present")

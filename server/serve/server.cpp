@@ -23,10 +23,9 @@ namespace lode::serve {
 
 namespace {
 
-constexpr size_t kReaderThreads = 4;        ///< number of threads for reads that wait for the disk
 constexpr uint64_t kOtherDescriptors = 64;  ///< descriptors reserved for everything except connections,
                                             ///< stores and refusals
-constexpr auto kMaintainMemoryEvery = std::chrono::milliseconds(100);
+constexpr auto kMaintainEvery = std::chrono::milliseconds(100);
 constexpr uint64_t kTrimBytes = 1u << 20;  ///< least number of freed bytes for a call of malloc_trim()
 
 /// Removes the folders of all configured paths from a message, because readers of the log must not see the
@@ -85,14 +84,15 @@ struct Server::State {
   void inspect(const Published& now_served);
   void warnOfUnknownModels(const ServedSet& served);
   void halt();
-  void maintainMemory();
+  void maintain();
   void stopNow();
   void closeAcceptor();
 
   MemoryReserve reserve;
   ServeOptions options;
   const uint64_t open_files = raiseOpenFileLimit();  ///< the limit is raised before stores are opened
-  Log log;
+  const std::shared_ptr<Log> log;  ///< log that late reads share: see DiskReaders::join()
+  std::vector<SkippedStore> skipped;  ///< stores that the start skipped
   std::mutex reload_mutex;     ///< locked during a whole reload, which may wait for a disk
   std::mutex published_mutex;  ///< guards published and workers; locked only briefly
   Published published;         ///< written by the constructor and reload() only
@@ -101,7 +101,7 @@ struct Server::State {
   Admission admission;
   Metrics metrics;
   std::atomic<bool> stopping{false};
-  std::atomic<size_t> models{0};
+  std::atomic<size_t> models{0}, models_skipped{0};
   std::atomic<uint64_t> certificate_expires_s{0};  ///< Unix time of the expiry; 0 without TLS
   std::string address;
   uint16_t port = 0;
@@ -109,21 +109,24 @@ struct Server::State {
   asio::io_context context{1};
   std::unique_ptr<Acceptor> acceptor;
   std::unique_ptr<HealthEndpoint> health;
-  asio::steady_timer drain_timer{context}, memory_timer{context};
+  asio::steady_timer drain_timer{context}, maintain_timer{context};
   uint64_t peak_bytes = 0;       ///< highest use of the budget since the last trim
-  uint64_t last_used_bytes = 0;  ///< use of the budget at the last call of maintainMemory()
+  uint64_t last_used_bytes = 0;  ///< use of the budget at the last call of maintain()
   std::vector<std::unique_ptr<Worker>> workers;
-  ReaderThreads readers{kReaderThreads};
+  DiskReaders readers;
 };
 
 Server::State::State(ServeOptions given)
     : options(std::move(given)),
-      log(options.log),
-      published{{openCatalog(options.stores, readerOptions()), openTokens()}, openCertificate()},
+      log(std::make_shared<Log>(options.log)),
+      published{{openCatalog(options.stores, readerOptions(), options.strict ? nullptr : &skipped), openTokens()},
+                openCertificate()},
       budget(options.memory_budget_bytes == 0 ? defaultMemoryBudget() : options.memory_budget_bytes),
       rate(options.bytes_per_second),
       admission(possibleConnections(), options.max_connections_per_address),
-      metrics(threadsOf(options) + 1) {
+      metrics(threadsOf(options) + 1),
+      models_skipped(skipped.size()),
+      readers({.deadline = options.read_deadline}) {
   inspect(published);
   listen();
 }
@@ -131,14 +134,16 @@ Server::State::State(ServeOptions given)
 Server::State::~State() {
   halt();
   for (auto& worker : workers) worker->join();
-  // Join the readers before the workers' contexts are destroyed, because the contexts own the readers'
-  // buffers.
+  // Join the readers before the workers' contexts are destroyed, because reads end on these contexts.
   readers.join();
 }
 
 BlobReaderOptions Server::State::readerOptions() {
   return {.check_file_every = options.check_stores_every,
-          .report = [this](std::string_view line) { log.write(LogKind::kDamagedStore, line); }};
+          .report = [log = log](StoreFault fault, std::string_view line) {
+            const bool is_damage = fault == StoreFault::kDamaged;
+            log->write(is_damage ? LogKind::kDamagedStore : LogKind::kUnreadableStore, line);
+          }};
 }
 
 std::shared_ptr<const TokenFile> Server::State::openTokens() const {
@@ -157,7 +162,7 @@ uint32_t Server::State::possibleConnections() {
   const uint64_t others = kOtherDescriptors + Refusals::kMost + 2 * published.served.catalog->models().size();
   const uint64_t room = open_files > 2 * others ? open_files - others : open_files / 2;
   if (room >= options.max_connections) return options.max_connections;
-  log.write(LogKind::kServer,
+  log->write(LogKind::kServer,
             "the limit of open files allows fewer connections than --max-connections; raise it",
             {{"possible", room}, {"wanted", uint64_t{options.max_connections}}, {"open_files", open_files}});
   return static_cast<uint32_t>(room);
@@ -177,12 +182,13 @@ ConnectionLimits Server::State::limits() const {
 ServerGauges Server::State::gauges() const {
   return {.connections = admission.count(),
           .models = models,
+          .models_skipped = models_skipped,
           .certificate_expires_s = certificate_expires_s,
           .memory_bytes = budget.used(),
           .memory_budget_bytes = budget.limit(),
           .allocated_bytes = allocatedBytes(),
-          .log_lines_dropped = log.linesDropped(),
-          .log_lines_left_out = log.linesLeftOut(),
+          .log_lines_dropped = log->linesDropped(),
+          .log_lines_left_out = log->linesLeftOut(),
           .stopping = stopping};
 }
 
@@ -205,7 +211,7 @@ void Server::State::listen() {
       .count_addresses = !options.proxy_protocol,
       .connection_bytes = published.tls ? kTlsConnectionBytes : kPlainConnectionBytes};
   acceptor = std::make_unique<Acceptor>(
-      std::move(listener), acceptor_options, admission, budget, metrics.ofThread(0), log,
+      std::move(listener), acceptor_options, admission, budget, metrics.ofThread(0), *log,
       [this](asio::ip::tcp::socket socket, Slot slot, MemoryAccount memory, std::string client) {
         Worker& worker = **std::ranges::min_element(workers, {}, [](const auto& w) { return w->load(); });
         worker.give(std::move(socket), std::move(slot), std::move(memory), std::move(client));
@@ -226,8 +232,7 @@ void Server::State::startWorkers() {
   const std::lock_guard lock(published_mutex);
   try {
     for (unsigned i = 0; i < threads; ++i)
-      workers.push_back(std::make_unique<Worker>(published, log, metrics.ofThread(i + 1), readers.pool(),
-                                                 budget, rate, limits()));
+      workers.push_back(std::make_unique<Worker>(published, *log, metrics.ofThread(i + 1), readers, budget, rate, limits()));
     for (auto& worker : workers) worker->start(sweep_every);
   } catch (const std::system_error& error) {
     throw Error(ErrorCode::kIo, "cannot start " + std::to_string(threads) + " threads: " + error.what() +
@@ -240,33 +245,34 @@ void Server::State::run() {
   const auto guard = asio::make_work_guard(context);
   while (true) try {
       acceptor->open();
-      maintainMemory();
+      maintain();
       context.run();
       break;
     } catch (const std::exception& error) {  // usually memory ran out; go on accepting connections
-      log.write(LogKind::kSystem, reasonOf(error));
+      log->write(LogKind::kSystem, reasonOf(error));
     }
   halt();
   for (auto& worker : workers) worker->join();
 }
 
-/// Refills the reserve. Returns freed memory to the system when the used part of the budget has fallen to
-/// half of its peak and no longer falls. Otherwise malloc would keep nearly all memory that a flood of
-/// requests or answers needed. A trim while connections still close would miss the memory that is freed after
-/// it.
-void Server::State::maintainMemory() {
+/// Ends late reads. Refills the reserve. Returns freed memory to the system when the used part of the budget
+/// has fallen to half of its peak and no longer falls. Otherwise malloc would keep nearly all memory that a
+/// flood of requests or answers needed. A trim while connections still close would miss the memory that is
+/// freed after it.
+void Server::State::maintain() {
+  readers.tick();
   if (reserve.refill() > 0)
-    log.write(LogKind::kSystem, "the system has no memory left; the server used its reserve");
+    log->write(LogKind::kSystem, "the system has no memory left; the server used its reserve");
   const uint64_t used = budget.used();
   const bool falls = used < std::exchange(last_used_bytes, used);
   peak_bytes = std::max(peak_bytes, used);
   if (!falls && used < peak_bytes / 2 && peak_bytes - used >= kTrimBytes) {
     peak_bytes = used;
-    asio::post(readers.pool(), [] { malloc_trim(0); });
+    readers.post([] { malloc_trim(0); });
   }
-  memory_timer.expires_after(kMaintainMemoryEvery);
-  memory_timer.async_wait([this](const asio::error_code& cancelled) {
-    if (!cancelled) maintainMemory();
+  maintain_timer.expires_after(kMaintainEvery);
+  maintain_timer.async_wait([this](const asio::error_code& cancelled) {
+    if (!cancelled) maintain();
   });
 }
 
@@ -278,14 +284,15 @@ void Server::State::reload() {
     try {
       action();
     } catch (const std::exception& error) {
-      log.write(LogKind::kServer, std::string(what) + " could not be reloaded; the previous version stays",
+      log->write(LogKind::kServer, std::string(what) + " could not be reloaded; the previous version stays",
                 {{"why", withoutFolders(error.what(), options)}});
       complete = false;
     }
   };
-  size_t refused = 0;
+  std::vector<SkippedStore> unopened;
   reloadPart("stores", [&] {
-    next.served.catalog = reopenCatalog(*next.served.catalog, options.stores, readerOptions(), &refused);
+    next.served.catalog = reopenCatalog(*next.served.catalog, options.stores, readerOptions(), unopened);
+    models_skipped = unopened.size();
   });
   reloadPart("tokens", [&] { next.served.tokens = openTokens(); });
   reloadPart("the certificate", [&] { next.tls = openCertificate(); });
@@ -296,8 +303,8 @@ void Server::State::reload() {
     for (auto& worker : workers) worker->publish(next);
   }
   asio::post(context, [this, now = next.tls] { acceptor->setTls(now); });
-  complete = complete && refused == 0;
-  log.write(LogKind::kServer, complete ? "reloaded" : "reloaded partly", {{"models", uint64_t{models}}});
+  complete = complete && unopened.empty();
+  log->write(LogKind::kServer, complete ? "reloaded" : "reloaded partly", {{"models", uint64_t{models}}});
 }
 
 /// Updates the gauges for a served set. Logs likely mistakes in the set: unknown models, expired tokens, an
@@ -310,14 +317,14 @@ void Server::State::inspect(const Published& now_served) {
   warnOfUnknownModels(served);
   const auto now = std::chrono::system_clock::now();
   if (served.tokens && served.tokens->allHaveExpired(now))
-    log.write(
+    log->write(
         LogKind::kServer,
         "all tokens of the token file have expired, so every client is refused; add new ones and reload");
   const auto expires = tls ? expiryOf(*tls) : std::nullopt;
   certificate_expires_s =
       expires ? static_cast<uint64_t>(std::max<int64_t>(1, expires->time_since_epoch().count())) : 0;
   if (expires && *expires <= now)
-    log.write(LogKind::kServer,
+    log->write(LogKind::kServer,
               "the certificate has expired, so clients refuse it; install a new one and reload");
 }
 
@@ -326,7 +333,7 @@ void Server::State::warnOfUnknownModels(const ServedSet& served) {
   std::vector<std::string> unknown = served.tokens->modelsNamed();
   std::erase_if(unknown, [&](const std::string& name) { return served.catalog->find(name) != nullptr; });
   if (!unknown.empty())
-    log.write(LogKind::kServer, "the token file names models that are not served",
+    log->write(LogKind::kServer, "the token file names models that are not served",
               {{"first", unknown.front()}, {"count", uint64_t{unknown.size()}}});
 }
 
@@ -341,7 +348,7 @@ void Server::State::stopNow() {
     drain_timer.cancel();  // the timer's handler then runs as if the time were over
     return;
   }
-  log.write(LogKind::kServer, "stopping");
+  log->write(LogKind::kServer, "stopping");
   drain_timer.expires_after(options.drain_delay);
   drain_timer.async_wait([this](const asio::error_code&) { closeAcceptor(); });
 }
@@ -372,6 +379,8 @@ std::vector<std::string> Server::models() const {
   for (const auto& model : state_->published.served.catalog->models()) names.push_back(model->summary.name);
   return names;
 }
+
+const std::vector<SkippedStore>& Server::skipped() const noexcept { return state_->skipped; }
 
 uint64_t Server::memoryHeld() const noexcept { return state_->budget.used(); }
 

@@ -10,6 +10,8 @@
 
 #include "proto/limits.h"
 #include "server/serve/ops/log.h"
+#include "server/serve/session/catalog.h"
+#include "server/serve/session/disk_readers.h"
 
 namespace lode::serve {
 
@@ -20,6 +22,7 @@ struct ServeOptions {
   /// Open listening socket that replaces `listen`; the server owns the socket.
   std::optional<int> listening_socket;
   std::string metrics;               ///< address of the port for metrics and health; empty: no such port
+  bool strict = false;               ///< refuse to start if a store in a folder cannot be opened
   bool public_ok = false;            ///< allow addresses beyond loopback without tokens
   bool insecure = false;             ///< allow addresses beyond loopback without TLS
   std::filesystem::path token_file;  ///< file with the tokens; empty: clients need no token
@@ -40,6 +43,7 @@ struct ServeOptions {
   std::chrono::milliseconds handshake_deadline = proto::kHandshakeDeadline;
   std::chrono::milliseconds idle_deadline = proto::kIdleDeadline;
   std::chrono::milliseconds write_deadline = proto::kWriteDeadline;
+  std::chrono::milliseconds read_deadline = kReadDeadline;  ///< for a read that waits for the disk
   std::chrono::milliseconds drain_delay{0};  ///< time from stop() until the listener closes
   std::chrono::milliseconds drain_deadline = proto::kDrainDeadline;
   std::chrono::milliseconds check_stores_every{20};  ///< interval of checks for changed store files
@@ -50,7 +54,7 @@ struct ServeOptions {
 /// answers connections.
 class Server {
  public:
-  /// Opens the stores and listens.
+  /// Opens the stores and listens. Unless `strict` is set, skips stores in folders that cannot be opened.
   /// @throws Error kUsage (no store, two models of one name, an address beyond loopback that is not allowed),
   /// kIo (a port in use, an unreadable file), kFormat (a damaged store).
   explicit Server(ServeOptions options);
@@ -62,6 +66,8 @@ class Server {
   std::string address() const;                        ///< address of the open port: "127.0.0.1:7400"
   std::optional<std::string> metricsAddress() const;  ///< nothing without a metrics port
   std::vector<std::string> models() const;            ///< sorted names of all models
+  /// Stores that the constructor skipped.
+  const std::vector<SkippedStore>& skipped() const noexcept;
   uint64_t memoryHeld() const noexcept;  ///< bytes of the budget that connections hold; thread safe
 
   /// Starts the threads, answers connections until stop() and joins the threads. Call it once.

@@ -11,36 +11,17 @@
 #include <asio/redirect_error.hpp>
 #include <asio/use_awaitable.hpp>
 
-#include "common/start_thread.h"
-
 namespace lode::serve {
 
 using asio::ip::tcp;
 
 namespace {
 
-constexpr const char* kReading = "to read stores";
 constexpr auto kCheckMemoryEvery = std::chrono::milliseconds(20);
 
 }  // namespace
 
-ReaderThreads::ReaderThreads(size_t count)
-    : pool_(withThreads(kReading, [] { return std::make_unique<asio::thread_pool>(1); })) {
-  try {
-    while (others_.size() + 1 < count)
-      others_.push_back(startThread<std::jthread>(kReading, [this] { pool_->attach(); }));
-  } catch (const std::exception&) {
-    join();
-    throw;
-  }
-}
-
-void ReaderThreads::join() {
-  pool_->join();
-  others_.clear();
-}
-
-Worker::Worker(Published published, Log& log, ThreadCounters& counters, asio::thread_pool& readers,
+Worker::Worker(Published published, Log& log, ThreadCounters& counters, DiskReaders& readers,
                MemoryBudget& budget, ByteRate& rate, ConnectionLimits limits)
     : budget_(budget), limits_(limits), guard_(context_.get_executor()), tick_(context_) {
   host_.served = std::move(published.served);

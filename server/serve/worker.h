@@ -1,42 +1,20 @@
 #pragma once
 
 #include <atomic>
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include <asio/awaitable.hpp>
 #include <asio/executor_work_guard.hpp>
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
 #include <asio/steady_timer.hpp>
-#include <asio/thread_pool.hpp>
 
 #include "server/serve/net/connection.h"
 
 namespace lode::serve {
-
-/// Threads for reads that wait for the disk.
-class ReaderThreads {
- public:
-  /// @throws Error kIo if the system cannot start the threads.
-  explicit ReaderThreads(size_t count);
-  ~ReaderThreads() { join(); }
-  ReaderThreads(const ReaderThreads&) = delete;
-  ReaderThreads& operator=(const ReaderThreads&) = delete;
-
-  asio::thread_pool& pool() noexcept { return *pool_; }
-  /// Waits for all work of the pool.
-  void join();
-
- private:
-  std::unique_ptr<asio::thread_pool> pool_;  ///< pool with one thread, because asio hangs if it cannot start
-                                             ///< all threads of a pool with several
-  std::vector<std::jthread> others_;         ///< threads that join the pool's work
-};
 
 /// State of the server that a reload replaces in a single step.
 struct Published {
@@ -48,7 +26,7 @@ struct Published {
 /// start() and join().
 class Worker {
  public:
-  Worker(Published published, Log& log, ThreadCounters& counters, asio::thread_pool& readers,
+  Worker(Published published, Log& log, ThreadCounters& counters, DiskReaders& readers,
          MemoryBudget& budget, ByteRate& rate, ConnectionLimits limits);
 
   /// Starts the thread. Call it once. @throws std::system_error.

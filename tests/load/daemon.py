@@ -27,7 +27,7 @@ class Daemon:
             command = ["sh", "-c", f'{shell} exec "$0" "$@"', *command]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, **options)
         ready = json.loads(self.process.stdout.readline())
-        self.address, self.health = ready["listen"], ready["metrics"]
+        self.address, self.health, self.models, self.skipped = (ready[key] for key in ("listen", "metrics", "models", "skipped"))
 
     def __enter__(self):
         return self

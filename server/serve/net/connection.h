@@ -10,7 +10,6 @@
 #include <asio/awaitable.hpp>
 #include <asio/ip/tcp.hpp>
 #include <asio/steady_timer.hpp>
-#include <asio/thread_pool.hpp>
 
 #include "proto/frame_stream.h"
 #include "server/serve/memory/memory_budget.h"
@@ -18,7 +17,7 @@
 #include "server/serve/net/byte_rate.h"
 #include "server/serve/ops/log.h"
 #include "server/serve/ops/metrics.h"
-#include "server/serve/session/blob_reader.h"
+#include "server/serve/session/disk_readers.h"
 #include "server/serve/session/session.h"
 
 namespace lode::serve {
@@ -53,7 +52,7 @@ struct ConnectionHost {
   ThreadCounters* counters = nullptr;
   ByteRate* rate = nullptr;  ///< rate limit that all connections of the server share
   MemoryBudget* budget = nullptr;
-  asio::thread_pool* readers = nullptr;  ///< threads for reads that wait for the disk
+  DiskReaders* readers = nullptr;  ///< threads for reads that wait for the disk
   BufferPool buffers;
   std::unordered_set<Connection*> connections;
 };
@@ -105,14 +104,15 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void releaseStorageOf(proto::Frame& frame);
   asio::awaitable<void> write();
   asio::awaitable<void> writeFrames();
-  asio::awaitable<void> fetch(std::shared_ptr<ColdRead> cold, std::shared_ptr<const BlobReader> blobs);
   asio::awaitable<void> sleep(asio::steady_timer& until, bool& woken);
   void startWriting();
   bool isItsTurn();
   void endTurn(size_t sent_bytes);
   void gather(ChunkBuffer& buffer);
   ReadResult readChunk(const Chunk& chunk, std::span<std::byte> into);
+  bool dropFinishedReads(uint32_t bytes);
   bool startFetching(const Chunk& chunk);
+  void endFetching(const std::shared_ptr<ColdRead>& cold);
   void fail(const Chunk& chunk, ReadResult result);
   void noteRead(const Chunk& chunk) noexcept;
   bool linkIsSlow();

@@ -1,11 +1,12 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <iterator>
 #include <utility>
 
 #include <asio/co_spawn.hpp>
 #include <asio/detached.hpp>
-#include <asio/use_awaitable.hpp>
+#include <asio/post.hpp>
 #include <linux/sockios.h>
 #include <sys/ioctl.h>
 
@@ -46,10 +47,6 @@ void append(ChunkBuffer& buffer, const Chunk& chunk) {
 }
 
 BlobRange rangeOf(const Chunk& chunk) { return {chunk.blob, chunk.header.offset_bytes, chunk.bytes}; }
-
-asio::awaitable<ReadResult> readOnPool(const BlobReader& blobs, BlobRange range, std::span<std::byte> into) {
-  co_return blobs.readCold(range, into);
-}
 
 }  // namespace
 
@@ -170,7 +167,7 @@ ReadResult Connection::readChunk(const Chunk& chunk, std::span<std::byte> into) 
   if (cold == cold_.end()) return chunk.opened->model->blobs->readHot(rangeOf(chunk), into);
   const std::shared_ptr<ColdRead> read = std::move(*cold);
   cold_.erase(cold);
-  reading_.give(read->bytes.size());
+  reading_.give(read->chunk.bytes);
   // The window or the write can be smaller now than at the start of the read. Then use the beginning; the
   // rest is read again later.
   if (read->result == ReadResult::kDone) {
@@ -181,46 +178,63 @@ ReadResult Connection::readChunk(const Chunk& chunk, std::span<std::byte> into) 
   return read->result;
 }
 
-bool Connection::startFetching(const Chunk& chunk) {
-  if (cold_.size() >= kMaxColdReads) return false;
-  if (!reading_.tryTake(chunk.bytes)) {
-    if (!cold_.empty()) return false;
-    reading_.take(chunk.bytes);  // charge one read even without room, so that the connection makes progress
+/// Makes room for a read of the most urgent request. Finished reads of less urgent requests, which wait for
+/// the window, give way: otherwise nothing would wake the writer. @return false if only reads that have not
+/// finished are in the way.
+bool Connection::dropFinishedReads(uint32_t bytes) {
+  while (cold_.size() >= kMaxColdReads || !reading_.tryTake(bytes)) {
+    const auto finished = std::find_if(cold_.rbegin(), cold_.rend(),
+                                       [](const auto& read) { return read->result != ReadResult::kCold; });
+    if (finished == cold_.rend()) return false;
+    reading_.give((*finished)->chunk.bytes);
+    cold_.erase(std::next(finished).base());
   }
-  const auto cold = std::make_shared<ColdRead>(ColdRead{chunk, std::vector<std::byte>(chunk.bytes)});
-  cold_.push_back(cold);
-  if (chunk.opened->counters != nullptr) chunk.opened->counters->cold_reads.add();
-  asio::co_spawn(
-      stream_.bytes().executor(),
-      [self = shared_from_this(), cold, blobs = chunk.opened->model->blobs] {
-        return self->fetch(cold, blobs);
-      },
-      asio::detached);
   return true;
 }
 
-asio::awaitable<void> Connection::fetch(std::shared_ptr<ColdRead> cold,
-                                        std::shared_ptr<const BlobReader> blobs) {
-  try {
-    cold->result = co_await asio::co_spawn(
-        *host_.readers, readOnPool(*blobs, rangeOf(cold->chunk), cold->bytes), asio::use_awaitable);
-  } catch (const std::exception&) {  // out of memory
-    cold->result = ReadResult::kFailed;
+bool Connection::startFetching(const Chunk& chunk) {
+  if (!dropFinishedReads(chunk.bytes)) {
+    if (!cold_.empty()) return false;
+    reading_.take(chunk.bytes);  // charge one read even without room, so that the connection makes progress
   }
-  if (!session_.unpark(cold->chunk) && std::erase(cold_, cold) > 0) reading_.give(cold->bytes.size());
+  auto cold = std::make_shared<ColdRead>(ColdRead{chunk, {}});
+  cold_.push_back(cold);
+  if (chunk.opened->counters != nullptr) chunk.opened->counters->cold_reads.add();
+  host_.readers->read(
+      chunk.opened->model->blobs, rangeOf(chunk),
+      [self = shared_from_this(), cold](ReadResult result, std::vector<std::byte> bytes) mutable {
+        const auto executor = self->stream_.bytes().executor();
+        asio::post(executor,
+                   [self = std::move(self), cold = std::move(cold), result, bytes = std::move(bytes)]() mutable {
+                     cold->result = result;
+                     cold->bytes = std::move(bytes);
+                     self->endFetching(cold);
+                   });
+      });
+  return true;
+}
+
+void Connection::endFetching(const std::shared_ptr<ColdRead>& cold) {
+  if (!session_.unpark(cold->chunk) && std::erase(cold_, cold) > 0) reading_.give(cold->chunk.bytes);
   wakeWriter();
 }
 
 void Connection::fail(const Chunk& chunk, ReadResult result) {
+  ModelCounters* const counters = chunk.opened->counters;
+  const std::string blob = "blob " + std::to_string(chunk.blob);
   if (result == ReadResult::kDamaged) {
-    if (chunk.opened->counters != nullptr) chunk.opened->counters->damaged.add();
+    if (counters != nullptr) counters->damaged.add();
     session_.failChunk(proto::WireError::kDamagedStore,
-                       "blob " + std::to_string(chunk.blob) +
-                           " of the store is damaged: copy the store again, or rebuild it; lodestreamd "
-                           "verify lists the damage");
+                       blob + " of the store is damaged: copy the store again, or rebuild it; lodestreamd "
+                              "verify lists the damage");
+  } else if (result == ReadResult::kNoMemory) {
+    session_.failChunk(proto::WireError::kNotReady,
+                       "the server is short of memory to read " + blob + "; request it again later");
   } else {
+    if (counters != nullptr) counters->unreadable.add();
     session_.failChunk(proto::WireError::kInternal,
-                       "the server could not read blob " + std::to_string(chunk.blob) + "; try again later");
+                       blob + " of the store cannot be read now, because the server's storage fails or does "
+                              "not answer; request it again later");
   }
 }
 

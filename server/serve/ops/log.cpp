@@ -148,8 +148,8 @@ uint64_t LogLimit::takeLeftOut(LogKind kind, TimePoint now) noexcept {
 }
 
 std::string_view logKindName(LogKind kind) noexcept {
-  constexpr std::array<std::string_view, kLogKinds> kNames{"server",  "connection", "refused", "unauthorized",
-                                                           "mistake", "damage",     "system"};
+  constexpr std::array<std::string_view, kLogKinds> kNames{
+      "server", "connection", "refused", "unauthorized", "mistake", "damage", "unreadable", "system"};
   return kNames[static_cast<size_t>(kind)];
 }
 

@@ -23,9 +23,10 @@ enum class LogKind : uint8_t {
   kUnauthorized,     ///< a token is unknown or has expired
   kProtocolMistake,  ///< a client broke a rule of the protocol
   kDamagedStore,     ///< a blob does not match its checksum, or a store file changed
+  kUnreadableStore,  ///< the operating system cannot read a store, or can read it again
   kSystem,           ///< the operating system refused a read, an accept or memory
 };
-constexpr size_t kLogKinds = 7;
+constexpr size_t kLogKinds = 8;
 
 /// Returns the kind's name in the log: "connection", "refused" and so on.
 std::string_view logKindName(LogKind kind) noexcept;

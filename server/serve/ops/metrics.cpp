@@ -82,6 +82,8 @@ constexpr std::array kModelFigures{
                 &ModelCounters::cold_reads},
     ModelFigure{"lodestream_model_damaged_blobs_total", "Requests that failed because the store is damaged",
                 &ModelCounters::damaged},
+    ModelFigure{"lodestream_model_unreadable_blobs_total",
+                "Requests that failed because the store could not be read", &ModelCounters::unreadable},
 };
 
 MetricFamily ofModels(const ModelFigure& figure, Threads threads) {
@@ -104,6 +106,8 @@ void addGauges(std::vector<MetricFamily>& families, const ServerGauges& gauges) 
   };
   add("lodestream_connections", "Open connections", MetricType::Gauge, gauges.connections);
   add("lodestream_models", "Models served", MetricType::Gauge, gauges.models);
+  add("lodestream_models_skipped", "Stores that could not be opened at the start or at the last reload",
+      MetricType::Gauge, gauges.models_skipped);
   add("lodestream_memory_bytes", "Bytes of the memory budget that connections hold", MetricType::Gauge,
       gauges.memory_bytes);
   add("lodestream_memory_budget_bytes", "Memory budget of all connections together in bytes",

@@ -84,7 +84,7 @@ constexpr size_t kRequestClasses = 3;
 
 /// Counters of one model on one thread.
 struct ModelCounters {
-  Counter opened, blobs, bytes, cold_reads, damaged;
+  Counter opened, blobs, bytes, cold_reads, damaged, unreadable;
 };
 
 /// Counters of one thread of the server. That thread alone increments them; Metrics::text() reads them.
@@ -117,6 +117,7 @@ class ThreadCounters {
 /// Current values that are not sums of counters.
 struct ServerGauges {
   uint64_t connections = 0, models = 0;
+  uint64_t models_skipped = 0;  ///< stores that could not be opened at the start or at the last reload
   uint64_t certificate_expires_s = 0;  ///< Unix time at which the certificate expires; 0 without one
   uint64_t memory_bytes = 0, memory_budget_bytes = 0, allocated_bytes = 0;
   uint64_t log_lines_dropped = 0, log_lines_left_out = 0;

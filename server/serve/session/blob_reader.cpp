@@ -1,6 +1,7 @@
 #include "server/serve/session/blob_reader.h"
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -44,12 +45,17 @@ struct stat statusOf(int descriptor) {
 }
 
 /// Returns the flags for preadv2() that avoid waiting for the disk. File systems in memory reject RWF_NOWAIT,
-/// but reads from them never wait.
-int flagsForHot(int descriptor) noexcept {
+/// but reads from them never wait. Other file systems that reject RWF_NOWAIT, such as network and FUSE file
+/// systems, can wait in any call, also in fstat(); for them, returns nothing.
+std::optional<int> flagsForHot(int descriptor) noexcept {
   struct statfs system {};
   const bool in_memory =
       fstatfs(descriptor, &system) == 0 && (system.f_type == TMPFS_MAGIC || system.f_type == RAMFS_MAGIC);
-  return in_memory ? 0 : RWF_NOWAIT;
+  if (in_memory) return 0;
+  std::byte first{};
+  const iovec place{&first, 1};
+  if (preadv2(descriptor, &place, 1, 0, RWF_NOWAIT) < 0 && errno == EOPNOTSUPP) return std::nullopt;
+  return RWF_NOWAIT;
 }
 
 bool readWhole(int descriptor, uint64_t offset, std::span<std::byte> into, int flags) noexcept {
@@ -70,7 +76,7 @@ BlobReader::FileState::FileState(const struct stat& file) noexcept
 BlobReader::BlobReader(store::Reader reader, BlobReaderOptions options)
     : reader_(std::move(reader)),
       options_(std::move(options)),
-      hot_flags_(flagsForHot(reader_.fileDescriptor())),
+      hot_flags_(options_.hot_reads ? flagsForHot(reader_.fileDescriptor()) : std::nullopt),
       notes_(std::make_unique<std::atomic<uint32_t>[]>(size_t{reader_.blobCount()} + 1)),
       checked_ns_(nowNs()),
       file_(statusOf(reader_.fileDescriptor())) {}
@@ -78,6 +84,16 @@ BlobReader::BlobReader(store::Reader reader, BlobReaderOptions options)
 bool BlobReader::isStill(const struct stat& file) const noexcept {
   const std::lock_guard lock(file_mutex_);
   return FileState(file) == file_ && generation_.load(std::memory_order_relaxed) == 0;
+}
+
+template <typename... Parts>
+void BlobReader::report(StoreFault fault, const Parts&... parts) const noexcept {
+  try {
+    std::string line;
+    (line.append(parts), ...);
+    options_.report(fault, line);
+  } catch (const std::exception&) {  // ignore a failed report, because serving must go on
+  }
 }
 
 BlobReader::Trust BlobReader::trustIn(uint32_t blob, uint32_t generation) const noexcept {
@@ -116,15 +132,13 @@ void BlobReader::checkFile() const noexcept {
     file_ = now;
     generation_.fetch_add(1, std::memory_order_release);
   }
-  if (!was_written) return;
-  try {
-    options_.report("the store of model '" + reader_.summary().name +
-                    "' changed in place; its blobs are verified again. Rename new stores into place instead");
-  } catch (const std::exception&) {  // ignore a failed report, because serving must go on
-  }
+  if (was_written)
+    report(StoreFault::kDamaged, "the store of model '", reader_.summary().name,
+           "' changed in place; its blobs are verified again. Rename new stores into place instead");
 }
 
 ReadResult BlobReader::readHot(const BlobRange& range, std::span<std::byte> into) const noexcept {
+  if (!hot_flags_) return ReadResult::kCold;
   const uint32_t generation = currentGeneration();
   switch (trustIn(range.blob, generation)) {
     case Trust::kUnchecked:
@@ -136,8 +150,8 @@ ReadResult BlobReader::readHot(const BlobRange& range, std::span<std::byte> into
       break;
   }
   const uint64_t offset = reader_.blob(range.blob).offset + range.offset_bytes;
-  return readWhole(reader_.fileDescriptor(), offset, into.first(range.bytes), hot_flags_) ? ReadResult::kDone
-                                                                                          : ReadResult::kCold;
+  const bool done = readWhole(reader_.fileDescriptor(), offset, into.first(range.bytes), *hot_flags_);
+  return done ? ReadResult::kDone : ReadResult::kCold;
 }
 
 ReadResult BlobReader::checkHot(const BlobRange& range, std::span<std::byte> into,
@@ -152,7 +166,7 @@ ReadResult BlobReader::checkHot(const BlobRange& range, std::span<std::byte> int
     return ReadResult::kCold;
   }
   const std::span<std::byte> blob = all ? into.first(range.bytes) : std::span(room).first(entry.bytes);
-  if (!readWhole(reader_.fileDescriptor(), entry.offset, blob, hot_flags_)) return ReadResult::kCold;
+  if (!readWhole(reader_.fileDescriptor(), entry.offset, blob, *hot_flags_)) return ReadResult::kCold;
   if (checksum(blob) != entry.checksum) return bad(range, generation, "the checksum does not match");
   note(range.blob, generation, Trust::kGood);
   if (!all) std::memcpy(into.data(), blob.data() + range.offset_bytes, range.bytes);
@@ -161,32 +175,40 @@ ReadResult BlobReader::checkHot(const BlobRange& range, std::span<std::byte> int
 
 ReadResult BlobReader::readCold(const BlobRange& range, std::span<std::byte> into) const noexcept {
   const uint32_t generation = currentGeneration();
+  const Trust trust = trustIn(range.blob, generation);
+  if (trust == Trust::kDamaged) {
+    damaged_reads_.fetch_add(1, std::memory_order_relaxed);
+    return ReadResult::kDamaged;
+  }
   try {
-    if (trustIn(range.blob, generation) != Trust::kGood) {
-      const std::vector<std::byte> blob = reader_.readBlob(range.blob);
-      std::memcpy(into.data(), blob.data() + range.offset_bytes, range.bytes);
-      note(range.blob, generation, Trust::kGood);
-      return ReadResult::kDone;
-    }
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::kIo) return failed(range, "the operating system cannot read it");
-    return bad(range, generation, "the checksum does not match, or the file is truncated");
+    if (trust == Trust::kUnchecked) return readAndCheck(range, into, generation);
   } catch (const std::exception&) {
-    return failed(range, "memory ran out while verifying it");
+    return ReadResult::kNoMemory;
   }
   const store::BlobEntry& entry = reader_.blob(range.blob);
   const uint32_t end = range.offset_bytes + range.bytes;
   if (end < entry.bytes)  // ask the system to load the rest of the blob, which is read next
     posix_fadvise(reader_.fileDescriptor(), static_cast<off_t>(entry.offset + end), entry.bytes - end,
                   POSIX_FADV_WILLNEED);
-  uint32_t done = 0;
-  while (done < range.bytes) {
-    const ssize_t got = pread(reader_.fileDescriptor(), into.data() + done, range.bytes - done,
-                              static_cast<off_t>(entry.offset + range.offset_bytes + done));
-    if (got == 0) return bad(range, generation, "the file was truncated");
-    if (got < 0 && errno != EINTR) return failed(range, std::strerror(errno));
-    if (got > 0) done += static_cast<uint32_t>(got);
-  }
+  const auto got =
+      options_.read(reader_.fileDescriptor(), entry.offset + range.offset_bytes, into.first(range.bytes));
+  if (!got) return unreadable();
+  noteReadable();
+  return *got == range.bytes ? ReadResult::kDone : bad(range, generation, "the file was truncated");
+}
+
+/// Reads and verifies the whole blob. @throws std::bad_alloc.
+ReadResult BlobReader::readAndCheck(const BlobRange& range, std::span<std::byte> into,
+                                    uint32_t generation) const {
+  const store::BlobEntry& entry = reader_.blob(range.blob);
+  std::vector<std::byte> blob(entry.bytes);
+  const auto got = options_.read(reader_.fileDescriptor(), entry.offset, blob);
+  if (!got) return unreadable();
+  noteReadable();
+  if (*got < blob.size()) return bad(range, generation, "the file was truncated");
+  if (checksum(blob) != entry.checksum) return bad(range, generation, "the checksum does not match");
+  note(range.blob, generation, Trust::kGood);
+  std::memcpy(into.data(), blob.data() + range.offset_bytes, range.bytes);
   return ReadResult::kDone;
 }
 
@@ -196,21 +218,40 @@ ReadResult BlobReader::bad(const BlobRange& range, uint32_t generation, std::str
   const bool known = static_cast<Trust>(before & 3) == Trust::kDamaged &&
                      (before >> 2) % kGenerations == generation % kGenerations;
   note(range.blob, generation, Trust::kDamaged);
-  if (!known) report(range, why);
+  if (!known)
+    report(StoreFault::kDamaged, "blob ", std::to_string(range.blob), " of model '", reader_.summary().name,
+           "': ", why);
   return ReadResult::kDamaged;
 }
 
-ReadResult BlobReader::failed(const BlobRange& range, std::string_view why) const noexcept {
-  report(range, why);
-  return ReadResult::kFailed;
+/// Reports the errno of a read.
+ReadResult BlobReader::unreadable() const noexcept {
+  noteUnreadable(std::strerror(errno));
+  return ReadResult::kUnreadable;
 }
 
-void BlobReader::report(const BlobRange& range, std::string_view why) const noexcept {
-  try {
-    options_.report("blob " + std::to_string(range.blob) + " of model '" + reader_.summary().name +
-                    "': " + std::string(why));
-  } catch (const std::exception&) {  // ignore a failed report, because serving must go on
-  }
+void BlobReader::noteLateRead(std::chrono::nanoseconds deadline) const noexcept {
+  const double seconds = std::chrono::duration<double>(deadline).count();
+  char why[64];
+  std::snprintf(why, sizeof why, "a read has not ended within %g s", seconds);
+  noteUnreadable(why);
+}
+
+void BlobReader::noteUnreadable(std::string_view why) const noexcept {
+  if (is_unreadable_.load(std::memory_order_relaxed)) return;
+  const int64_t now = nowNs();
+  int64_t last = reported_ns_.load(std::memory_order_relaxed);
+  const auto every = std::chrono::nanoseconds(options_.report_unreadable_every).count();
+  if (last != 0 && now - last < every) return;
+  if (!reported_ns_.compare_exchange_strong(last, now, std::memory_order_relaxed)) return;
+  is_unreadable_.store(true, std::memory_order_relaxed);
+  report(StoreFault::kUnreadable, "the store of model '", reader_.summary().name, "' cannot be read: ", why,
+         "; requests end with an error until it can be read");
+}
+
+void BlobReader::noteReadable() const noexcept {
+  if (is_unreadable_.load(std::memory_order_relaxed) && is_unreadable_.exchange(false))
+    report(StoreFault::kUnreadable, "the store of model '", reader_.summary().name, "' can be read again");
 }
 
 }  // namespace lode::serve

@@ -7,11 +7,13 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string_view>
 
 #include <sys/stat.h>
 
+#include "common/io/file_io.h"
 #include "server/store/reader.h"
 
 namespace lode::serve {
@@ -19,9 +21,10 @@ namespace lode::serve {
 /// Result of a read.
 enum class ReadResult {
   kDone,
-  kCold,     ///< the blob is not in the page cache, or is too large to verify quickly; call readCold()
-  kDamaged,  ///< the blob's checksum does not match, or the file was truncated
-  kFailed,   ///< the operating system reported an error, or memory ran out
+  kCold,        ///< the blob is not in the page cache, or is too large to verify quickly; call readCold()
+  kDamaged,     ///< the blob's checksum does not match, or the file was truncated
+  kUnreadable,  ///< the operating system reported an error, or the read was late; a later read may succeed
+  kNoMemory,    ///< memory ran out; a later read may succeed
 };
 
 struct BlobRange {
@@ -30,14 +33,27 @@ struct BlobRange {
   uint32_t bytes = 0;
 };
 
+/// Subject of a report about a store.
+enum class StoreFault {
+  kDamaged,     ///< a blob does not match its checksum, or the file changed in place
+  kUnreadable,  ///< the operating system cannot read the file, or can read it again
+};
+
 struct BlobReaderOptions {
   /// Interval of checks for changes of the file. After a change all blobs are verified again.
   std::chrono::nanoseconds check_file_every = std::chrono::milliseconds(20);
   /// Time after which a damaged blob is verified again, because the store may have been repaired.
   std::chrono::seconds retry_damaged{10};
-  /// A function that receives a line for the operator when a blob is damaged or the file has changed in
-  /// place. Any thread can call the function.
-  std::function<void(std::string_view)> report = [](std::string_view) {};
+  /// Shortest time between two reports that the same store cannot be read.
+  std::chrono::seconds report_unreadable_every{10};
+  /// A function that receives a line for the operator when a blob is damaged, when the file has changed in
+  /// place, when the file cannot be read, and when it can be read again. Any thread can call the function,
+  /// also after the server's end: see DiskReaders::join().
+  std::function<void(StoreFault, std::string_view)> report = [](StoreFault, std::string_view) {};
+  /// False treats the file like one on a network or FUSE file system: all reads are cold.
+  bool hot_reads = true;
+  /// A function that reads like lode::readAt(), and sets errno on failure. The function can wait for the disk.
+  std::function<std::optional<size_t>(int file, uint64_t offset, std::span<std::byte> bytes)> read = readAt;
 };
 
 /// Reads blobs of one store. Verifies a blob's checksum at its first read and again after the file has
@@ -51,6 +67,8 @@ class BlobReader {
   /// Reads a range of a blob, and waits for the disk if necessary. If the blob is not verified yet, reads the
   /// whole blob.
   ReadResult readCold(const BlobRange& range, std::span<std::byte> into) const noexcept;
+  /// Reports that a read of the store has not ended within `deadline`.
+  void noteLateRead(std::chrono::nanoseconds deadline) const noexcept;
 
   const store::Reader& store() const noexcept { return reader_; }
   /// Returns true if `file` is the status of this reader's file and the file has not changed since the reader
@@ -75,18 +93,25 @@ class BlobReader {
   void checkFile() const noexcept;
   ReadResult checkHot(const BlobRange& range, std::span<std::byte> into, uint32_t generation) const noexcept;
   ReadResult bad(const BlobRange& range, uint32_t generation, std::string_view why) const noexcept;
-  ReadResult failed(const BlobRange& range, std::string_view why) const noexcept;
-  void report(const BlobRange& range, std::string_view why) const noexcept;
+  ReadResult readAndCheck(const BlobRange& range, std::span<std::byte> into, uint32_t generation) const;
+  ReadResult unreadable() const noexcept;
+  void noteUnreadable(std::string_view why) const noexcept;
+  void noteReadable() const noexcept;
+  template <typename... Parts>
+  void report(StoreFault fault, const Parts&... parts) const noexcept;
 
   store::Reader reader_;
   BlobReaderOptions options_;
-  int hot_flags_;  ///< flags of preadv2; 0 on file systems in memory
+  std::optional<int> hot_flags_;  ///< flags of preadv2 for reads that do not wait; absent if the file system
+                                  ///< always can wait, so that all reads are cold
   std::unique_ptr<std::atomic<uint32_t>[]> notes_;
   mutable std::atomic<uint32_t> generation_{0};  ///< incremented when the file changes
   mutable std::atomic<int64_t> checked_ns_{0};   ///< time of the last check of the file
   mutable std::mutex file_mutex_;
   mutable FileState file_;  ///< guarded by file_mutex_
   mutable std::atomic<uint64_t> damaged_reads_{0};
+  mutable std::atomic<bool> is_unreadable_{false};  ///< reported, and no read has succeeded since then
+  mutable std::atomic<int64_t> reported_ns_{0};      ///< time of the last report that the store is unreadable
 };
 
 }  // namespace lode::serve

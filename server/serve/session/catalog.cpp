@@ -1,6 +1,7 @@
 #include "server/serve/session/catalog.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -15,6 +16,8 @@ namespace lode::serve {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kNotServed = "the model is not served";
 
 /// Returns true if both paths name one file, for example through a link or "./".
 bool areTheSame(const fs::path& a, const fs::path& b) {
@@ -88,6 +91,15 @@ std::string withoutFolder(std::string message, const fs::path& file) {
   return message;
 }
 
+/// Reports that a store cannot be opened and adds the store to `skipped`. @param then  consequence.
+void skip(const fs::path& file, const Error& error, const char* then, const BlobReaderOptions& options,
+          std::vector<SkippedStore>& skipped) {
+  SkippedStore store{file.stem().string(), withoutFolder(error.what(), file)};
+  options.report(error.code() == ErrorCode::kIo ? StoreFault::kUnreadable : StoreFault::kDamaged,
+                 "the store of model '" + store.model + "' cannot be opened; " + then + ": " + store.why);
+  skipped.push_back(std::move(store));
+}
+
 bool isUnchanged(const Model& model, const fs::path& file) {
   struct stat now {};
   return model.blobs && ::stat(file.c_str(), &now) == 0 && model.blobs->isStill(now);
@@ -117,14 +129,24 @@ std::shared_ptr<const Model> Catalog::find(std::string_view name) const noexcept
 }
 
 std::shared_ptr<const Catalog> openCatalog(std::span<const fs::path> stores,
-                                           const BlobReaderOptions& options) {
+                                           const BlobReaderOptions& options,
+                                           std::vector<SkippedStore>* skipped) {
   std::vector<std::shared_ptr<const Model>> models;
-  for (const fs::path& file : storeFiles(stores, false)) models.push_back(openModel(file, options));
+  std::optional<Error> first;
+  for (const fs::path& file : storeFiles(stores, false)) try {
+      models.push_back(openModel(file, options));
+    } catch (const Error& error) {
+      if (skipped == nullptr || std::ranges::find(stores, file) != stores.end()) throw;
+      if (!first) first = error;
+      skip(file, error, kNotServed, options, *skipped);
+    }
+  if (models.empty() && first) throw Error(*first);
   return std::make_shared<const Catalog>(std::move(models));
 }
 
 std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before, std::span<const fs::path> stores,
-                                             const BlobReaderOptions& options, size_t* refused) {
+                                             const BlobReaderOptions& options,
+                                             std::vector<SkippedStore>& skipped) {
   std::vector<std::shared_ptr<const Model>> models;
   for (const fs::path& file : storeFiles(stores, true)) {
     std::shared_ptr<const Model> model = before.find(file.stem().string());
@@ -133,10 +155,7 @@ std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before, std::span<co
       } catch (const Error& error) {
         // Fail if the options name this path, for example a missing folder.
         if (!model && std::ranges::find(stores, file) != stores.end()) throw;
-        options.report("the store of model '" + file.stem().string() + "' cannot be opened" +
-                       (model ? "; its previous build stays" : "; the model is not served") + ": " +
-                       withoutFolder(error.what(), file));
-        if (refused != nullptr) ++*refused;
+        skip(file, error, model ? "its previous build stays" : kNotServed, options, skipped);
       }
     if (model) models.push_back(std::move(model));
   }

@@ -56,20 +56,31 @@ class Catalog {
   std::vector<std::shared_ptr<const Model>> models_;
 };
 
+/// A store that a catalog skips because it cannot be opened.
+struct SkippedStore {
+  std::string model;  ///< name of the model; after a reload its previous build can still be served
+  std::string why;    ///< contains no folder
+};
+
 /// Opens stores for a catalog.
-/// @param stores  .lode files, and folders of .lode files.
-/// @throws Error kUsage (no store, two models of one name), kIo, kFormat (a damaged store).
+/// @param stores   .lode files, and folders of .lode files.
+/// @param skipped  receives the stores in folders that cannot be opened, which are also reported; null: such a
+///                 store is an error.
+/// @throws Error kUsage (no store, two models of one name), kIo, kFormat (a damaged store) if a file in
+/// `stores` or every store cannot be opened.
 std::shared_ptr<const Catalog> openCatalog(std::span<const std::filesystem::path> stores,
-                                           const BlobReaderOptions& options);
+                                           const BlobReaderOptions& options,
+                                           std::vector<SkippedStore>* skipped = nullptr);
 
 /// Opens the stores again for a reload. Unchanged stores stay open. If a store cannot be opened, reports the
 /// error and keeps the model with the same name in `before`, if any. Folders can be empty.
-/// @param refused  counter that is incremented per store that cannot be opened; can be null.
+/// @param skipped  receives the stores that cannot be opened.
 /// @throws the errors of openCatalog(), and Error kIo if a path in `stores` is missing and belongs to no
 /// model in `before`, such as a folder.
 std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before,
                                              std::span<const std::filesystem::path> stores,
-                                             const BlobReaderOptions& options, size_t* refused = nullptr);
+                                             const BlobReaderOptions& options,
+                                             std::vector<SkippedStore>& skipped);
 
 /// The models and the tokens of a server. A reload replaces models and tokens in a single step.
 struct ServedSet {

@@ -36,7 +36,19 @@ class BlobReaderTest : public testing::Test {
   std::vector<std::string> reports_;
   BlobReaderOptions options_{.check_file_every = std::chrono::nanoseconds(0),
                              .retry_damaged = std::chrono::seconds(1000),
-                             .report = [this](std::string_view line) { reports_.emplace_back(line); }};
+                             .report =
+                                 [this](StoreFault fault, std::string_view line) {
+                                   faults_.push_back(fault);
+                                   reports_.emplace_back(line);
+                                 },
+                             .read =
+                                 [this](int file, uint64_t offset, std::span<std::byte> into) {
+                                   if (fault_ == 0) return readAt(file, offset, into);
+                                   errno = fault_;
+                                   return std::optional<size_t>();
+                                 }};
+  int fault_ = 0;  ///< errno with which reads fail; 0: they succeed
+  std::vector<StoreFault> faults_;
   std::vector<std::byte> bytes_;
 };
 
@@ -136,6 +148,55 @@ TEST_F(BlobReaderTest, aFileThatWasTruncatedIsDamagedAndReportedByBlob) {
     EXPECT_EQ(read(reader, {4, 0, 100}, bytes_), ReadResult::kDamaged);
   }
   EXPECT_EQ(reports_.size(), 3u) << "the change and two blobs";
+}
+
+TEST_F(BlobReaderTest, aReadThatTheSystemRefusesIsUnreadableAndNotDamaged) {
+  const BlobReader reader = open();
+  std::vector<std::byte> bytes(100);
+  ASSERT_EQ(reader.readCold({3, 0, 100}, bytes), ReadResult::kDone);
+  for (const int error : {EIO, ENOTCONN, ESTALE, ETIMEDOUT, ENXIO, EREMOTEIO}) {
+    fault_ = error;
+    EXPECT_EQ(reader.readCold({2, 0, 100}, bytes), ReadResult::kUnreadable) << "a blob that is not verified";
+    EXPECT_EQ(reader.readCold({3, 0, 100}, bytes), ReadResult::kUnreadable) << "a blob that is verified";
+  }
+  EXPECT_EQ(reader.damagedReads(), 0u);
+  EXPECT_EQ(faults_, std::vector{StoreFault::kUnreadable});
+  EXPECT_EQ(reports_[0], "the store of model 'a' cannot be read: Input/output error; requests end with an error "
+                         "until it can be read");
+}
+
+TEST_F(BlobReaderTest, aStoreThatCanBeReadAgainIsServedAtOnceAndReported) {
+  options_.report_unreadable_every = std::chrono::seconds(0);
+  const BlobReader reader = open();
+  std::vector<std::byte> bytes(100);
+  for (int time = 0; time < 3; ++time) {
+    fault_ = EIO;
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(reader.readCold({2, 0, 100}, bytes), ReadResult::kUnreadable);
+    fault_ = 0;
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(reader.readCold({2, 0, 100}, bytes), ReadResult::kDone);
+  }
+  ASSERT_EQ(reports_.size(), 6u);
+  EXPECT_NE(reports_[4].find("cannot be read: "), std::string::npos) << reports_[4];
+  EXPECT_EQ(reports_[5], "the store of model 'a' can be read again");
+}
+
+TEST_F(BlobReaderTest, aStoreOfWhichSomeBlobsCannotBeReadFillsNoLog) {
+  const BlobReader reader = open();
+  std::vector<std::byte> bytes(100);
+  for (int time = 0; time < 1000; ++time) {
+    fault_ = time % 2 == 0 ? EIO : 0;
+    reader.readCold({2, 0, 100}, bytes);
+  }
+  EXPECT_EQ(reports_.size(), 2u);
+}
+
+TEST_F(BlobReaderTest, aLateReadIsReportedAsUnreadable) {
+  const BlobReader reader = open();
+  reader.noteLateRead(std::chrono::milliseconds(1500));
+  reader.noteLateRead(std::chrono::milliseconds(1500));
+  ASSERT_EQ(reports_.size(), 1u);
+  EXPECT_EQ(faults_[0], StoreFault::kUnreadable);
+  EXPECT_NE(reports_[0].find("a read has not ended within 1.5 s"), std::string::npos) << reports_[0];
 }
 
 TEST_F(BlobReaderTest, aStoreThatIsReplacedOrRemovedIsNotCalledChangedInPlace) {

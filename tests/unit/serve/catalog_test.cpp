@@ -1,5 +1,6 @@
 #include "server/serve/session/catalog.h"
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 
@@ -23,7 +24,7 @@ class CatalogTest : public testing::Test {
     return openCatalog(stores, options_);
   }
   std::shared_ptr<const Catalog> reopen(const Catalog& before) {
-    return reopenCatalog(before, std::vector{folder_.path()}, options_);
+    return reopenCatalog(before, std::vector{folder_.path()}, options_, skipped_);
   }
   std::string errorOf(const std::vector<fs::path>& stores) {
     try {
@@ -41,8 +42,13 @@ class CatalogTest : public testing::Test {
   }
 
   WorkFolder folder_;
+  std::vector<SkippedStore> skipped_;
   std::vector<std::string> reports_;
-  BlobReaderOptions options_{.report = [this](std::string_view line) { reports_.emplace_back(line); }};
+  std::vector<StoreFault> faults_;
+  BlobReaderOptions options_{.report = [this](StoreFault fault, std::string_view line) {
+    faults_.push_back(fault);
+    reports_.emplace_back(line);
+  }};
 };
 
 TEST_F(CatalogTest, offersTheStoresOfFoldersAndFilesByName) {
@@ -154,13 +160,54 @@ TEST_F(CatalogTest, aStoreThatIsNoneWhenReopenedIsCountedAndTheReasonIsThatOfThe
   const auto before = open({folder_.path()});
   std::ofstream(store("junk")) << "junk\n";
   const std::string reason = errorOf({store("junk")});
-  size_t refused = 0;
-  reopenCatalog(*before, std::vector{folder_.path()}, options_, &refused);
-  EXPECT_EQ(refused, 1u);
+  reopen(*before);
+  ASSERT_EQ(skipped_.size(), 1u);
+  EXPECT_EQ(skipped_[0].model, "junk");
   ASSERT_EQ(reports_.size(), 1u);
   EXPECT_NE(reason.find("it has only 5 bytes; copy it again"), std::string::npos) << reason;
   EXPECT_NE(reports_[0].find(reason.substr(reason.find("junk.lode"))), std::string::npos) << reports_[0];
   EXPECT_EQ(reports_[0].find(folder_.path().string()), std::string::npos) << "no path in the log";
+}
+
+TEST_F(CatalogTest, skipsAStoreOfAFolderThatCannotBeOpenedAndSaysWhy) {
+  writeSmallStore(store("a"), 1);
+  std::ofstream(store("junk")) << "junk\n";
+  writeSmallStore(store("cut"), 2);
+  fs::resize_file(store("cut"), 5000);
+  std::ofstream(store("empty"));
+  fs::create_directory(store("folder"));
+  fs::create_symlink("nowhere", store("link"));
+  const auto catalog = openCatalog(std::vector{folder_.path()}, options_, &skipped_);
+  ASSERT_EQ(catalog->models().size(), 1u);
+  EXPECT_EQ(catalog->models()[0]->summary.name, "a");
+  ASSERT_EQ(skipped_.size(), 5u);
+  ASSERT_EQ(reports_.size(), 5u);
+  const std::array expected{"cut", "empty", "folder", "junk", "link"};
+  for (size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(skipped_[i].model, expected[i]);
+    EXPECT_EQ(skipped_[i].why.find(std::string(expected[i]) + ".lode: "), 0u) << skipped_[i].why;
+    EXPECT_NE(reports_[i].find(skipped_[i].why), std::string::npos) << reports_[i];
+    EXPECT_NE(reports_[i].find("the model is not served"), std::string::npos) << reports_[i];
+  }
+  EXPECT_EQ(faults_[0], StoreFault::kDamaged);
+  EXPECT_EQ(faults_[4], StoreFault::kUnreadable);
+}
+
+TEST_F(CatalogTest, refusesAFolderOfWhichNoStoreCanBeOpened) {
+  std::ofstream(store("junk")) << "junk\n";
+  EXPECT_THROW(openCatalog(std::vector{folder_.path()}, options_, &skipped_), Error);
+}
+
+TEST_F(CatalogTest, refusesANamedFileThatCannotBeOpenedThoughOthersCan) {
+  writeSmallStore(store("a"), 1);
+  std::ofstream(store("junk")) << "junk\n";
+  EXPECT_THROW(openCatalog(std::vector{store("a"), store("junk")}, options_, &skipped_), Error);
+}
+
+TEST_F(CatalogTest, refusesAFolderWithAStoreThatCannotBeOpenedIfStrict) {
+  writeSmallStore(store("a"), 1);
+  std::ofstream(store("junk")) << "junk\n";
+  EXPECT_NE(errorOf({folder_.path()}).find("junk.lode"), std::string::npos);
 }
 
 TEST_F(CatalogTest, aStoreThatIsDamagedWhenReopenedLeavesWhatThereWas) {

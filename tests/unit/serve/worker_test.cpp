@@ -1,18 +1,18 @@
 #include "server/serve/worker.h"
 
+#include <atomic>
+#include <cerrno>
 #include <chrono>
-#include <climits>
-#include <future>
 #include <latch>
+#include <optional>
+#include <thread>
+#include <vector>
 
-#include <asio/post.hpp>
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "common/error.h"
 #include "server/serve/session/catalog.h"
-#include "tests/support/scarce_threads.h"
 #include "tests/unit/serve/small_store.h"
 #include "tests/unit/serve/test_client.h"
 
@@ -31,14 +31,25 @@ using namespace std::chrono_literals;
 constexpr uint32_t kColdBlob = 1;
 constexpr size_t kColdBytes = 300'000;
 
-/// A worker with one connection and a disk under control of the test: the only reader thread first waits for
-/// the test.
+/// A worker with one connection and a disk under control of the test: reads that wait for the disk end when
+/// the test lets them, and one is read at a time.
 class WorkerTest : public testing::Test {
  protected:
   WorkerTest() {
     writeSmallStore(store_, 1, kColdBytes);
-    catalog_ = openCatalog(std::span(&store_, 1), {.report = [](std::string_view) {}});
-    asio::post(disk_, [this] { disk_answers_.wait(); });
+    BlobReaderOptions options{.report =
+                                  [this](StoreFault, std::string_view line) {
+                                    if (line.find("again") != line.npos) is_readable_again_ = true;
+                                  },
+                              .read = [this](int file, uint64_t offset, auto into) {
+                                return readBlob(file, offset, into);
+                              }};
+    std::vector<std::shared_ptr<const Model>> models{openModel(store_, options)};
+    const std::filesystem::path always_cold = folder_.path() / "cold.lode";
+    writeSmallStore(always_cold, 1, kColdBytes);
+    options.hot_reads = false;
+    models.push_back(openModel(always_cold, options));
+    catalog_ = std::make_shared<const Catalog>(std::move(models));
     worker_.emplace(Published{{catalog_, nullptr}, nullptr}, log_, counters_, disk_, budget_, rate_,
                     ConnectionLimits{});
     worker_->start(10ms);
@@ -50,6 +61,19 @@ class WorkerTest : public testing::Test {
     disk_.join();
   }
 
+  static std::shared_ptr<const Model> openModel(const std::filesystem::path& store,
+                                                const BlobReaderOptions& options) {
+    return openCatalog(std::span(&store, 1), options)->models().front();
+  }
+  std::optional<size_t> readBlob(int file, uint64_t offset, std::span<std::byte> into) {
+    ++reads_;
+    disk_answers_.wait();
+    const auto bytes = readAt(file, offset, into);
+    ++ended_reads_;
+    if (!read_fails_) return bytes;
+    errno = EIO;
+    return std::nullopt;
+  }
   void letDiskAnswer() {
     answered_ = true;
     disk_answers_.count_down();
@@ -79,7 +103,11 @@ class WorkerTest : public testing::Test {
   std::shared_ptr<const Catalog> catalog_;
   std::latch disk_answers_{1};
   bool answered_ = false;
-  asio::thread_pool disk_{1};
+  std::atomic<bool> read_fails_{false}, is_readable_again_{false};
+  std::atomic<int> reads_{0}, ended_reads_{0}, now_s_{0};
+  DiskReaders disk_{{.threads = 1, .reads_per_store = 1, .clock = [this] {
+                       return DiskReaders::TimePoint(std::chrono::seconds(now_s_));
+                     }}};
   asio::io_context context_;
   tcp::acceptor acceptor_{context_, {asio::ip::address_v4::loopback(), 0}};
   std::optional<Worker> worker_;
@@ -105,26 +133,85 @@ TEST_F(WorkerTest, aColdReadHoldsUpNoAnswerOfItsConnection) {
   EXPECT_EQ(blobs[0].second, store::Reader(store_).readBlob(kColdBlob));
 }
 
-TEST(ReaderThreads, failAndEndWhereTheSystemDoesNotGiveAll) {
-  for (const int threads : {0, 1, 2, 3}) {
-    lode::test::threads_left = threads;
-    EXPECT_THROW(ReaderThreads(4), Error) << threads;
+TEST_F(WorkerTest, anUrgentRequestIsReadThoughFinishedReadsOfOthersWaitForTheWindow) {
+  letDiskAnswer();
+  const auto client = connect();
+  const proto::Opened opened = client->open("cold");
+  client->blobs(2);
+  proto::Requests many{opened.handle, {}};
+  for (uint32_t request = 1; request <= 20; ++request)
+    many.changes.push_back({RequestAction::kAdd, RequestClass::kPrefetch, request, kColdBlob, 1});
+  client->send(many);
+  uint64_t received_bytes = 0;
+  while (received_bytes < proto::kInitialWindowBytes / 2) {  // then finished reads wait for the window
+    const auto frame = client->receive();
+    ASSERT_TRUE(frame && frame->is(FrameType::kBlob));
+    received_bytes += frame->body.size();
   }
-  lode::test::threads_left = INT_MAX;
+  while (ended_reads_ < 10) std::this_thread::yield();  // two unasked blobs, and as many as a connection may read
+  const uint32_t urgent = 100;
+  client->send(
+      proto::Requests{opened.handle, {{RequestAction::kAdd, RequestClass::kVisible, urgent, kColdBlob, 1}}});
+  client->send(proto::Credit{1ull << 40});
+  while (true) {
+    const auto frame = client->receive();
+    ASSERT_TRUE(frame && frame->is(FrameType::kBlob));
+    if (proto::decodeBlobChunk(frame->body).header.request == urgent) break;
+  }
 }
 
-TEST(ReaderThreads, waitForTheDiskBesideOneAnother) {
-  ReaderThreads readers(4);
-  std::promise<void> first_came, last_came;
-  bool came_meanwhile = false;
-  asio::post(readers.pool(), [&] {
-    first_came.set_value();
-    came_meanwhile = last_came.get_future().wait_for(std::chrono::seconds(300)) == std::future_status::ready;
-  });
-  first_came.get_future().wait();
-  asio::post(readers.pool(), [&] { last_came.set_value(); });
-  readers.join();
-  EXPECT_TRUE(came_meanwhile);
+TEST_F(WorkerTest, aReadThatTheSystemRefusesEndsItsRequestAsOneThatCanBeRepeated) {
+  letDiskAnswer();
+  const auto client = connect();
+  const proto::Opened opened = client->open("a");
+  client->blobs(2);
+  read_fails_ = true;
+  const auto ask = [&](uint32_t request) {
+    client->send(
+        proto::Requests{opened.handle, {{RequestAction::kAdd, RequestClass::kVisible, request, kColdBlob, 1}}});
+  };
+  ask(1);
+  const auto error = client->expect<proto::ErrorMessage>(FrameType::kError);
+  EXPECT_EQ(error.code, proto::WireError::kInternal);
+  EXPECT_EQ(error.request, 1u);
+  EXPECT_NE(error.message.find("cannot be read"), std::string::npos) << error.message;
+  EXPECT_EQ(error.message.find("damage"), std::string::npos) << error.message;
+  EXPECT_EQ(counters_.model("a").unreadable.read(), 1u);
+  EXPECT_EQ(counters_.model("a").damaged.read(), 0u);
+  read_fails_ = false;
+  ask(2);
+  EXPECT_EQ(client->blobs(1)[0].first, 2u);
+}
+
+TEST_F(WorkerTest, aReadThatHangsEndsItsRequestAtTheDeadlineAndLaterOnesAtOnce) {
+  const auto client = connect();
+  const proto::Opened opened = client->open("a");
+  client->blobs(2);
+  const auto expectUnreadable = [&](uint32_t request) {
+    const auto error = client->expect<proto::ErrorMessage>(FrameType::kError);
+    EXPECT_EQ(error.code, proto::WireError::kInternal);
+    EXPECT_EQ(error.request, request);
+  };
+  const auto ask = [&](uint32_t request) {
+    client->send(
+        proto::Requests{opened.handle, {{RequestAction::kAdd, RequestClass::kVisible, request, kColdBlob, 1}}});
+  };
+  ask(1);
+  while (reads_ == 0) std::this_thread::yield();
+  now_s_ = 10;
+  disk_.tick();
+  expectUnreadable(1);
+  ask(2);
+  expectUnreadable(2);
+  letDiskAnswer();
+  while (!is_readable_again_) std::this_thread::yield();
+  ask(3);
+  for (uint32_t request = 4;; ++request) {  // the late read may not have returned its slot yet
+    const auto frame = client->receive();
+    ASSERT_TRUE(frame);
+    if (frame->is(FrameType::kBlob)) break;
+    ask(request);
+  }
 }
 
 }  // namespace

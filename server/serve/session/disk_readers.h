@@ -1,0 +1,61 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "server/serve/session/blob_reader.h"
+
+namespace lode::serve {
+
+constexpr std::chrono::milliseconds kReadDeadline{10'000};  ///< time that a read may take
+
+struct DiskReaderOptions {
+  using TimePoint = std::chrono::steady_clock::time_point;
+  size_t threads = 6;          ///< threads that read, apart from blocked threads
+  size_t max_threads = 256;    ///< limit of all threads, at which a blocked thread is not replaced
+  size_t reads_per_store = 4;  ///< limit of a store's reads at a time; the others of the store wait
+  size_t many_blocked = 16;    ///< number of blocked threads above which a store has one read at a time
+  /// Duration of a read after which its thread counts as blocked, and another thread replaces it.
+  std::chrono::nanoseconds replace_after = std::chrono::milliseconds(500);
+  std::chrono::nanoseconds deadline = kReadDeadline;  ///< duration after which a read is late
+  std::function<TimePoint()> clock = std::chrono::steady_clock::now;
+};
+
+/// Threads for reads that wait for the disk. Stores take turns. Another thread replaces a thread that a read
+/// blocks for long. A read that is late ends for its caller as kUnreadable. While all reads of a store are
+/// late, its other reads end as kUnreadable at once. So a store whose storage hangs blocks at most
+/// reads_per_store threads, and delays other stores by replace_after at most. Thread safe.
+class DiskReaders {
+ public:
+  using TimePoint = DiskReaderOptions::TimePoint;
+  /// Receives a read's result and, for kDone, its bytes. Any thread can call the function, also read() itself.
+  using Done = std::function<void(ReadResult, std::vector<std::byte>)>;
+
+  /// @throws Error kIo if the system cannot start the threads.
+  explicit DiskReaders(DiskReaderOptions options = {});
+  ~DiskReaders();  ///< calls join()
+  DiskReaders(const DiskReaders&) = delete;
+  DiskReaders& operator=(const DiskReaders&) = delete;
+
+  /// Reads a range of a blob and calls `done` once. The caller bounds the number of its reads.
+  /// @throws std::bad_alloc before the read is queued.
+  void read(std::shared_ptr<const BlobReader> blobs, const BlobRange& range, Done done);
+  /// Runs a task that reads no store, such as returning memory to the system.
+  void post(std::function<void()> task);
+  /// Ends late reads and replaces blocked threads. Call tick() several times per replace_after.
+  void tick();
+  /// Ends waiting reads as kUnreadable, waits for the running reads that are not late, at most kJoinPatience,
+  /// and returns. Late reads end later on detached threads. They use only memory that they share.
+  void join();
+
+  static constexpr std::chrono::seconds kJoinPatience{1};
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace lode::serve
