@@ -119,7 +119,9 @@ bool Engine::settled() const noexcept {
 
 void Engine::handle(BlobRefused event) {
   if (options_.on_refused) options_.on_refused(event.blob, event.message);
-  model_->refuse(event.blob, "the server says: " + event.message, event.is_lost);
+  const std::string why = "the server says: " + event.message;
+  if (event.is_lost) return model_->lose(event.blob, why);
+  model_->postpone(event.blob, why, now_);
 }
 
 void Engine::handle(RequestCancelled) { requests_waiting_ = true; }
@@ -146,6 +148,7 @@ void Engine::step(TimePoint now) {
     }
   }
   if (model_) {
+    requests_waiting_ |= model_->releasePostponed(now);
     bool changed = group_.refine(*model_);
     if (changed) prefetcher_.needed(group_.viewCuts().get(), group_.pages(), group_.requests());
     if (options_.prefetch) {
@@ -248,6 +251,8 @@ EngineCounts& EngineCounts::operator+=(const EngineCounts& other) noexcept {
   window_bytes += other.window_bytes;
   return *this;
 }
+
+bool Engine::failureMayPass() const noexcept { return model_ && model_->failureMayPass(); }
 
 EngineCounts Engine::counts() const noexcept {
   EngineCounts counts;

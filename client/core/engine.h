@@ -191,10 +191,13 @@ class Engine {
   const std::shared_ptr<const ViewCuts>& viewCuts() const noexcept { return group_.viewCuts(); }
   uint64_t cutBuild() const noexcept { return group_.cutBuild(); }
   bool limited() const noexcept { return group_.limited(); }
-  /// Returns true if the cuts are final, because they are complete or their missing blobs cannot be loaded.
+  /// Returns true if the cuts are final, because they are complete or their missing blobs cannot be
+  /// loaded. Postponed blobs can end this state.
   bool settled() const noexcept;
   /// Reason why a part of the model cannot be loaded; empty if no part has failed.
   const std::string& failure() const noexcept;
+  /// Returns true if the engine requests all parts that have failed again.
+  bool failureMayPass() const noexcept;
   EngineCounts counts() const noexcept;
 
  private:

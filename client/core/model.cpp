@@ -67,12 +67,13 @@ std::optional<Request> Model::firstRequest() const {
 }
 
 bool Model::wants(const Request& request) const {
-  return !refused_.contains(request.blob.number) &&
+  return !lost_.contains(request.blob.number) && !postponed_.contains(request.blob.number) &&
          !decoding_.contains(toDecoding(request.blob, request.use));
 }
 
 void Model::take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
   ++version_;
+  postponed_.arrived(blob.number);
   switch (use.kind) {
     case BlobKind::kPage:
     case BlobKind::kRootPage:
@@ -162,8 +163,8 @@ void Model::finishDecode(DecodeResult result) {
                                  ? "blob " + std::to_string(result.blob.number)
                                  : "node " + std::to_string(result.use.mesh.node.value) + " lod " +
                                        std::to_string(result.use.mesh.lod);
-    return refuse(result.blob,
-                  what + " cannot be decoded: " + result.failure + ": run lodestreamd verify on the store");
+    return lose(result.blob,
+                what + " cannot be decoded: " + result.failure + ": run lodestreamd verify on the store");
   }
   insert(std::move(result));
 }
@@ -184,13 +185,18 @@ void Model::insert(DecodeResult result) {
   }
 }
 
-void Model::refuse(const BlobRef& blob, const std::string& why, bool is_lost) {
+void Model::lose(const BlobRef& blob, const std::string& why) {
   ++version_;
-  if (refused_.size() >= kMaxRefusedBlobs) refused_.clear();
-  refused_.insert(blob.number);
-  if (is_lost) hierarchy_.lose(blob.number);
-  if (is_lost && textures_) textures_->lose(blob.number);
+  if (lost_.size() >= kMaxRefusedBlobs) lost_.clear();
+  lost_.insert(blob.number);
+  hierarchy_.lose(blob.number);
+  if (textures_) textures_->lose(blob.number);
   if (failure_.empty()) failure_ = why;
+}
+
+void Model::postpone(const BlobRef& blob, const std::string& why, TimePoint now) {
+  ++version_;
+  postponed_.add(blob.number, why, now);
 }
 
 }  // namespace lode::core

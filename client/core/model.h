@@ -13,6 +13,7 @@
 
 #include "client/core/cache/decode_job.h"
 #include "client/core/cache/mesh_cache.h"
+#include "client/core/cache/postponed_blobs.h"
 #include "client/core/lod/hierarchy.h"
 #include "client/core/lod/request.h"
 #include "client/core/textures/texture_stream.h"
@@ -56,18 +57,22 @@ class Model {
   const TextureStream* textures() const noexcept { return textures_ ? &*textures_ : nullptr; }
 
   /// Returns the request to send while no view is set. The request is for the root page, then for the root's
-  /// coarsest LOD. Returns nothing if both are resident, or if the next blob is being decoded or was refused.
+  /// coarsest LOD. Returns nothing if both are resident, or if the next blob is being decoded, lost or
+  /// postponed.
   std::optional<Request> firstRequest() const;
-  /// Returns true if the blob should be requested. A blob that is being decoded or was refused should not.
+  /// Returns true if the blob should be requested: it is neither being decoded, lost nor postponed.
   bool wants(const Request& request) const;
 
   /// Stores a blob or queues it for decoding. @param bytes  bytes that match the blob's digest.
   /// @throws Error kFormat or kLimit for an invalid page or texture set, and kLimit if the root's coarsest
   /// LOD exceeds the memory budget by more than kMaxFirstLodExcessBytes.
   void take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
-  /// Notes that a blob cannot be loaded. @param is_lost  true if the blob is lost for good; refinement then
-  /// uses other LODs or nodes instead.
-  void refuse(const BlobRef& blob, const std::string& why, bool is_lost = true);
+  /// Notes that a blob is lost for good. Refinement uses other LODs or nodes instead.
+  void lose(const BlobRef& blob, const std::string& why);
+  /// Notes that the server refuses a blob for now. wants() returns false for it until a pause is over.
+  void postpone(const BlobRef& blob, const std::string& why, TimePoint now);
+  /// Ends the pause of postponed blobs when it is over. @return true if there are blobs to request again.
+  bool releasePostponed(TimePoint now) { return postponed_.release(now); }
 
   /// Returns the waiting jobs that fit the decoding budget. Call the function again after each
   /// finishDecode(), to get the other jobs.
@@ -80,7 +85,9 @@ class Model {
   /// Returns a number that increases with every change that may affect a cut.
   uint64_t version() const noexcept { return version_; }
   /// Reason why a part of the model cannot be loaded; empty if no part has failed.
-  const std::string& failure() const noexcept { return failure_; }
+  const std::string& failure() const noexcept { return failure_.empty() ? postponed_.why() : failure_; }
+  /// Returns true if all parts that have failed are only postponed.
+  bool failureMayPass() const noexcept { return failure_.empty() && !postponed_.why().empty(); }
   /// Encoded size of the received blobs that are not decoded yet.
   uint64_t undecodedBytes() const noexcept { return undecoded_bytes_; }
   /// Memory of the running decode jobs.
@@ -123,10 +130,11 @@ class Model {
   uint64_t transit_budget_bytes_ = 0;
   uint64_t undecoded_bytes_ = 0, decoding_bytes_ = 0;
   std::deque<DecodeJob> jobs_;  // jobs that wait for takeDecodeJobs()
-  std::set<uint32_t> refused_;  // numbers of the refused blobs
+  std::set<uint32_t> lost_;     // numbers of the lost blobs
+  PostponedBlobs postponed_;
   uint64_t texture_blob_bytes_ = 0;
   uint64_t version_ = 0;
-  std::string failure_;
+  std::string failure_;  // reason why the first lost blob is lost
 };
 
 }  // namespace lode::core

@@ -231,6 +231,7 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   now.limited = engine.limited();
   now.settled = engine.settled();
   now.failure = engine.failure();
+  now.failure_may_pass = engine.failureMayPass();
   now.trouble = engine.trouble();
   now.exhausted = number != 0 && engine.exhausted() && !now.settled;
   if (now.exhausted && now.failure.empty())
@@ -248,6 +249,7 @@ void Streamer::State::end(ErrorCode code, const std::string& message) {
   const std::lock_guard lock(mutex);
   error.emplace(code, message);
   status.failure = message;
+  status.failure_may_pass = false;
   status.trouble.clear();
   status.ended = has_news = true;
   news.notify_all();

@@ -43,6 +43,7 @@ struct StreamStatus {
   bool settled = false;    ///< the cut is final for the view and the budgets
   bool exhausted = false;  ///< the stream is offline, and the cache lacks blobs that the view needs
   std::string failure;     ///< reason why the stream has ended or a part cannot be loaded; empty otherwise
+  bool failure_may_pass = false;  ///< the stream requests the parts that cannot be loaded again
   std::string trouble;     ///< reason for the missing connection while the stream reconnects; empty otherwise
   bool ended = false;      ///< the stream has stopped for good
   bool current = false;    ///< the status describes the view that was set last

@@ -225,9 +225,13 @@ void Session::handleError(std::span<const std::byte> body) {
   const auto error = proto::decode<proto::ErrorMessage>(body);
   if (error.request == 0) {
     const bool is_of_the_coarsest = unasked_ && unasked_->use.kind == BlobKind::kMesh;
-    if (!is_of_the_coarsest || error.code != proto::WireError::kDamagedStore) return handleRefusal(error);
-    const Incoming lost = *std::exchange(unasked_, std::nullopt);
-    event_ = BlobRefused{lost.blob, lost.use, error.message, true};
+    const bool is_lost = is_of_the_coarsest && error.code == proto::WireError::kDamagedStore;
+    const bool may_pass =
+        error.code == proto::WireError::kInternal || error.code == proto::WireError::kNotReady;
+    if (error.closes || !(is_lost || (unasked_ && may_pass))) return handleRefusal(error);
+    const Incoming refused = *std::exchange(unasked_, std::nullopt);
+    gives_first_blobs_ = false;  // the server sends nothing more without a request
+    event_ = BlobRefused{refused.blob, refused.use, error.message, is_lost};
     return;
   }
   const auto found = requests_.find(error.request);

@@ -129,7 +129,7 @@ class Session {
   proto::Bytes takeOutgoing();
 
   /// Returns true if the server sends the root page and the root's coarsest LOD without a request, because
-  /// the client has not loaded this build.
+  /// the client has not loaded this build. Returns false once the server has refused one of them.
   bool givesFirstBlobs() const noexcept { return gives_first_blobs_; }
   bool opened() const noexcept { return state_ == State::kOpen; }
   bool isRequested(const BlobRef& blob) const { return request_of_blob_.contains(blob.number); }

@@ -93,9 +93,10 @@ class EngineTest : public testing::Test {
   }
 
   /// Returns the request in the bytes that the engine sends now; 0: none.
-  uint32_t firstRequest() {
+  uint32_t firstRequest() { return firstRequestOf(engine_); }
+  uint32_t firstRequestOf(Engine& engine) {
     uint32_t request = 0;
-    std::span<const std::byte> rest = sent_ = engine_.takeOutgoing();
+    std::span<const std::byte> rest = sent_ = engine.takeOutgoing();
     while (!rest.empty()) {
       const auto header = proto::decodeFrameHeader(rest.first<proto::kFrameHeaderBytes>());
       if (header.type == static_cast<uint8_t>(proto::FrameType::kRequests))
@@ -105,6 +106,12 @@ class EngineTest : public testing::Test {
       rest = rest.subspan(proto::kFrameHeaderBytes + header.body_bytes);
     }
     return request;
+  }
+
+  /// Refuses a request, or with 0 an unasked blob, because the store cannot be read now.
+  static Bytes unreadable(uint32_t request) {
+    return proto::encode(
+        proto::ErrorMessage{proto::WireError::kInternal, request, false, "cannot be read"}, 2);
   }
 
   /// Refuses a request because the store is damaged.
@@ -189,6 +196,74 @@ TEST_F(EngineTest, doesNotRequestAgainWhatIsBeingDecoded) {
   engine_.step(kStart);
   EXPECT_EQ(engine_.counts().decoding, 1u);
   EXPECT_EQ(engine_.counts().open_requests, 0u);
+}
+
+TEST_F(EngineTest, requestsAgainAfterAPauseWhatCannotBeReadNowAndSaysSoMeanwhile) {
+  uint32_t request = openAndShowCoarse();
+  TimePoint now = kStart;
+  std::chrono::seconds last_pause(0);
+  for (int time = 0; time < 5; ++time) {
+    engine_.receive(unreadable(request), now);
+    engine_.step(now);
+    EXPECT_EQ(engine_.failure(), "the server says: cannot be read");
+    EXPECT_TRUE(engine_.failureMayPass());
+    EXPECT_TRUE(engine_.settled()) << "nothing more comes for now";
+    EXPECT_EQ(engine_.cut()->triangles, 4u);
+    std::chrono::seconds pause(0);
+    for (request = 0; request == 0; request = firstRequest()) engine_.step(now + ++pause);
+    EXPECT_GE(pause, last_pause);
+    EXPECT_LE(pause, kLastRepeat);
+    now += last_pause = pause;
+    EXPECT_FALSE(engine_.settled());
+    EXPECT_TRUE(engine_.failureMayPass()) << "it is not there yet";
+  }
+  EXPECT_GT(last_pause, kFirstRepeat);
+  engine_.receive(blobFrame(request, 1), now);
+  decodeAll();
+  engine_.step(now);
+  EXPECT_EQ(engine_.failure(), "");
+  EXPECT_TRUE(engine_.cut()->converged);
+}
+
+TEST_F(EngineTest, opensAModelWhoseFirstBlobsCannotBeReadAtFirst) {
+  for (const uint32_t arrived : {0u, 1u}) {  // unasked blobs that arrive before the error
+    Engine engine(options());
+    engine.setView(view_, 1);
+    engine.connect(kStart);
+    Bytes bytes = openingOf(arrived == 0 ? build_id_ : Digest());
+    append(bytes, unreadable(0));
+    engine.receive(bytes, kStart);
+    engine.step(kStart);
+    EXPECT_TRUE(engine.settled());
+    EXPECT_EQ(engine.failure(), "the server says: cannot be read");
+    EXPECT_TRUE(engine.connected());
+    engine.takeOutgoing();
+    TimePoint now = kStart + kFirstRepeat;
+    for (const uint32_t blob : {3u, 2u, 1u}) {
+      if (blob == 3 && arrived == 1) continue;
+      engine.step(now);
+      const uint32_t request = firstRequestOf(engine);
+      ASSERT_NE(request, 0u) << blob;
+      engine.receive(blobFrame(request, blob), now);
+      for (const DecodeJob& job : engine.takeDecodeJobs()) engine.finishDecode(runDecodeJob(job));
+    }
+    engine.step(now);
+    EXPECT_EQ(engine.failure(), "");
+    ASSERT_TRUE(engine.cut());
+    EXPECT_TRUE(engine.cut()->converged);
+  }
+}
+
+TEST_F(EngineTest, forgetsWhatCannotBeReadIfTheViewNeedsItNoMore) {
+  const uint32_t request = openAndShowCoarse();
+  engine_.receive(unreadable(request), kStart);
+  engine_.step(kStart);
+  engine_.setView(view_, 1e6f);  // too coarse to need it
+  TimePoint now = kStart;
+  for (int second = 0; second < 5; ++second) engine_.step(now += std::chrono::seconds(1));
+  EXPECT_EQ(engine_.failure(), "");
+  EXPECT_TRUE(engine_.settled());
+  EXPECT_EQ(firstRequest(), 0u);
 }
 
 TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenABlobCannotBeHad) {

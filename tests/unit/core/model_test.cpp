@@ -83,7 +83,10 @@ TEST(Model, beginsWithTheNextFinerLodOnlyWhereTheCoarsestIsLost) {
     model.take(server.summary().root_page, {BlobKind::kRootPage, {kRootKey, 0}},
                encodePage(synthetic.rootPage()));
     const Request first = model.firstRequest().value();
-    model.refuse(first.blob, "the server says no", is_lost);
+    if (is_lost)
+      model.lose(first.blob, "the server says no");
+    else
+      model.postpone(first.blob, "the server says no", kStart);
     ASSERT_EQ(model.firstRequest().has_value(), is_lost);
     if (!is_lost) continue;
     EXPECT_EQ(model.firstRequest()->use.mesh.lod, first.use.mesh.lod - 1);

@@ -126,6 +126,22 @@ TEST_F(SessionTest, tellsWhatIsLostFromWhatIsRefusedForNow) {
   }
 }
 
+TEST_F(SessionTest, takesAnUnaskedBlobThatCannotBeReadNowForOneToRequestLater) {
+  for (const auto code : {proto::WireError::kInternal, proto::WireError::kNotReady}) {
+    Session session(optionsFor("model"), kStart);
+    session.receive(welcome() + opened() + proto::encode(proto::ErrorMessage{code, 0, false, "no"}, 2), kStart);
+    ASSERT_TRUE(std::holds_alternative<ModelOpened>(session.nextEvent().value()));
+    EXPECT_TRUE(session.givesFirstBlobs());
+    const auto refused = std::get<BlobRefused>(session.nextEvent().value());
+    EXPECT_EQ(refused.blob.number, kPageBlob);
+    EXPECT_FALSE(refused.is_lost);
+    EXPECT_FALSE(session.givesFirstBlobs());
+    session.takeOutgoing();
+    session.setRequests(std::vector<Request>{{refused.blob, refused.use, proto::RequestClass::kVisible, 10}});
+    EXPECT_EQ(changesOf(session.takeOutgoing()).size(), 1u);
+  }
+}
+
 TEST_F(SessionTest, keepsRequestsWithinItsLimitOfBytes) {
   SessionOptions options = optionsFor("model");
   options.max_requested_bytes = 1000;

@@ -49,6 +49,17 @@ TEST(Notice, saysOfAPartThatCannotBeHadThatThePictureDoesWithoutIt) {
   EXPECT_EQ(noticeOf(status, false, OnGpu::kAll).text, "blob 7 is damaged\nThat part stays at lower detail.");
 }
 
+TEST(Notice, saysOfAPartThatCannotBeReadNowThatTheViewTriesAgain) {
+  stream::StreamStatus status = statusOf(true);
+  status.failure = "blob 7 cannot be read now";
+  status.failure_may_pass = true;
+  EXPECT_EQ(noticeOf(status, false, OnGpu::kAll).kind, Notice::Kind::kTrouble);
+  EXPECT_EQ(noticeOf(status, false, OnGpu::kAll).text,
+            "blob 7 cannot be read now\nThat part stays at lower detail meanwhile; the view tries again.");
+  status.cut.reset();
+  EXPECT_EQ(noticeOf(status, false, OnGpu::kAll).text, "blob 7 cannot be read now\nThe view tries again.");
+}
+
 TEST(Notice, namesTheOptionThatGivesMoreMemory) {
   stream::StreamStatus status = statusOf(true);
   EXPECT_NE(noticeOf(status, false, OnGpu::kFull).text.find("--memory-budget"), std::string::npos);

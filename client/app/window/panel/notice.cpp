@@ -29,6 +29,15 @@ constexpr std::array kStages{StageNumber{"scan", 1},        StageNumber{"texture
 
 constexpr float kDotPx = 8;
 
+std::string failureText(const stream::StreamStatus& status) {
+  if (status.failure_may_pass)
+    return status.failure + (status.cut ? "\nThat part stays at lower detail meanwhile; the view tries again."
+                                        : "\nThe view tries again.");
+  if (!status.cut) return status.failure;
+  return status.failure + (status.ended ? "\nThe view keeps what is loaded; no more detail will load."
+                                        : "\nThat part stays at lower detail.");
+}
+
 }  // namespace
 
 Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) {
@@ -36,11 +45,7 @@ Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) 
   if (status.exhausted && status.cut)
     return {kTrouble,
             "offline: the cache has no finer detail of this view; open it once without --offline to load it"};
-  if (!status.failure.empty() && !status.cut) return {kFailure, status.failure};
-  if (!status.failure.empty())
-    return {kFailure,
-            status.failure + (status.ended ? "\nThe view keeps what is loaded; no more detail will load."
-                                           : "\nThat part stays at lower detail.")};
+  if (!status.failure.empty()) return {status.failure_may_pass ? kTrouble : kFailure, failureText(status)};
   if (!status.trouble.empty())
     return {kTrouble, "no connection: " + status.trouble +
                           "\nThe view keeps what is loaded and reconnects automatically."};

@@ -19,7 +19,10 @@ stream::StreamStatus sceneStatus(std::span<const ModelStatus> models, const core
     all.settled = all.settled && one.settled;
     all.exhausted = all.exhausted || one.exhausted;
     all.ended = all.ended && one.ended;
-    if (all.failure.empty()) all.failure = one.failure;
+    if (all.failure.empty() || (all.failure_may_pass && !one.failure.empty() && !one.failure_may_pass)) {
+      all.failure = one.failure;
+      all.failure_may_pass = one.failure_may_pass;
+    }
     if (all.trouble.empty()) all.trouble = one.trouble;
     is_shown = is_shown && one.view_cuts;
     if (!one.view_cuts) continue;
