@@ -6,6 +6,7 @@
 #include <cstring>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -13,6 +14,7 @@
 
 #include "common/error.h"
 #include "common/io/file_io.h"
+#include "common/io/packed_file.h"
 #include "common/limits.h"
 #include "server/store/format.h"
 #include "server/store/node_tree.h"
@@ -113,6 +115,9 @@ void Reader::State::readIndex() {
     throw Error(ErrorCode::kInput, "is empty: give a .lode file, or build one with lodestreamd build");
   std::array<std::byte, kHeaderBytes> header_bytes{};
   file.readAt(0, std::span(header_bytes).first(std::min<uint64_t>(file_bytes, kHeaderBytes)));
+  const std::string_view head(reinterpret_cast<const char*>(header_bytes.data()),
+                              std::min<uint64_t>(file_bytes, kHeaderBytes));
+  if (const auto packed = packedFileInWords(path, head)) throw Error(ErrorCode::kInput, *packed);
   if (file_bytes < kHeaderBytes + kFooterBytes)
     failReading("is not a store, or truncated: it has only " + std::to_string(file_bytes) + " bytes");
   const FileHeader header = decodeHeader(header_bytes, file_bytes);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/io/packed_file.h"
 #include "common/printable.h"
 #include "server/ingest/ply/ply_input.h"
 
@@ -58,10 +59,13 @@ std::optional<PlyType> typeOf(std::string_view name) {
 /// Splits a header into lines; see readPlyHeader() for line ends.
 class HeaderLines {
  public:
-  explicit HeaderLines(std::string_view text) : text_(text) {}
+  HeaderLines(std::string_view text, bool whole_file) : text_(text), whole_file_(whole_file) {}
 
   uint64_t number() const noexcept { return number_; }  ///< number of the last line, from 1
   size_t position() const noexcept { return position_; }
+
+  /// Returns true if the limit of a header cuts the last line or its line end.
+  bool isCut() const noexcept { return !whole_file_ && is_last_; }
 
   std::optional<std::string_view> next() {
     if (position_ >= text_.size()) return std::nullopt;
@@ -69,6 +73,7 @@ class HeaderLines {
     const std::string_view line = trimmed(text_.substr(position_, end - position_));
     position_ = end;
     ++number_;
+    is_last_ = end == text_.size() || (text_[end] == '\r' && end + 1 == text_.size());
     if (end == text_.size()) return line;
     const bool carriage_return = text_[end] == '\r';
     const bool line_feed_follows = end + 1 < text_.size() && text_[end + 1] == '\n';
@@ -81,21 +86,24 @@ class HeaderLines {
 
  private:
   std::string_view text_;
+  bool whole_file_;
   size_t position_ = 0;
   uint64_t number_ = 0;
   bool only_carriage_returns_ = true;
+  bool is_last_ = false;  ///< the last line or its line end ends with the text
 };
 
 class HeaderParser {
  public:
-  HeaderParser(std::string file, std::string_view text, bool whole_file)
-      : file_(std::move(file)), text_(text), whole_file_(whole_file), lines_(text) {}
+  /// @param file  name of the file for messages.
+  HeaderParser(const std::filesystem::path& path, std::string file, std::string_view text, bool whole_file)
+      : path_(path), file_(std::move(file)), text_(text), whole_file_(whole_file), lines_(text, whole_file) {}
 
   PlyHeader parse() {
     checkMagic();
     for (;;) {
       const std::optional<std::string_view> line = lines_.next();
-      if (!line) failUnterminated();
+      if (!line || lines_.isCut()) failUnterminated();
       if (*line == "end_header") break;
       readLine(*line);
     }
@@ -119,8 +127,9 @@ class HeaderParser {
 
   [[noreturn]] void failUnterminated() const {
     if (!whole_file_) {
-      fail("the header has no end_header within " + std::to_string(kMaxPlyHeaderBytes) + " bytes",
-           "check that this is a PLY file");
+      fail("the header has no end_header within " + std::to_string(kMaxPlyHeaderBytes) +
+               " bytes, the limit of a header",
+           "shorten its comments, or check that this is a PLY file");
     }
     fail("the file ends inside the header, without end_header", "copy or export the file again");
   }
@@ -135,9 +144,8 @@ class HeaderParser {
       throw Error(ErrorCode::kInput,
                   file_ + " is a store, not a PLY file; convert it with lodestreamd export");
     }
-    if (text_.starts_with("\x1f\x8b") || text_.starts_with("PK\x03\x04")) {
-      throw Error(ErrorCode::kInput, file_ + " is a compressed archive; unpack it first");
-    }
+    if (const auto packed = packedFileInWords(path_, text_))
+      throw Error(ErrorCode::kInput, file_ + " " + *packed);
     if (text_.starts_with("\xef\xbb\xbf")) {
       throw Error(ErrorCode::kInput,
                   file_ + " begins with a byte-order mark; save it as UTF-8 " + "without one");
@@ -231,6 +239,7 @@ class HeaderParser {
     element.properties.push_back(std::move(property));
   }
 
+  std::filesystem::path path_;
   std::string file_;
   std::string_view text_;
   bool whole_file_;
@@ -272,7 +281,7 @@ PlyHeader readPlyHeader(const std::filesystem::path& path) {
   const size_t bytes = static_cast<size_t>(std::min<uint64_t>(input.size(), kMaxPlyHeaderBytes));
   input.fill(bytes);
   const std::string_view text(input.data(), bytes);
-  PlyHeader header = HeaderParser(input.name(), text, bytes == input.size()).parse();
+  PlyHeader header = HeaderParser(path, input.name(), text, bytes == input.size()).parse();
   for (std::string& name : header.texture_files) putStem(name, path.stem().string());
   return header;
 }

@@ -144,6 +144,16 @@ void dropFaceColours(FacePlan& plan) {
   plan.colours = {};
 }
 
+/// Returns true if the vertices are the Gaussians of a splat. Their colours can be in f_dc_* or in other
+/// properties. Some programs pack each group of properties into one.
+bool isGaussianSplat(const PlyElement& vertices) {
+  const auto hasAll = [&](const auto& names) {
+    return std::ranges::all_of(names, [&](const char* name) { return findScalar(vertices, name) != nullptr; });
+  };
+  return hasAll(std::array{"opacity", "scale_0", "rot_0", "rot_3"}) ||
+         hasAll(std::array{"packed_position", "packed_rotation", "packed_scale"});
+}
+
 bool hasRole(const FacePlan& plan, FaceRole role) {
   for (const FaceRole each : plan.roles) {
     if (each == role) return true;
@@ -173,6 +183,14 @@ PlyPlan planBody(const PlyHeader& header, const std::string& file) {
   const PlyElement* vertices = header.find("vertex");
   if (vertices == nullptr || vertices->count == 0) {
     throw Error(ErrorCode::kInput, file + " has no vertices; export the mesh again");
+  }
+  const bool has_faces = std::ranges::any_of(header.elements, [](const PlyElement& element) {
+    return (element.name == "face" || element.name == "tristrips") && element.count > 0;
+  });
+  if (!has_faces && isGaussianSplat(*vertices)) {
+    throw Error(ErrorCode::kInput, file + " is a Gaussian splat, not a mesh: it has splats with scales and "
+                                          "rotations, and no faces; view it with a program for splats, or "
+                                          "reconstruct a surface first");
   }
   plan.vertices = planVertices(*vertices, file);
   plan.textures = header.texture_files.size();

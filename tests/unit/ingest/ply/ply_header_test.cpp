@@ -97,7 +97,10 @@ TEST(PlyHeader, saysWhatIsWrongAndWhere) {
   expectMentions(headerError("solid cube\n"), {"not a PLY file", "'solid cube\\x0a'"});
   expectMentions(headerError("\xef\xbb\xbfply\n"), {"byte-order mark", "without one"});
   expectMentions(headerError("version https://git-lfs.github.com/spec/v1\noid sha256:0\n"), {"git lfs pull"});
-  expectMentions(headerError("\x1f\x8b\x08"), {"compressed"});
+  expectMentions(headerError("\x1f\x8b\x08"), {"compressed with gzip", "/mesh.ply > ", "/mesh.unpacked.ply"});
+  expectMentions(headerError("BZh91AY&SY"), {"compressed with bzip2", "bzip2 -dc "});
+  expectMentions(headerError(std::string("\xfd\x37zXZ\0", 6)), {"compressed with xz", "xz -dc "});
+  expectMentions(headerError("\x28\xb5\x2f\xfd\x04"), {"compressed with zstd", "zstd -dc "});
   expectMentions(headerError("ply\nformat ascii 2.0\nend_header\n"), {"line 2", "version '2.0'"});
   expectMentions(headerError("ply\nformat binary 1.0\nend_header\n"), {"line 2", "'binary'"});
   expectMentions(headerError("ply\nelement vertex 1\nproperty float x\nend_header\n"), {"'format'"});
@@ -121,6 +124,26 @@ TEST(PlyHeader, saysWhatIsWrongAndWhere) {
 TEST(PlyHeader, refusesAHeaderWithoutEnd) {
   expectMentions(headerError("ply\nformat ascii 1.0\n" + std::string(2 * kMaxPlyHeaderBytes, '\n')),
                  {"no end_header within"});
+}
+
+TEST(PlyHeader, saysThatItsLimitCutsAHeaderWhereverTheCutIs) {
+  const std::string lines[] = {"comment a long comment", "element vertex 1", "property float x", "end_header",
+                               "obj_info a tex\r"};
+  const std::string start = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float y\n";
+  for (const std::string& line : lines)
+    for (size_t inside = 0; inside <= line.size(); inside += 5) {
+      std::string text = start + "comment ";
+      text += std::string(kMaxPlyHeaderBytes - text.size() - 1 - inside, 'x') + "\n" + line;
+      expectMentions(headerError(text + "\nend_header\n1\n"),
+                     {"no end_header within 1048576 bytes, the limit of a header", "shorten its comments"});
+    }
+}
+
+TEST(PlyHeader, readsAHeaderAsLongAsTheLimit) {
+  const std::string end = "\nelement vertex 1\nproperty float x\nend_header\n";
+  std::string text = "ply\nformat ascii 1.0\ncomment ";
+  text += std::string(kMaxPlyHeaderBytes - text.size() - end.size(), 'x') + end;
+  EXPECT_EQ(headerOf(text + "1\n").body_offset, kMaxPlyHeaderBytes);
 }
 
 TEST(PlyHeader, refusesMoreElementsThanTheLimit) {

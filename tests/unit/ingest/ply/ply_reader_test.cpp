@@ -248,6 +248,36 @@ TEST(PlyReader, refusesElementsThatLackWhatTheyNeed) {
   expectMentions(plyErrorOf(source.encode(PlyEncoding::kAscii)), {"floating"});
 }
 
+TEST(PlyReader, callsAGaussianSplatOne) {
+  const std::string floats = "property float ", position = floats + "x\n" + floats + "y\n" + floats + "z\n";
+  const auto properties = [&](const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += floats + name + "\n";
+    return text;
+  };
+  const std::string rotation = properties({"rot_0", "rot_1", "rot_2", "rot_3"});
+  const std::string splats[] = {
+      position + properties({"nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "f_rest_0", "opacity", "scale_0",
+                             "scale_1", "scale_2"}) + rotation,
+      position + properties({"f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1"}) + rotation,
+      rotation + properties({"scale_0", "scale_1", "scale_2", "opacity", "red", "green", "blue"}) + position,
+      "property uint packed_position\nproperty uint packed_rotation\nproperty uint packed_scale\n"
+      "property uint packed_color\n"};
+  for (const std::string& splat : splats)
+    for (const std::string face : {"", "element face 0\nproperty list uchar int vertex_indices\n"})
+      expectMentions(plyErrorOf("ply\nformat ascii 1.0\nelement vertex 1\n" + splat + face + "end_header\n" +
+                                std::string(40, '1') + "\n"),
+                     {"is a Gaussian splat, not a mesh", "reconstruct a surface"});
+}
+
+TEST(PlyReader, readsAMeshWhoseVerticesCarrySplatsToo) {
+  const std::string bytes =
+      asciiMesh("0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n1 1 0 1 1 1 1\n0 1 0 1 1 1 1\n", "3 0 1 2\n", 4, 1,
+                "property float x\nproperty float y\nproperty float z\nproperty float opacity\n"
+                "property float scale_0\nproperty float rot_0\nproperty float rot_3\n");
+  EXPECT_EQ(readPlyBytes(bytes).faces, (Faces{{0, 1, 2}}));
+}
+
 TEST(PlyReader, refusesIndicesOutOfRangeWithTheirPlace) {
   for (const double index : {4.0, -1.0, 1e9}) {
     PlySource source = tetrahedron();
