@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -97,11 +98,12 @@ class Fetch {
       if (!keys_.back().converged() && !keys_.back().lacksOnlyTiles()) break;
     }
     const KeyResult& last = keys_.back();
-    if (last.is_complete && !options_.output.empty()) write(last.status, target.model());
-    print(total_ms);
-    for (const KeyResult& key : keys_)
-      if (!key.converged() || (!key.is_complete && !options_.output.empty()))
-        refuseUnconverged("key " + std::to_string(&key - keys_.data()), key.status, options_.common);
+    std::string left_out;
+    if (last.is_complete && !options_.output.empty()) left_out = write(last.status, target.model());
+    if (options_.json) std::printf("%s\n", toJson(keys_, total_ms).dump().c_str());
+    refuseFailed(left_out);
+    if (!left_out.empty()) std::fprintf(stderr, "lodestream: %s\n", left_out.c_str());
+    if (!options_.json) print(total_ms);
     warnOfGaps(last.status, options_.common);
   }
 
@@ -129,7 +131,20 @@ class Fetch {
     return key;
   }
 
-  void write(const stream::StreamStatus& status, const ModelSummary& model) const {
+  /// Throws an error, which is one line, if a key has failed. @param left_out  text that ends the line.
+  void refuseFailed(const std::string& left_out) const {
+    try {
+      for (const KeyResult& key : keys_)
+        if (!key.converged() || (!key.is_complete && !options_.output.empty()))
+          refuseUnconverged("key " + std::to_string(&key - keys_.data()), key.status, options_.common);
+    } catch (const Error& failed) {
+      if (left_out.empty()) throw;
+      throw Error(failed.code(), std::string(failed.what()) + "; " + left_out);
+    }
+  }
+
+  /// Writes the cut. @return text that names the images that are left out; empty if there are none.
+  std::string write(const stream::StreamStatus& status, const ModelSummary& model) const {
     const core::Cut& cut = *status.cut;
     const Mesh mesh = weldCut(cut, model.attributes);
     const CutImages images = writeCutImages(cut, mesh, options_.output);
@@ -137,18 +152,15 @@ class Fetch {
     const char* const why = status.counts.tiles_left_out == 0
                                 ? "it is unavailable"
                                 : "the memory budget had no room for it; raise --memory-budget";
-    for (const std::string& name : images.left_out)
-      std::fprintf(stderr, "lodestream: %s: the image %s is left out, as %s\n", options_.output.c_str(),
-                   name.c_str(), why);
+    if (images.left_out.empty()) return {};
+    std::string names = images.left_out.front();
+    for (const std::string& name : std::span(images.left_out).subspan(1)) names += ", " + name;
+    return options_.output + " is written, but " + (images.left_out.size() == 1 ? "the image " : "the images ") +
+           names + (images.left_out.size() == 1 ? " is" : " are") + " left out, as " + why;
   }
 
   void print(double total_ms) const {
-    if (options_.json) {
-      std::printf("%s\n", toJson(keys_, total_ms).dump().c_str());
-      return;
-    }
     const KeyResult& last = keys_.back();
-    if (!std::ranges::all_of(keys_, &KeyResult::converged)) return;
     std::fprintf(
         report_,
         "converged in %.0f ms, first image after %.0f ms: %llu triangles in %zu nodes, %llu bytes received\n",

@@ -1,5 +1,6 @@
 // Tests of textured models, from the PLY file and its image to the picture.
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -187,6 +188,7 @@ TEST_F(DamagedSheet, isFetchedToItsEndAndHasNotConverged) {
   EXPECT_FALSE(told["finest"]) << "what it lacks is no finer mesh";
   EXPECT_TRUE(std::filesystem::exists(folder_ / "cut.ply"));
   EXPECT_NE(outcome.err.find("left out, as it is unavailable"), std::string::npos) << outcome.err;
+  EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
   EXPECT_EQ(outcome.err.find("--memory-budget"), std::string::npos) << outcome.err;
 }
 
