@@ -12,6 +12,7 @@ void PostponedBlobs::add(uint32_t blob, const std::string& why, TimePoint now) {
     pause_ = std::min<std::chrono::milliseconds>(pause_ * 3 / 2, kLastRepeat);
   }
   released_.erase(blob);
+  if (waiting_.size() >= kMaxPostponedBlobs) waiting_.clear();
   waiting_.insert(blob);
 }
 

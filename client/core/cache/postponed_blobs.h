@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <set>
 #include <string>
@@ -12,6 +13,8 @@ namespace lode::core {
 /// Pause before the first repetition of refused requests; each further pause is half as long again.
 constexpr std::chrono::seconds kFirstRepeat{1};
 constexpr std::chrono::seconds kLastRepeat{30};  ///< longest pause before a repetition
+/// Above this number, all blobs are forgotten, and may be requested again at once.
+constexpr size_t kMaxPostponedBlobs = 65'536;
 
 /// Blobs that the server refuses for now, for example because its storage fails. They are requested again
 /// after a pause, all at one time. Not thread safe.

@@ -68,9 +68,9 @@ TEST(Model, forgetsRefusalsAboveTheLimit) {
   const ScriptedServer server(synthetic);
   Model model(server.summary(), 1ull << 30);
   const Request first{{1, 10, {}}};
-  for (uint32_t number = 1; number <= kMaxRefusedBlobs; ++number) model.refuse({number, 10, {}}, "no");
+  for (uint32_t number = 1; number <= kMaxRefusedBlobs; ++number) model.lose({number, 10, {}}, "no");
   EXPECT_FALSE(model.wants(first));
-  model.refuse({kMaxRefusedBlobs + 1, 10, {}}, "no");
+  model.lose({kMaxRefusedBlobs + 1, 10, {}}, "no");
   EXPECT_TRUE(model.wants(first));
   EXPECT_EQ(model.failure(), "no");
 }

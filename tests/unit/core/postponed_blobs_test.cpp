@@ -51,6 +51,15 @@ TEST(PostponedBlobs, keepTheirReasonUntilTheLastHasArrived) {
   EXPECT_EQ(postponed.why(), "");
 }
 
+TEST(PostponedBlobs, areForgottenAboveTheLimit) {
+  PostponedBlobs postponed;
+  for (uint32_t blob = 1; blob <= kMaxPostponedBlobs; ++blob) postponed.add(blob, "no", kBegin);
+  EXPECT_TRUE(postponed.contains(1));
+  postponed.add(kMaxPostponedBlobs + 1, "no", kBegin);
+  EXPECT_FALSE(postponed.contains(1));
+  EXPECT_TRUE(postponed.contains(kMaxPostponedBlobs + 1));
+}
+
 TEST(PostponedBlobs, forgetThoseThatWereNotRequestedAgain) {
   PostponedBlobs postponed;
   postponed.add(1, "no", kBegin);
