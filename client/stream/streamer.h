@@ -44,9 +44,9 @@ struct StreamStatus {
   bool exhausted = false;  ///< the stream is offline, and the cache lacks blobs that the view needs
   std::string failure;     ///< reason why the stream has ended or a part cannot be loaded; empty otherwise
   bool failure_may_pass = false;  ///< the stream requests the parts that cannot be loaded again
-  std::string trouble;     ///< reason for the missing connection while the stream reconnects; empty otherwise
-  bool ended = false;      ///< the stream has stopped for good
-  bool current = false;    ///< the status describes the view that was set last
+  std::string trouble;   ///< reason for the missing connection while the stream reconnects; empty otherwise
+  bool ended = false;    ///< the stream has stopped for good
+  bool current = false;  ///< the status describes the view that was set last
 };
 
 /// Streams a model from a server, with a core::Engine, a transport, a refinement thread and a decode pool.

@@ -29,7 +29,8 @@ constexpr size_t kTarMagicAt = 257;
 
 /// Returns the path as one word of a shell.
 std::string shellWord(const std::string& path) {
-  constexpr std::string_view kSafe = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./,:@%=";
+  constexpr std::string_view kSafe =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./,:@%=";
   if (path.find_first_not_of(kSafe) == path.npos) return path;
   std::string word = "'";
   for (const char c : path) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -60,8 +61,8 @@ std::optional<std::string> packedFileInWords(const std::filesystem::path& path, 
   const std::string file = shellWord(path.string());
   if (head.size() > kTarMagicAt && head.substr(kTarMagicAt).starts_with("ustar"))
     return "is a tar archive; unpack it first: tar -xf " + file;
-  const auto* const packing = std::find_if(
-      kPackings.begin(), kPackings.end(), [&](const Packing& each) { return head.starts_with(each.magic); });
+  const auto* const packing = std::find_if(kPackings.begin(), kPackings.end(),
+                                           [&](const Packing& each) { return head.starts_with(each.magic); });
   if (packing == kPackings.end()) return std::nullopt;
   std::string command = std::string(packing->unpack) + " " + file;
   if (!packing->is_archive && namesTar(path))

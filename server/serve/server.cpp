@@ -91,8 +91,8 @@ struct Server::State {
   MemoryReserve reserve;
   ServeOptions options;
   const uint64_t open_files = raiseOpenFileLimit();  ///< the limit is raised before stores are opened
-  const std::shared_ptr<Log> log;  ///< log that late reads share: see DiskReaders::join()
-  std::vector<SkippedStore> skipped;  ///< stores that the start skipped
+  const std::shared_ptr<Log> log;                    ///< log that late reads share: see DiskReaders::join()
+  std::vector<SkippedStore> skipped;                 ///< stores that the start skipped
   std::mutex reload_mutex;     ///< locked during a whole reload, which may wait for a disk
   std::mutex published_mutex;  ///< guards published and workers; locked only briefly
   Published published;         ///< written by the constructor and reload() only
@@ -119,8 +119,9 @@ struct Server::State {
 Server::State::State(ServeOptions given)
     : options(std::move(given)),
       log(std::make_shared<Log>(options.log)),
-      published{{openCatalog(options.stores, readerOptions(), options.strict ? nullptr : &skipped), openTokens()},
-                openCertificate()},
+      published{
+          {openCatalog(options.stores, readerOptions(), options.strict ? nullptr : &skipped), openTokens()},
+          openCertificate()},
       budget(options.memory_budget_bytes == 0 ? defaultMemoryBudget() : options.memory_budget_bytes),
       rate(options.bytes_per_second),
       admission(possibleConnections(), options.max_connections_per_address),
@@ -163,8 +164,8 @@ uint32_t Server::State::possibleConnections() {
   const uint64_t room = open_files > 2 * others ? open_files - others : open_files / 2;
   if (room >= options.max_connections) return options.max_connections;
   log->write(LogKind::kServer,
-            "the limit of open files allows fewer connections than --max-connections; raise it",
-            {{"possible", room}, {"wanted", uint64_t{options.max_connections}}, {"open_files", open_files}});
+             "the limit of open files allows fewer connections than --max-connections; raise it",
+             {{"possible", room}, {"wanted", uint64_t{options.max_connections}}, {"open_files", open_files}});
   return static_cast<uint32_t>(room);
 }
 
@@ -232,7 +233,8 @@ void Server::State::startWorkers() {
   const std::lock_guard lock(published_mutex);
   try {
     for (unsigned i = 0; i < threads; ++i)
-      workers.push_back(std::make_unique<Worker>(published, *log, metrics.ofThread(i + 1), readers, budget, rate, limits()));
+      workers.push_back(std::make_unique<Worker>(published, *log, metrics.ofThread(i + 1), readers, budget,
+                                                 rate, limits()));
     for (auto& worker : workers) worker->start(sweep_every);
   } catch (const std::system_error& error) {
     throw Error(ErrorCode::kIo, "cannot start " + std::to_string(threads) + " threads: " + error.what() +
@@ -285,7 +287,7 @@ void Server::State::reload() {
       action();
     } catch (const std::exception& error) {
       log->write(LogKind::kServer, std::string(what) + " could not be reloaded; the previous version stays",
-                {{"why", withoutFolders(error.what(), options)}});
+                 {{"why", withoutFolders(error.what(), options)}});
       complete = false;
     }
   };
@@ -325,7 +327,7 @@ void Server::State::inspect(const Published& now_served) {
       expires ? static_cast<uint64_t>(std::max<int64_t>(1, expires->time_since_epoch().count())) : 0;
   if (expires && *expires <= now)
     log->write(LogKind::kServer,
-              "the certificate has expired, so clients refuse it; install a new one and reload");
+               "the certificate has expired, so clients refuse it; install a new one and reload");
 }
 
 void Server::State::warnOfUnknownModels(const ServedSet& served) {
@@ -334,7 +336,7 @@ void Server::State::warnOfUnknownModels(const ServedSet& served) {
   std::erase_if(unknown, [&](const std::string& name) { return served.catalog->find(name) != nullptr; });
   if (!unknown.empty())
     log->write(LogKind::kServer, "the token file names models that are not served",
-              {{"first", unknown.front()}, {"count", uint64_t{unknown.size()}}});
+               {{"first", unknown.front()}, {"count", uint64_t{unknown.size()}}});
 }
 
 void Server::State::halt() {

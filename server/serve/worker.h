@@ -26,8 +26,8 @@ struct Published {
 /// start() and join().
 class Worker {
  public:
-  Worker(Published published, Log& log, ThreadCounters& counters, DiskReaders& readers,
-         MemoryBudget& budget, ByteRate& rate, ConnectionLimits limits);
+  Worker(Published published, Log& log, ThreadCounters& counters, DiskReaders& readers, MemoryBudget& budget,
+         ByteRate& rate, ConnectionLimits limits);
 
   /// Starts the thread. Call it once. @throws std::system_error.
   void start(Clock::duration sweep_every);

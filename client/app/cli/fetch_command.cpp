@@ -155,8 +155,9 @@ class Fetch {
     if (images.left_out.empty()) return {};
     std::string names = images.left_out.front();
     for (const std::string& name : std::span(images.left_out).subspan(1)) names += ", " + name;
-    return options_.output + " is written, but " + (images.left_out.size() == 1 ? "the image " : "the images ") +
-           names + (images.left_out.size() == 1 ? " is" : " are") + " left out, as " + why;
+    return options_.output + " is written, but " +
+           (images.left_out.size() == 1 ? "the image " : "the images ") + names +
+           (images.left_out.size() == 1 ? " is" : " are") + " left out, as " + why;
   }
 
   void print(double total_ms) const {

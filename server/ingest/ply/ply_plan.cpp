@@ -148,7 +148,8 @@ void dropFaceColours(FacePlan& plan) {
 /// properties. Some programs pack each group of properties into one.
 bool isGaussianSplat(const PlyElement& vertices) {
   const auto hasAll = [&](const auto& names) {
-    return std::ranges::all_of(names, [&](const char* name) { return findScalar(vertices, name) != nullptr; });
+    return std::ranges::all_of(names,
+                               [&](const char* name) { return findScalar(vertices, name) != nullptr; });
   };
   return hasAll(std::array{"opacity", "scale_0", "rot_0", "rot_3"}) ||
          hasAll(std::array{"packed_position", "packed_rotation", "packed_scale"});
@@ -188,9 +189,10 @@ PlyPlan planBody(const PlyHeader& header, const std::string& file) {
     return (element.name == "face" || element.name == "tristrips") && element.count > 0;
   });
   if (!has_faces && isGaussianSplat(*vertices)) {
-    throw Error(ErrorCode::kInput, file + " is a Gaussian splat, not a mesh: it has splats with scales and "
-                                          "rotations, and no faces; view it with a program for splats, or "
-                                          "reconstruct a surface first");
+    throw Error(ErrorCode::kInput, file +
+                                       " is a Gaussian splat, not a mesh: it has splats with scales and "
+                                       "rotations, and no faces; view it with a program for splats, or "
+                                       "reconstruct a surface first");
   }
   plan.vertices = planVertices(*vertices, file);
   plan.textures = header.texture_files.size();

@@ -204,12 +204,12 @@ bool Connection::startFetching(const Chunk& chunk) {
       chunk.opened->model->blobs, rangeOf(chunk),
       [self = shared_from_this(), cold](ReadResult result, std::vector<std::byte> bytes) mutable {
         const auto executor = self->stream_.bytes().executor();
-        asio::post(executor,
-                   [self = std::move(self), cold = std::move(cold), result, bytes = std::move(bytes)]() mutable {
-                     cold->result = result;
-                     cold->bytes = std::move(bytes);
-                     self->endFetching(cold);
-                   });
+        asio::post(executor, [self = std::move(self), cold = std::move(cold), result,
+                              bytes = std::move(bytes)]() mutable {
+          cold->result = result;
+          cold->bytes = std::move(bytes);
+          self->endFetching(cold);
+        });
       });
   return true;
 }
@@ -225,16 +225,18 @@ void Connection::fail(const Chunk& chunk, ReadResult result) {
   if (result == ReadResult::kDamaged) {
     if (counters != nullptr) counters->damaged.add();
     session_.failChunk(proto::WireError::kDamagedStore,
-                       blob + " of the store is damaged: copy the store again, or rebuild it; lodestreamd "
-                              "verify lists the damage");
+                       blob +
+                           " of the store is damaged: copy the store again, or rebuild it; lodestreamd "
+                           "verify lists the damage");
   } else if (result == ReadResult::kNoMemory) {
     session_.failChunk(proto::WireError::kNotReady,
                        "the server is short of memory to read " + blob + "; request it again later");
   } else {
     if (counters != nullptr) counters->unreadable.add();
     session_.failChunk(proto::WireError::kInternal,
-                       blob + " of the store cannot be read now, because the server's storage fails or does "
-                              "not answer; request it again later");
+                       blob +
+                           " of the store cannot be read now, because the server's storage fails or does "
+                           "not answer; request it again later");
   }
 }
 

@@ -117,7 +117,7 @@ class ThreadCounters {
 /// Current values that are not sums of counters.
 struct ServerGauges {
   uint64_t connections = 0, models = 0;
-  uint64_t models_skipped = 0;  ///< stores that could not be opened at the start or at the last reload
+  uint64_t models_skipped = 0;         ///< stores that could not be opened at the start or at the last reload
   uint64_t certificate_expires_s = 0;  ///< Unix time at which the certificate expires; 0 without one
   uint64_t memory_bytes = 0, memory_budget_bytes = 0, allocated_bytes = 0;
   uint64_t log_lines_dropped = 0, log_lines_left_out = 0;

@@ -52,7 +52,8 @@ struct BlobReaderOptions {
   std::function<void(StoreFault, std::string_view)> report = [](StoreFault, std::string_view) {};
   /// False treats the file like one on a network or FUSE file system: all reads are cold.
   bool hot_reads = true;
-  /// A function that reads like lode::readAt(), and sets errno on failure. The function can wait for the disk.
+  /// A function that reads like lode::readAt(), and sets errno on failure. The function can wait for the
+  /// disk.
   std::function<std::optional<size_t>(int file, uint64_t offset, std::span<std::byte> bytes)> read = readAt;
 };
 
@@ -111,7 +112,7 @@ class BlobReader {
   mutable FileState file_;  ///< guarded by file_mutex_
   mutable std::atomic<uint64_t> damaged_reads_{0};
   mutable std::atomic<bool> is_unreadable_{false};  ///< reported, and no read has succeeded since then
-  mutable std::atomic<int64_t> reported_ns_{0};      ///< time of the last report that the store is unreadable
+  mutable std::atomic<int64_t> reported_ns_{0};     ///< time of the last report that the store is unreadable
 };
 
 }  // namespace lode::serve

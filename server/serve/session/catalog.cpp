@@ -128,8 +128,7 @@ std::shared_ptr<const Model> Catalog::find(std::string_view name) const noexcept
   return found != models_.end() && (*found)->summary.name == name ? *found : nullptr;
 }
 
-std::shared_ptr<const Catalog> openCatalog(std::span<const fs::path> stores,
-                                           const BlobReaderOptions& options,
+std::shared_ptr<const Catalog> openCatalog(std::span<const fs::path> stores, const BlobReaderOptions& options,
                                            std::vector<SkippedStore>* skipped) {
   std::vector<std::shared_ptr<const Model>> models;
   std::optional<Error> first;

@@ -64,7 +64,8 @@ struct SkippedStore {
 
 /// Opens stores for a catalog.
 /// @param stores   .lode files, and folders of .lode files.
-/// @param skipped  receives the stores in folders that cannot be opened, which are also reported; null: such a
+/// @param skipped  receives the stores in folders that cannot be opened, which are also reported; null: such
+/// a
 ///                 store is an error.
 /// @throws Error kUsage (no store, two models of one name), kIo, kFormat (a damaged store) if a file in
 /// `stores` or every store cannot be opened.

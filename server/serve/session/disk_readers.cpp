@@ -61,8 +61,8 @@ struct DiskReaders::State : std::enable_shared_from_this<State> {
   DiskReaderOptions options;
   std::mutex mutex;  ///< guards the members below
   std::condition_variable changed;
-  Stores stores;                      ///< stores with reads
-  const BlobReader* last = nullptr;   ///< store of the last read that began; the next store's turn follows
+  Stores stores;                     ///< stores with reads
+  const BlobReader* last = nullptr;  ///< store of the last read that began; the next store's turn follows
   std::deque<std::function<void()>> tasks;
   size_t threads = 0;          ///< threads that are not blocked
   size_t blocked_threads = 0;  ///< threads whose read takes longer than replace_after

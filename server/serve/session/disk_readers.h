@@ -31,7 +31,8 @@ struct DiskReaderOptions {
 class DiskReaders {
  public:
   using TimePoint = DiskReaderOptions::TimePoint;
-  /// Receives a read's result and, for kDone, its bytes. Any thread can call the function, also read() itself.
+  /// Receives a read's result and, for kDone, its bytes. Any thread can call the function, also read()
+  /// itself.
   using Done = std::function<void(ReadResult, std::vector<std::byte>)>;
 
   /// @throws Error kIo if the system cannot start the threads.

@@ -110,8 +110,8 @@ class EngineTest : public testing::Test {
 
   /// Refuses a request, or with 0 an unasked blob, because the store cannot be read now.
   static Bytes unreadable(uint32_t request) {
-    return proto::encode(
-        proto::ErrorMessage{proto::WireError::kInternal, request, false, "cannot be read"}, 2);
+    return proto::encode(proto::ErrorMessage{proto::WireError::kInternal, request, false, "cannot be read"},
+                         2);
   }
 
   /// Refuses a request because the store is damaged.

@@ -129,7 +129,8 @@ TEST_F(SessionTest, tellsWhatIsLostFromWhatIsRefusedForNow) {
 TEST_F(SessionTest, takesAnUnaskedBlobThatCannotBeReadNowForOneToRequestLater) {
   for (const auto code : {proto::WireError::kInternal, proto::WireError::kNotReady}) {
     Session session(optionsFor("model"), kStart);
-    session.receive(welcome() + opened() + proto::encode(proto::ErrorMessage{code, 0, false, "no"}, 2), kStart);
+    session.receive(welcome() + opened() + proto::encode(proto::ErrorMessage{code, 0, false, "no"}, 2),
+                    kStart);
     ASSERT_TRUE(std::holds_alternative<ModelOpened>(session.nextEvent().value()));
     EXPECT_TRUE(session.givesFirstBlobs());
     const auto refused = std::get<BlobRefused>(session.nextEvent().value());

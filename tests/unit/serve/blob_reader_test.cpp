@@ -161,8 +161,9 @@ TEST_F(BlobReaderTest, aReadThatTheSystemRefusesIsUnreadableAndNotDamaged) {
   }
   EXPECT_EQ(reader.damagedReads(), 0u);
   EXPECT_EQ(faults_, std::vector{StoreFault::kUnreadable});
-  EXPECT_EQ(reports_[0], "the store of model 'a' cannot be read: Input/output error; requests end with an error "
-                         "until it can be read");
+  EXPECT_EQ(reports_[0],
+            "the store of model 'a' cannot be read: Input/output error; requests end with an error "
+            "until it can be read");
 }
 
 TEST_F(BlobReaderTest, aStoreThatCanBeReadAgainIsServedAtOnceAndReported) {

@@ -30,14 +30,19 @@ constexpr uint32_t kBlob = 2;
 /// Storage that hangs for the stores that a test names, until the test lets it answer.
 class Storage {
  public:
-  void hang(const std::string& store) { change([&] { hanging_.insert(store); }); }
-  void answer() { change([&] { hanging_.clear(); }); }
+  void hang(const std::string& store) {
+    change([&] { hanging_.insert(store); });
+  }
+  void answer() {
+    change([&] { hanging_.clear(); });
+  }
   /// Waits until `count` reads hang.
   void awaitHanging(size_t count) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return hangs_ == count; });
   }
-  std::function<std::optional<size_t>(int, uint64_t, std::span<std::byte>)> readerOf(const std::string& store) {
+  std::function<std::optional<size_t>(int, uint64_t, std::span<std::byte>)> readerOf(
+      const std::string& store) {
     return [this, store](int file, uint64_t offset, std::span<std::byte> into) {
       waitFor(store);
       return readAt(file, offset, into);

@@ -37,13 +37,12 @@ class WorkerTest : public testing::Test {
  protected:
   WorkerTest() {
     writeSmallStore(store_, 1, kColdBytes);
-    BlobReaderOptions options{.report =
-                                  [this](StoreFault, std::string_view line) {
-                                    if (line.find("again") != line.npos) is_readable_again_ = true;
-                                  },
-                              .read = [this](int file, uint64_t offset, auto into) {
-                                return readBlob(file, offset, into);
-                              }};
+    BlobReaderOptions options{
+        .report =
+            [this](StoreFault, std::string_view line) {
+              if (line.find("again") != line.npos) is_readable_again_ = true;
+            },
+        .read = [this](int file, uint64_t offset, auto into) { return readBlob(file, offset, into); }};
     std::vector<std::shared_ptr<const Model>> models{openModel(store_, options)};
     const std::filesystem::path always_cold = folder_.path() / "cold.lode";
     writeSmallStore(always_cold, 1, kColdBytes);
@@ -148,7 +147,8 @@ TEST_F(WorkerTest, anUrgentRequestIsReadThoughFinishedReadsOfOthersWaitForTheWin
     ASSERT_TRUE(frame && frame->is(FrameType::kBlob));
     received_bytes += frame->body.size();
   }
-  while (ended_reads_ < 10) std::this_thread::yield();  // two unasked blobs, and as many as a connection may read
+  while (ended_reads_ < 10)
+    std::this_thread::yield();  // two unasked blobs, and as many as a connection may read
   const uint32_t urgent = 100;
   client->send(
       proto::Requests{opened.handle, {{RequestAction::kAdd, RequestClass::kVisible, urgent, kColdBlob, 1}}});
@@ -167,8 +167,8 @@ TEST_F(WorkerTest, aReadThatTheSystemRefusesEndsItsRequestAsOneThatCanBeRepeated
   client->blobs(2);
   read_fails_ = true;
   const auto ask = [&](uint32_t request) {
-    client->send(
-        proto::Requests{opened.handle, {{RequestAction::kAdd, RequestClass::kVisible, request, kColdBlob, 1}}});
+    client->send(proto::Requests{opened.handle,
+                                 {{RequestAction::kAdd, RequestClass::kVisible, request, kColdBlob, 1}}});
   };
   ask(1);
   const auto error = client->expect<proto::ErrorMessage>(FrameType::kError);
@@ -193,8 +193,8 @@ TEST_F(WorkerTest, aReadThatHangsEndsItsRequestAtTheDeadlineAndLaterOnesAtOnce) 
     EXPECT_EQ(error.request, request);
   };
   const auto ask = [&](uint32_t request) {
-    client->send(
-        proto::Requests{opened.handle, {{RequestAction::kAdd, RequestClass::kVisible, request, kColdBlob, 1}}});
+    client->send(proto::Requests{opened.handle,
+                                 {{RequestAction::kAdd, RequestClass::kVisible, request, kColdBlob, 1}}});
   };
   ask(1);
   while (reads_ == 0) std::this_thread::yield();

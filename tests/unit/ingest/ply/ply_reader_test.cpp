@@ -257,8 +257,10 @@ TEST(PlyReader, callsAGaussianSplatOne) {
   };
   const std::string rotation = properties({"rot_0", "rot_1", "rot_2", "rot_3"});
   const std::string splats[] = {
-      position + properties({"nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "f_rest_0", "opacity", "scale_0",
-                             "scale_1", "scale_2"}) + rotation,
+      position +
+          properties({"nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "f_rest_0", "opacity", "scale_0",
+                      "scale_1", "scale_2"}) +
+          rotation,
       position + properties({"f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1"}) + rotation,
       rotation + properties({"scale_0", "scale_1", "scale_2", "opacity", "red", "green", "blue"}) + position,
       "property uint packed_position\nproperty uint packed_rotation\nproperty uint packed_scale\n"
