@@ -43,7 +43,7 @@ TEST(FarthestAlongEdges, isWhatDensePointsFind) {
 }
 
 /// A comb: a back from (0, 0) to (900, 100), with teeth of 100 x 800 above it at intervals of 300.
-NodeMesh comb() {
+NodeMesh combedMesh() {
   NodeMesh mesh;
   const auto add = [&](uint32_t x, uint32_t y) {
     mesh.positions.push_back(packPosition({x, y, 0}));
@@ -68,7 +68,7 @@ NodeMesh comb() {
 }
 
 TEST(FarthestAlongEdges, seesThatAnEdgeLeadsAcrossNotchesAlthoughItsMiddleIsNear) {
-  const NodeMesh input = comb();
+  const NodeMesh input = combedMesh();
   SimplifiedMesh lod{input, std::vector<uint32_t>(input.positions.size())};
   std::iota(lod.remap.begin(), lod.remap.end(), 0u);
   const auto at = [&](uint32_t x, uint32_t y) {
