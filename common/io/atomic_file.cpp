@@ -52,9 +52,10 @@ void syncDirectory(const std::filesystem::path& directory) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::filesystem::path path, std::filesystem::path temporary)
+AtomicFile::AtomicFile(std::filesystem::path path, std::filesystem::path temporary, OutputName name)
     : path_(std::move(path)), temporary_(std::move(temporary)) {
-  OutputTarget target = findOutput(path_);
+  OutputTarget target =
+      name == OutputName::kTyped ? findOutput(path_) : OutputTarget{.path = findSideFile(path_)};
   if (target.is_stream) {
     temporary_.clear();
     file_ = ::open(path_.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC);
@@ -63,7 +64,7 @@ AtomicFile::AtomicFile(std::filesystem::path path, std::filesystem::path tempora
   }
   target_ = std::move(target.path);
   if (!temporary_.empty()) {
-    file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    file_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (file_ < 0) failToCreate(path_, errno);
     return;
   }

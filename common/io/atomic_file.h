@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/io/interrupted.h"
+#include "common/io/output_target.h"
 
 namespace lode {
 
@@ -18,8 +19,9 @@ class AtomicFile {
  public:
   /// @param temporary  name of the temporary file, on the file system of `path`. An existing file is
   /// overwritten, and no signal removes it. By default AtomicFile chooses a new name beside `path`.
-  /// @throws Error kIo, and the errors of findOutput().
-  explicit AtomicFile(std::filesystem::path path, std::filesystem::path temporary = {});
+  /// @throws Error kIo, and the errors of findOutput() or findSideFile().
+  explicit AtomicFile(std::filesystem::path path, std::filesystem::path temporary = {},
+                      OutputName name = OutputName::kTyped);
   ~AtomicFile();
   AtomicFile(AtomicFile&& other) noexcept;
   AtomicFile& operator=(AtomicFile&&) = delete;

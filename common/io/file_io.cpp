@@ -2,8 +2,11 @@
 
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 
 #include <unistd.h>
+
+#include "common/error.h"
 
 namespace lode {
 
@@ -39,6 +42,15 @@ bool append(int file, std::span<const std::byte> bytes) noexcept {
     bytes = bytes.subspan(static_cast<size_t>(more));
   }
   return true;
+}
+
+void refuseUnlessFile(const std::filesystem::path& path, const char* wanted) {
+  std::error_code failed;
+  const std::filesystem::file_status status = std::filesystem::status(path, failed);
+  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) return;
+  const bool is_folder = std::filesystem::is_directory(status);
+  throw Error(ErrorCode::kIo, path.string() + (is_folder ? " is a directory" : " is a pipe or a device") +
+                                  "; name " + wanted);
 }
 
 std::string fileErrorInWords(int error, const char* when_full) {

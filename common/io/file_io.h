@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,6 +21,11 @@ bool writeAt(int file, uint64_t offset, std::span<const std::byte> bytes) noexce
 /// Writes all bytes at the file's position. Retries partial and interrupted writes.
 /// @return false, with errno set, on failure.
 bool append(int file, std::span<const std::byte> bytes) noexcept;
+
+/// Refuses a path where a folder, a pipe or a device is, because opening or reading it may block. Accepts a
+/// missing path. @param wanted  words for the error message, such as "a camera path".
+/// @throws Error kIo.
+void refuseUnlessFile(const std::filesystem::path& path, const char* wanted);
 
 /// Returns the system's message for an errno. For a full disk or quota, returns "the disk is full; " followed
 /// by `when_full`.

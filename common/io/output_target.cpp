@@ -4,7 +4,9 @@
 #include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <deque>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -21,16 +23,17 @@ constexpr int kMostLinks = 40;  // the kernel has the same limit
   throw Error(ErrorCode::kUsage, asked.string() + ": is " + what + ": name a file to write");
 }
 
-/// Follows symbolic links, even if the last link points to a missing file.
-std::filesystem::path behindLinks(const std::filesystem::path& asked) {
-  std::filesystem::path path = asked;
-  for (int links = 0; links < kMostLinks; ++links) {
-    std::error_code no_link;
-    const std::filesystem::path next = std::filesystem::read_symlink(path, no_link);
-    if (no_link) return path;
-    path = path.parent_path() / next;  // an absolute `next` replaces the parent path
-  }
-  throw Error(ErrorCode::kIo, asked.string() + ": " + std::strerror(ELOOP) + ": name a file to write");
+/// Refuses a link that another user owns in a sticky folder such as /tmp, as the kernel does when it follows
+/// links by itself. @param folder  the link's folder, without links.
+void refuseForeignLink(const std::filesystem::path& asked, const std::filesystem::path& folder,
+                       const struct stat& link) {
+  struct stat status {};
+  if (link.st_uid == ::geteuid() || ::stat(folder.empty() ? "." : folder.c_str(), &status) != 0 ||
+      (status.st_mode & S_ISVTX) == 0)
+    return;
+  throw Error(ErrorCode::kIo, asked.string() + ": leads through a link of another user in " +
+                                  (folder.empty() ? "this folder" : folder.string()) +
+                                  ", where everybody can place links: name another file");
 }
 
 /// Returns true if a new file may replace the file to which standard output goes. That file must be empty,
@@ -43,20 +46,53 @@ bool mayReplaceStandardOutput(const std::filesystem::path& file) noexcept {
 
 }  // namespace
 
+std::filesystem::path followLinks(const std::filesystem::path& asked) {
+  std::filesystem::path path;
+  std::deque<std::filesystem::path> rest(asked.begin(), asked.end());
+  for (int links = 0; !rest.empty();) {
+    std::filesystem::path next = path / rest.front();
+    rest.pop_front();
+    struct stat status {};
+    if (::lstat(next.c_str(), &status) != 0 || !S_ISLNK(status.st_mode)) {
+      path = std::move(next);
+      continue;
+    }
+    if (++links > kMostLinks)
+      throw Error(ErrorCode::kIo, asked.string() + ": " + std::strerror(ELOOP) + ": name a file to write");
+    refuseForeignLink(asked, path, status);
+    std::error_code failed;
+    const std::filesystem::path target = std::filesystem::read_symlink(next, failed);
+    if (failed) throw Error(ErrorCode::kIo, asked.string() + ": " + failed.message());
+    if (target.is_absolute()) path.clear();
+    rest.insert(rest.begin(), target.begin(), target.end());
+  }
+  return path;
+}
+
 OutputTarget findOutput(const std::filesystem::path& asked) {
   if (asked.empty()) throw Error(ErrorCode::kUsage, "the output's name is empty: name a file to write");
+  const std::filesystem::path file = followLinks(asked);
   struct stat status {};
-  // Check for pipes and devices before following links, because a link in /proc/self/fd need not lead to a
-  // name.
+  // Look for pipes and devices under the asked name: the links in /proc/self/fd lead to no name.
   const bool is_there = ::stat(asked.c_str(), &status) == 0;
   if (is_there && (S_ISFIFO(status.st_mode) || S_ISCHR(status.st_mode))) return {asked, true};
   if (is_there && S_ISDIR(status.st_mode)) refuse(asked, "a folder");
   if (is_there && !S_ISREG(status.st_mode)) refuse(asked, "a socket or a block device");
   if (!asked.has_filename()) refuse(asked, "the name of a folder");
-  const std::filesystem::path file = behindLinks(asked);
   if (file != asked && isStandardOutput(asked) && !mayReplaceStandardOutput(file))
     refuse(asked, "a standard output that is not empty, is open for appending, or has no name");
   return {file};
+}
+
+std::filesystem::path findSideFile(const std::filesystem::path& path) {
+  const std::filesystem::path file = followLinks(path.parent_path()) / path.filename();
+  struct stat status {};
+  if (::lstat(file.c_str(), &status) != 0 || (S_ISREG(status.st_mode) && status.st_uid == ::geteuid()))
+    return file;
+  throw Error(ErrorCode::kIo,
+              path.string() + ": is " +
+                  (S_ISREG(status.st_mode) ? "a file of another user" : "not a regular file") +
+                  ", which is not replaced without its name: move it, or name another output");
 }
 
 bool isStandardOutput(const std::filesystem::path& output) noexcept {

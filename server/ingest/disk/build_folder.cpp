@@ -15,6 +15,7 @@
 
 #include "common/codec/blob.h"
 #include "common/error.h"
+#include "common/io/own_folder.h"
 
 namespace lode::ingest {
 namespace {
@@ -79,7 +80,7 @@ void BuildFolder::lock() {
   };
   while (true) {
     makeOwnFolder(path_, {"the output", "choose another output folder"});
-    lock_ = ::open((path_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    lock_ = ::open((path_ / "lock").c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
     if (lock_ < 0 && errno == ENOENT) continue;  // another build ended and removed the folder
     if (lock_ < 0) fail("open the lock in");
     struct stat status {};

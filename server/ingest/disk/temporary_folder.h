@@ -8,15 +8,6 @@
 
 namespace lode::ingest {
 
-/// Words for an error message: the purpose of a folder, and the remedy if the folder cannot be created.
-struct FolderUse {
-  const char *what, *remedy;
-};
-
-/// Creates a folder to which only this user can write, or accepts an existing folder of this kind. Rejects
-/// links and folders of other users, because their owners could redirect the files. @throws Error kIo.
-void makeOwnFolder(const std::filesystem::path& path, const FolderUse& use);
-
 /// A folder for temporary files.
 class TemporaryFolder {
  public:

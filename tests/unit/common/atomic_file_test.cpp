@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <utility>
+#include <vector>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -13,6 +15,7 @@
 
 #include "common/error.h"
 #include "tests/support/bytes.h"
+#include "tests/support/strangers.h"
 #include "tests/support/work_folder.h"
 
 namespace lode {
@@ -159,6 +162,63 @@ TEST_F(AtomicFileTest, makesWhatALinkLeadsToThatIsNotThereYet) {
   file.commit();
   EXPECT_TRUE(fs::is_symlink(target_));
   EXPECT_EQ(test::readBytes(folder_ / "later"), "new");
+}
+
+TEST_F(AtomicFileTest, refusesALinkOfAnotherUserInAStickyFolder) {
+  const fs::path sticky = test::makeStickyFolder(folder_ / "sticky"), victim = folder_ / "victim";
+  fs::create_directory(folder_ / "folder");
+  const std::vector<std::pair<const char*, fs::path>> links{{"to-file", victim},
+                                                            {"to-nothing", folder_ / "later"},
+                                                            {"to-device", "/dev/null"},
+                                                            {"to-folder", folder_ / "folder"}};
+  std::ofstream(victim) << "precious";
+  for (const auto& [name, to] : links) {
+    fs::create_symlink(to, sticky / name);
+    if (!test::giveToStranger(sticky / name)) GTEST_SKIP() << "needs root";
+  }
+  fs::create_symlink("sticky/to-file", folder_ / "own-link");
+  for (const fs::path& name : {sticky / "to-file", sticky / "to-nothing", sticky / "to-device",
+                               sticky / "to-folder/file", folder_ / "own-link"}) {
+    EXPECT_THROW(AtomicFile{name}, Error) << name;
+  }
+  EXPECT_EQ(test::readBytes(victim), "precious");
+  EXPECT_FALSE(fs::exists(folder_ / "later"));
+  EXPECT_TRUE(fs::is_empty(folder_ / "folder"));
+}
+
+TEST_F(AtomicFileTest, followsAnOwnLinkInAStickyFolderAndAForeignOneElsewhere) {
+  fs::create_symlink(target_, test::makeStickyFolder(folder_ / "sticky") / "link");
+  fs::create_symlink(target_, folder_ / "foreign");
+  test::giveToStranger(folder_ / "foreign");
+  for (const fs::path& name : {folder_ / "sticky/link", folder_ / "foreign"}) {
+    AtomicFile file(name);
+    file.write(bytesOf(name.string()));
+    file.commit();
+    EXPECT_EQ(content(), name);
+  }
+}
+
+TEST_F(AtomicFileTest, ofADerivedNameReplacesOwnRegularFilesOnly) {
+  const auto write = [this](const fs::path& name) {
+    AtomicFile file(name, {}, OutputName::kDerived);
+    file.write(bytesOf("new"));
+    file.commit();
+    EXPECT_EQ(test::readBytes(name), "new");
+  };
+  write(target_);
+  write(target_);  // an own file
+  std::ofstream(folder_ / "victim") << "precious";
+  fs::create_symlink("victim", folder_ / "link");
+  fs::create_symlink("nothing", folder_ / "dangling");
+  ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  fs::create_directory(folder_ / "folder");
+  for (const char* name : {"link", "dangling", "pipe", "folder"})
+    EXPECT_THROW(write(folder_ / name), Error) << name;
+  EXPECT_EQ(test::readBytes(folder_ / "victim"), "precious");
+  fs::create_directory_symlink("folder", folder_ / "own-way");
+  write(folder_ / "own-way/file");
+  if (!test::giveToStranger(folder_ / "victim")) GTEST_SKIP() << "needs root";
+  EXPECT_THROW(write(folder_ / "victim"), Error);
 }
 
 TEST_F(AtomicFileTest, writesIntoAPipeThatIsThere) {

@@ -2,10 +2,16 @@
 
 #include <array>
 #include <cerrno>
+#include <filesystem>
+#include <fstream>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include "common/error.h"
+#include "tests/support/work_folder.h"
 
 namespace lode {
 namespace {
@@ -24,6 +30,18 @@ class OpenFile {
 };
 
 constexpr std::array<std::byte, 4> kBytes{std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}};
+
+TEST(FileIo, refusesFoldersPipesAndDevicesWhereAFileIsWanted) {
+  const test::WorkFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  std::filesystem::create_symlink("pipe", folder / "link");
+  std::ofstream(folder / "file") << "text";
+  for (const std::filesystem::path& path :
+       {folder.path(), folder / "pipe", folder / "link", std::filesystem::path("/dev/zero")})
+    EXPECT_THROW(refuseUnlessFile(path, "a file"), Error) << path;
+  for (const char* name : {"file", "missing"})
+    EXPECT_NO_THROW(refuseUnlessFile(folder / name, "a file")) << name;
+}
 
 TEST(FileIo, readsWhatWasWrittenAtAPlace) {
   const OpenFile file;
