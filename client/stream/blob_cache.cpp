@@ -1,18 +1,20 @@
 #include "client/stream/blob_cache.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
-#include <fstream>
 #include <string>
-#include <string_view>
 #include <system_error>
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/io/file_io.h"
+#include "common/io/output_target.h"
+#include "common/io/own_folder.h"
 #include "proto/limits.h"
 #include "proto/messages.h"
 
@@ -27,40 +29,38 @@ constexpr std::chrono::hours kUseGranularity{1};
 // A temporary file of this age is removed, because its writer is gone.
 constexpr std::chrono::hours kAbandoned{1};
 constexpr uint64_t kMaxSummaryBytes = sizeof(Digest) + proto::kFrameHeaderBytes + proto::kMaxFrameBodyBytes;
-constexpr std::string_view kTemporary = ".new-";
+constexpr FolderUse kCacheUse{"the cache", "choose another folder"};
 
 /// Reads a file. Returns nothing if there is no such file, and an empty vector if the file is empty or too
 /// large.
 std::optional<std::vector<std::byte>> readFile(const fs::path& path, uint64_t max_bytes) {
-  std::error_code missing;
-  // Do not open a pipe, because this would block.
-  if (!fs::is_regular_file(path, missing)) return std::nullopt;
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) return std::nullopt;
-  const auto size = static_cast<uint64_t>(std::max<std::streamoff>(file.tellg(), 0));
-  if (size == 0 || size > max_bytes) return std::vector<std::byte>();
-  std::vector<std::byte> bytes(size);
-  file.seekg(0);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (!file) bytes.clear();
+  // O_NONBLOCK, because opening a pipe would block.
+  const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) return std::nullopt;
+  struct stat status {};
+  std::optional<std::vector<std::byte>> bytes;
+  if (::fstat(file, &status) == 0 && S_ISREG(status.st_mode)) {
+    const auto size = static_cast<uint64_t>(status.st_size);
+    bytes.emplace(size > max_bytes ? 0 : size);
+    if (readAt(file, 0, *bytes) != bytes->size()) bytes->clear();
+  }
+  ::close(file);
   return bytes;
 }
 
-/// Writes a file atomically, but does not sync it to disk. A crash may leave an incomplete file, but readers
-/// detect that its digest does not match.
-bool writeFile(const fs::path& path, std::span<const std::byte> bytes) {
-  static std::atomic<uint64_t> serial{0};
-  std::error_code failed;
-  fs::create_directories(path.parent_path(), failed);
-  const fs::path temporary = path.parent_path() / (std::string(kTemporary) + std::to_string(getpid()) + "-" +
-                                                   std::to_string(++serial));
-  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (file) fs::rename(temporary, path, failed);
-  if (file && !failed) return true;
-  fs::remove(temporary, failed);
-  return false;
+/// Makes the folder of a file, and the own folders between it and the cache's folder.
+/// @return false if one of them is not an own folder.
+bool makeFoldersOf(const fs::path& file, const fs::path& cache) {
+  try {
+    std::error_code missing;
+    if (!fs::is_directory(cache, missing)) makeOwnFolders(cache, kCacheUse);
+    fs::path folder = cache;
+    for (const fs::path& name : file.parent_path().lexically_relative(cache))
+      makeOwnFolder(folder /= name, kCacheUse);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 fs::path summaryFile(const fs::path& folder, const ServedModel& model) {
@@ -70,7 +70,7 @@ fs::path summaryFile(const fs::path& folder, const ServedModel& model) {
 
 /// Creates and removes a file in the folder. Returns the error, if any.
 std::error_code triedToWriteTo(const fs::path& folder) {
-  std::string name = folder / (std::string(kTemporary) + "XXXXXX");
+  std::string name = folder / (std::string(kNewFile) + "XXXXXX");
   const int file = mkstemp(name.data());
   if (file < 0) return {errno, std::generic_category()};
   close(file);
@@ -81,9 +81,11 @@ std::error_code triedToWriteTo(const fs::path& folder) {
 }  // namespace
 
 void prepareCacheFolder(const fs::path& folder, const core::Remedies& remedies) {
+  followLinks(folder);  // refuses a link of another user
   std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (!failed) failed = triedToWriteTo(folder);
+  const FolderUse use{"the cache", remedies.cache_folder};
+  if (!fs::is_directory(folder, failed)) makeOwnFolders(folder, use);
+  failed = triedToWriteTo(folder);
   if (failed)
     throw Error(ErrorCode::kIo, folder.string() + ": the cache folder is not writable (" + failed.message() +
                                     "); " + remedies.cache_folder);
@@ -103,7 +105,7 @@ std::optional<std::vector<std::byte>> BlobCache::find(const BlobRef& blob) {
   if (!bytes) return std::nullopt;
   std::error_code ignored;
   if (bytes->size() != blob.bytes || digestOf(*bytes) != blob.digest) {
-    fs::remove(path, ignored);
+    if (makeFoldersOf(path, folder_)) fs::remove(path, ignored);
     return std::nullopt;
   }
   const auto now = fs::file_time_type::clock::now();
@@ -111,11 +113,15 @@ std::optional<std::vector<std::byte>> BlobCache::find(const BlobRef& blob) {
   return bytes;
 }
 
+void BlobCache::store(const fs::path& file, std::span<const std::byte> bytes) const {
+  if (makeFoldersOf(file, folder_)) writeOwnFile(file, bytes);  // readers detect what a crash leaves
+}
+
 void BlobCache::keep(const BlobRef& blob, std::span<const std::byte> bytes) {
   if (bytes.size() > max_bytes_ / kTrimShare) return;
   kept_bytes_ += bytes.size();
   if (kept_bytes_ > max_bytes_ / kTrimShare) trim();
-  writeFile(fileOf(blob.digest), bytes);
+  store(fileOf(blob.digest), bytes);
 }
 
 /// Reads a summary file. The file contains an Opened frame, preceded by the frame's digest.
@@ -139,7 +145,7 @@ void BlobCache::keepSummary(const ServedModel& model, const ModelSummary& summar
   const Digest name = digestOf(frame);
   std::vector<std::byte> bytes(name.bytes.begin(), name.bytes.end());
   bytes.insert(bytes.end(), frame.begin(), frame.end());
-  writeFile(summaryFile(folder_, model), bytes);
+  store(summaryFile(folder_, model), bytes);
 }
 
 void BlobCache::trim() {
@@ -153,13 +159,14 @@ void BlobCache::trim() {
   std::vector<File> files;
   uint64_t bytes = 0;
   std::error_code failed;
+  if (!isOwnFolder(folder_ / "blobs")) return;  // the iterator would follow a link
   for (fs::recursive_directory_iterator entry(folder_ / "blobs", failed), end; !failed && entry != end;
        entry.increment(failed)) {
     std::error_code gone;  // ignored: set if another process has removed the file
     if (!entry->is_regular_file(gone)) continue;
     const File file{entry->last_write_time(gone), entry->file_size(gone), entry->path()};
     if (gone) continue;
-    if (file.path.filename().string().starts_with(kTemporary)) {
+    if (file.path.filename().string().starts_with(kNewFile)) {
       if (now - file.used > kAbandoned) fs::remove(file.path, gone);
       continue;
     }

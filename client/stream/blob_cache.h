@@ -16,14 +16,17 @@ namespace lode::stream {
 
 constexpr uint64_t kDefaultCacheBytes = 4ull << 30;
 
-/// Creates a cache folder and checks that it is writable, because BlobCache ignores write errors.
-/// @throws Error kIo if the folder is not writable.
+/// Creates a cache folder if it is missing (mode 0700) and checks that it is writable, because BlobCache
+/// ignores write errors. @throws Error kIo if the folder is not writable, or
+/// as followLinks().
 void prepareCacheFolder(const std::filesystem::path& folder, const core::Remedies& remedies);
 
 /// Caches blobs on disk, one file per blob, named by digest. Also caches the last summary of each served
-/// model. Any number of processes may share a folder, because files appear atomically. Each read verifies the
-/// digest. Files that a crash or a bad disk has damaged are removed, and their blobs are fetched again.
-/// Evicts least recently used files. Disk errors cause misses, never exceptions. Not thread safe.
+/// model. The files and the folders below `folder` are for this user only. The cache writes and removes
+/// nothing through a link, nor in a folder of another user. Any number of processes may share a folder,
+/// because files appear atomically. Each read verifies the digest. Files that a crash or a bad disk has
+/// damaged are removed, and their blobs are fetched again. Evicts least recently used files. Disk errors
+/// cause misses, never exceptions. Not thread safe.
 class BlobCache {
  public:
   /// @param folder  folder of the cache, created when the first blob is stored.
@@ -43,6 +46,7 @@ class BlobCache {
 
  private:
   std::filesystem::path fileOf(const Digest& name) const;
+  void store(const std::filesystem::path& file, std::span<const std::byte> bytes) const;
 
   std::filesystem::path folder_;
   uint64_t max_bytes_;

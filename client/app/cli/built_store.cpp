@@ -23,6 +23,7 @@
 #include "client/app/cli/store_cache.h"
 #include "common/codec/blob.h"
 #include "common/error.h"
+#include "common/io/own_folder.h"
 #include "common/io/texture_finder.h"
 
 namespace lode::app {
@@ -72,8 +73,9 @@ std::string versionSince(const fs::path& path, timespec time) {
                                                                                          : "changed";
 }
 
-/// An exclusive lock on a folder. The lock lasts until this object and all child processes that inherited the
-/// lock have ended. The constructor creates the folder.
+/// An exclusive lock on the folder of a source. The lock lasts until this object and all child processes that
+/// inherited the lock have ended. The constructor creates the folder and those above it, all for this user
+/// only.
 class FolderLock {
  public:
   /// Waits until the lock is free. @throws Error kIo, or kTimeout if `stop` is requested.
@@ -100,20 +102,17 @@ class FolderLock {
   /// Tries to lock the folder. @return false if another program holds the lock or has just removed the
   /// folder.
   bool take() {
-    std::error_code failed;
-    const fs::path folder = path_.parent_path();
-    fs::create_directories(folder, failed);
-    if (failed) refuse(folder, "made", failed.message());
+    const fs::path of_source = path_.parent_path(), stores = of_source.parent_path();
+    makeOwnFolders(stores.parent_path(), kCacheFolderUse);
+    makeOwnFolder(stores, kCacheFolderUse);
+    makeOwnFolder(of_source, kCacheFolderUse);
     lock_ = FileLock::tryTake(path_, FileLock::Kind::kExclusive, true);
     if (lock_) return true;
     const bool has_just_gone = errno == ENOENT;  // another program removed the folder
-    if (errno != 0 && !has_just_gone) refuse(path_, "locked", std::strerror(errno));
+    if (errno != 0 && !has_just_gone)
+      throw Error(ErrorCode::kIo, path_.string() + " cannot be locked: " + std::strerror(errno) + "; " +
+                                      kCacheFolderUse.remedy);
     return false;
-  }
-
-  [[noreturn]] static void refuse(const fs::path& path, const char* what, const std::string& why) {
-    throw Error(ErrorCode::kIo, path.string() + " cannot be " + what + ": " + why +
-                                    "; set XDG_CACHE_HOME to a folder that can be written");
   }
 
   fs::path path_;
@@ -177,7 +176,8 @@ void writeRecord(const fs::path& folder, const BuildRecord& record) {
     json["images"].push_back(image.path.string());
     json["versions"].push_back(image.version);
   }
-  std::ofstream(folder / kBuildRecord) << json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  writeOwnFile(folder / kBuildRecord, std::as_bytes(std::span(text)));
 }
 
 /// Removes the stores of earlier versions of the file.
@@ -206,7 +206,7 @@ Json build(const PlyFile& source, const fs::path& store, const FolderLock& lock,
   if (!shows_progress) arguments.emplace_back(watch ? "--json-progress" : "--quiet");
   ChildProcess builder(siblingServer(), arguments,
                        shows_progress ? ChildProcess::Messages::kPassOn : ChildProcess::Messages::kKeep,
-                       {.input = {}, .inherited = lock.descriptor()});
+                       {.input = {}, .inherited = lock.descriptor(), .is_private = true});
   Json result;
   {
     const std::stop_callback end_build(stop, [&builder] { builder.terminate(); });
@@ -245,7 +245,7 @@ BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& 
     return {store, useStore(store), record->warnings};
   }
   std::error_code ignored;
-  fs::create_directory(folder, ignored);
+  makeOwnFolder(folder, kCacheFolderUse);
   const bool shows_progress = announce && !watch && isatty(STDERR_FILENO) == 1;
   BuildRecord record;
   try {

@@ -11,6 +11,7 @@
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -37,6 +38,7 @@ constexpr int kCannotStart = 127;
   dup2(input, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   if (messages >= 0) dup2(messages, STDERR_FILENO);
+  if (setup.is_private) umask(S_IRWXG | S_IRWXO);
   if (setup.inherited >= 0) fcntl(setup.inherited, F_SETFD, 0);
   execv(arguments[0], arguments);
   _exit(kCannotStart);

@@ -13,8 +13,9 @@ namespace lode::app {
 struct ChildSetup {
   /// Contents of the child's stdin; stdin is an in-memory file, which the child can open again.
   std::string input;
-  int inherited = -1;      ///< descriptor that the child inherits; -1: none
-  bool heeds_keys = true;  ///< true if Ctrl-C and Ctrl-Z in the terminal also reach the child
+  int inherited = -1;       ///< descriptor that the child inherits; -1: none
+  bool heeds_keys = true;   ///< true if Ctrl-C and Ctrl-Z in the terminal also reach the child
+  bool is_private = false;  ///< true if only this user can read the child's new files
 };
 
 /// A child process. The destructor ends the process, first with SIGTERM. When the thread that started the

@@ -3,18 +3,22 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <system_error>
 #include <utility>
 
 #include <CLI/CLI.hpp>
+#include <sys/stat.h>
 
 #include "client/app/cli/store_cache.h"
+#include "client/app/cli/target.h"
 #include "client/core/view/camera_path.h"
 #include "common/byte_size.h"
 #include "common/command_line.h"
 #include "common/error.h"
+#include "common/io/own_folder.h"
 #include "common/printable.h"
 #include "proto/limits.h"
 
@@ -71,6 +75,23 @@ std::filesystem::path chosenCache(const std::string& folder, bool offline) {
   return folder;
 }
 
+void warnOfOpenToken(const CommonOptions& options) {
+  if (isOpenToOthers(options.token_file))
+    std::fprintf(stderr,
+                 "lodestream: warning: %s: other users can read or change this token file; chmod it to 600\n",
+                 options.token_file.c_str());
+}
+
+/// With a token and a target that may be on a server, makes the files that this process creates from now on
+/// readable by this user only, because they may show a model that the token protects.
+void keepFilesPrivate(const CommonOptions& options) {
+  const char* const token = std::getenv("LODESTREAM_TOKEN");
+  const bool has_token = !options.token_file.empty() || (token != nullptr && *token != '\0');
+  const bool is_local = options.target.find("://") == std::string::npos && !namesScene(options.target);
+  constexpr mode_t kOthers = S_IRWXG | S_IRWXO;
+  if (has_token && !is_local) ::umask(::umask(kOthers) | kOthers);
+}
+
 }  // namespace
 
 PictureSize parseSize(std::string_view text) {
@@ -105,7 +126,7 @@ stream::StreamOptions CommonOptions::streamOptions() const {
   options.connect_timeout = std::min(options.connect_timeout, timeout());
   const bool on_server = target.find("://") != std::string::npos;
   if (on_server && cache_text != "off")
-    options.cache_folder = cache_text.empty() ? cacheFolder() : chosenCache(cache_text, offline);
+    options.cache_folder = cache_text.empty() ? ownCacheFolder() : chosenCache(cache_text, offline);
   options.engine.offline = offline;
   if (offline && options.cache_folder.empty())
     throw Error(
@@ -126,6 +147,10 @@ void addServerOptions(CLI::App& command, CommonOptions& options, const char* tar
                   "certificate authorities of lodes:// servers, in PEM (default: the system's)")
       ->type_name("FILE");
   command.set_version_flag("--version", "lodestream " LODE_VERSION);
+  command.parse_complete_callback([&options] {
+    warnOfOpenToken(options);
+    keepFilesPrivate(options);
+  });
 }
 
 void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {

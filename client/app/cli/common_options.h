@@ -48,6 +48,7 @@ struct CommonOptions {
 };
 
 /// Declares the options of every client command: the target, --timeout, --token-file, --ca-file, --version.
+/// Commands that parse a token write files and folders that only this user can read.
 /// @param target_form  syntax of the target, as the help text shows it.
 void addServerOptions(CLI::App& command, CommonOptions& options, const char* target_form);
 

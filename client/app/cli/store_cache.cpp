@@ -14,6 +14,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/io/own_folder.h"
+
 namespace lode::app {
 namespace {
 
@@ -84,8 +86,8 @@ FileLock& FileLock::operator=(FileLock&& other) noexcept {
 
 std::optional<FileLock> FileLock::tryTake(const std::filesystem::path& path, Kind kind, bool make) {
   FileLock lock;
-  lock.file_ = make ? open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)
-                    : open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  lock.file_ = make ? open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600)
+                    : open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
   if (lock.file_ < 0) return std::nullopt;
   struct stat taken {};
   struct stat named {};
@@ -100,13 +102,17 @@ std::optional<FileLock> FileLock::tryTake(const std::filesystem::path& path, Kin
   return std::nullopt;
 }
 
-namespace fs = std::filesystem;
-
 fs::path cacheFolder() {
   if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && fs::path(xdg).is_absolute())
     return fs::path(xdg) / "lodestream";
   if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "lodestream";
   return fs::temp_directory_path() / ("lodestream-" + std::to_string(getuid()));
+}
+
+fs::path ownCacheFolder() {
+  fs::path folder = cacheFolder();
+  refuseForeignFolder(folder, kCacheFolderUse);
+  return folder;
 }
 
 uint64_t storeCacheBytes(uint64_t disk_bytes) noexcept {
@@ -130,7 +136,9 @@ void trimStores(const fs::path& stores, uint64_t max_bytes) {
   std::vector<BuiltSource> sources;
   uint64_t bytes = 0;
   std::error_code failed;
+  if (!isOwnFolder(stores)) return;
   for (fs::directory_iterator entry(stores, failed), end; !failed && entry != end; entry.increment(failed)) {
+    if (!isOwnFolder(entry->path())) continue;  // remove nothing through a link
     sources.push_back(lookAt(entry->path()));
     bytes += sources.back().bytes;
   }

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string_view>
 
+#include "common/io/own_folder.h"
+
 namespace lode::app {
 
 /// An advisory file lock (flock). The destructor releases the lock. If the process ends first, the lock lasts
@@ -33,6 +35,12 @@ class FileLock {
 /// Returns the program's folder for caches. The folder is in XDG_CACHE_HOME, else in ~/.cache, else in the
 /// folder for temporary files.
 std::filesystem::path cacheFolder();
+
+constexpr FolderUse kCacheFolderUse{"the cache", "set XDG_CACHE_HOME to a folder that can be written"};
+
+/// Returns cacheFolder(). @throws Error kIo if the folder exists but belongs to another user, is a link, or
+/// others can write to it.
+std::filesystem::path ownCacheFolder();
 
 /// Name of the lock file in the folder of a source. The program that builds the source's store locks this
 /// file.

@@ -23,6 +23,8 @@ class Access : public testing::Test {
     writeCertificate(folder_ / "other.crt", folder_ / "other.key");
     writeBytes(folder_ / "token", std::string(kToken) + "\n");
     writeBytes(folder_ / "wrong", "open-barley\n");
+    for (const char* name : {"token", "wrong"})
+      std::filesystem::permissions(folder_ / name, std::filesystem::perms(0600));
   }
 
   std::vector<std::string> with(std::vector<std::string> arguments, const std::string& token = "token",
@@ -36,6 +38,7 @@ class Access : public testing::Test {
   std::vector<std::string> prepare() const {
     writeCertificate(folder_ / "a.crt", folder_ / "a.key");
     writeBytes(folder_ / "tokens", std::string(kToken) + " never *\n");
+    std::filesystem::permissions(folder_ / "tokens", std::filesystem::perms(0600));
     return {"--token-file",    folder_ / "tokens", "--tls-cert",
             folder_ / "a.crt", "--tls-key",        folder_ / "a.key"};
   }

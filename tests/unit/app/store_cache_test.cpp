@@ -4,6 +4,7 @@
 #include <chrono>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -65,6 +66,20 @@ TEST_F(StoreCache, isOrderedByTheLastUse) {
   useStore(storeOf("a"));
   trimStores(folder_.path(), 2 * kStoreBytes);
   EXPECT_EQ(kept(), "ac");
+}
+
+TEST_F(StoreCache, removesNothingThroughALink) {
+  const lode::test::WorkFolder elsewhere;
+  std::ofstream(elsewhere / "thesis") << std::string(10 * kStoreBytes, 'x');
+  fs::create_directory_symlink(elsewhere.path(), folder_ / "d");
+  trimStores(folder_.path(), 0);
+  EXPECT_EQ(kept(), "");
+  EXPECT_EQ(elsewhere.contents(), std::vector<std::string>{"thesis"});
+  const lode::test::WorkFolder links;
+  fs::create_directory_symlink(elsewhere.path(), links / "stores");
+  fs::create_directory(elsewhere / "source");
+  trimStores(links / "stores", 0);
+  EXPECT_TRUE(fs::exists(elsewhere / "source"));
 }
 
 TEST_F(StoreCache, keepsWhatIsInUse) {

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "common/error.h"
+#include "tests/support/strangers.h"
 #include "tests/support/work_folder.h"
 
 namespace lode::stream {
@@ -120,6 +122,49 @@ TEST_F(BlobCacheTest, forgetsWithoutAnErrorWhereTheFolderCannotBeMade) {
   cache.keep(refOf(1, 100), bytesOf(1, 100));
   EXPECT_FALSE(cache.find(refOf(1, 100)));
   EXPECT_FALSE(cache.summary({{"host", 1}, "model"}));
+}
+
+TEST_F(BlobCacheTest, isForThisUserAlone) {
+  keep(1, 100);
+  ModelSummary summary;
+  summary.name = "model";
+  cache_.keepSummary({{"host", 7400}, "model"}, summary);
+  EXPECT_EQ(test::modeOf(folder_ / "cache"), 0700u);
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "cache"))
+    EXPECT_EQ(test::modeOf(entry.path()), entry.is_directory() ? 0700u : 0600u) << entry.path();
+  EXPECT_EQ(files().size(), 2u);
+}
+
+TEST_F(BlobCacheTest, writesAndRemovesNothingThroughALink) {
+  const fs::path victim = folder_ / "victim", first = toHex(refOf(1, 100).digest);
+  fs::create_directories(victim / first.string().substr(0, 2));
+  std::ofstream(victim / first.string().substr(0, 2) / first) << "mine";
+  for (int i = 0; i < 100; ++i) std::ofstream(victim / std::to_string(i)) << std::string(50'000, 'x');
+  fs::create_directory(folder_ / "cache");
+  fs::create_directory_symlink(victim, folder_ / "cache" / "blobs");
+  const size_t before = folder_.contents().size();
+  EXPECT_FALSE(cache_.find(refOf(1, 100)));
+  keep(2, 20'000);
+  cache_.trim();
+  EXPECT_EQ(folder_.contents().size(), before);
+}
+
+TEST_F(BlobCacheTest, isNotPreparedBehindALinkOfAnotherUser) {
+  const fs::path link = test::makeStickyFolder(folder_ / "sticky") / "link";
+  fs::create_directory(folder_ / "mine");
+  fs::create_directory_symlink(folder_ / "mine", link);
+  EXPECT_NO_THROW(prepareCacheFolder(link, {}));
+  if (!test::giveToStranger(link)) GTEST_SKIP() << "needs root";
+  for (const fs::path& name : {link, link / "", link / "below"})
+    EXPECT_THROW(prepareCacheFolder(name, {}), Error) << name;
+  EXPECT_TRUE(fs::is_empty(folder_ / "mine"));
+}
+
+TEST_F(BlobCacheTest, keepsNothingInAFolderOfAnotherUser) {
+  fs::create_directories(folder_ / "cache" / "blobs");
+  if (!test::giveToStranger(folder_ / "cache" / "blobs")) GTEST_SKIP() << "needs root";
+  keep(1, 100);
+  EXPECT_TRUE(files().empty());
 }
 
 TEST_F(BlobCacheTest, writersOfOneBlobDoNotMix) {

@@ -1,8 +1,10 @@
 #include "client/app/window/panel/first_start.h"
 
-#include <fstream>
 #include <system_error>
 #include <utility>
+
+#include "common/error.h"
+#include "common/io/own_folder.h"
 
 namespace lode::app {
 namespace {
@@ -19,9 +21,11 @@ bool FirstStart::isHelpDue() const {
 }
 
 void FirstStart::helpWasSeen() const {
-  std::error_code ignored;
-  std::filesystem::create_directories(folder_, ignored);
-  std::ofstream(folder_ / kSeenName);
+  try {
+    makeOwnFolders(folder_, {"the cache", "set XDG_CACHE_HOME"});
+    writeOwnFile(folder_ / kSeenName, {});
+  } catch (const Error&) {  // the help appears again
+  }
 }
 
 }  // namespace lode::app
