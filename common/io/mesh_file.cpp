@@ -22,20 +22,25 @@ MeshFormat meshFormatOf(const std::filesystem::path& path) {
                                      ": give a name that ends in .ply, .obj or .glb");
 }
 
-void writeMesh(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
-               const ImageFiles& images) {
+std::vector<std::filesystem::path> writeMesh(const std::filesystem::path& path, const Mesh& mesh,
+                                             const Lattice& lattice, const ImageFiles& images) {
   const MeshFormat format = meshFormatOf(path);
   if (mesh.attributes.bits != 0 && mesh.vertex_attributes.size() != mesh.positions.size())
     throw Error(ErrorCode::kInternal,
                 path.string() + ": the mesh declares attributes but has none for some vertices");
-  switch (format) {
-    case MeshFormat::kPly:
-      return writePly(path, mesh, lattice, images.set);
-    case MeshFormat::kObj:
-      return writeObj(path, mesh, lattice, images);
-    case MeshFormat::kGlb:
-      return writeGlb(path, mesh, lattice, images);
-  }
+  std::vector<std::filesystem::path> beside = images.written;
+  if (format == MeshFormat::kPly) writePly(path, mesh, lattice, images.set);
+  if (format == MeshFormat::kGlb) writeGlb(path, mesh, lattice, images);
+  if (format == MeshFormat::kObj && writeObj(path, mesh, lattice, images))
+    beside.push_back(materialFileOf(path));
+  return beside;
+}
+
+std::string describeFilesBeside(const std::vector<std::filesystem::path>& files) {
+  std::string text;
+  for (const std::filesystem::path& file : files)
+    text += (text.empty() ? "written beside it: " : ", ") + file.string();
+  return text.empty() ? text : text + "\n";
 }
 
 }  // namespace lode

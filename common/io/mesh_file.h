@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "common/io/mesh_materials.h"
 #include "common/lattice.h"
@@ -19,9 +21,13 @@ MeshFormat meshFormatOf(const std::filesystem::path& path);
 /// Writes a mesh as an AtomicFile, in the format that the file name shows. The file has true coordinates and
 /// the attributes that the format supports.
 /// @param images  mapping of texture coordinates, and the image files that the mesh file references.
+/// @return the files beside the mesh file: its images and its material file.
 /// @throws the errors of meshFormatOf(); Error kIo or kLimit; kInternal if `mesh` declares attributes but has
 /// no values for its vertices.
-void writeMesh(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
-               const ImageFiles& images = {});
+std::vector<std::filesystem::path> writeMesh(const std::filesystem::path& path, const Mesh& mesh,
+                                             const Lattice& lattice, const ImageFiles& images = {});
+
+/// Returns a line that lists the files of writeMesh() for the user; an empty text without files.
+std::string describeFilesBeside(const std::vector<std::filesystem::path>& files);
 
 }  // namespace lode

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ std::string imageOf(const Mesh& mesh, const TextureSet& textures, uint16_t mater
 struct ImageFiles {
   TextureSet set;  ///< textures named after their image files; a texture without a file keeps its own name
   std::vector<bool> has_alpha;  ///< true if the image has alpha; indexed by texture, false beyond the end
+  std::vector<std::filesystem::path> written = {};  ///< paths of the image files
 };
 
 /// Returns true if the image of a material has alpha.

@@ -17,7 +17,7 @@ namespace {
 /// Writes lines of words and numbers, separated by spaces.
 class TextFile {
  public:
-  explicit TextFile(const std::filesystem::path& path) : file_(path) {}
+  TextFile(const std::filesystem::path& path, OutputName name) : file_(path, {}, name) {}
 
   TextFile& word(std::string_view text) {
     if (!line_.empty()) line_ += ' ';
@@ -86,7 +86,7 @@ bool writeMaterials(const std::filesystem::path& path, const Mesh& mesh, const I
   bool any = false;
   for (const MaterialGroup& group : groups) any |= !imageOf(mesh, images.set, group.material).empty();
   if (!any) return false;
-  TextFile file(path);
+  TextFile file(path, OutputName::kDerived);
   for (const MaterialGroup& group : groups) {
     file.word("newmtl").word(materialName(group.material)).endLine();
     file.word("Kd 1 1 1").endLine();
@@ -100,11 +100,15 @@ bool writeMaterials(const std::filesystem::path& path, const Mesh& mesh, const I
 
 }  // namespace
 
-void writeObj(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
+std::filesystem::path materialFileOf(const std::filesystem::path& obj) {
+  return std::filesystem::path(obj).replace_extension(".mtl");
+}
+
+bool writeObj(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
               const ImageFiles& images) {
   const std::vector<MaterialGroup> groups = groupByMaterial(mesh);
-  const std::filesystem::path materials = std::filesystem::path(path).replace_extension(".mtl");
-  TextFile file(path);
+  const std::filesystem::path materials = materialFileOf(path);
+  TextFile file(path, OutputName::kTyped);
   const bool has_materials = writeMaterials(materials, mesh, images, groups);
   if (has_materials) file.word("mtllib").word(materials.filename().string()).endLine();
   writeVertices(file, mesh, lattice, images.set);
@@ -117,6 +121,7 @@ void writeObj(const std::filesystem::path& path, const Mesh& mesh, const Lattice
     }
   }
   file.commit();
+  return has_materials;
 }
 
 }  // namespace lode

@@ -33,7 +33,8 @@ struct PngHandle {
 /// calls setjmp() has objects with destructors.
 class PngWriter {
  public:
-  PngWriter(const std::filesystem::path& path, glm::uvec2 size, bool has_alpha) : path_(path), file_(path) {
+  PngWriter(const std::filesystem::path& path, glm::uvec2 size, bool has_alpha, OutputName name)
+      : path_(path), file_(path, {}, name) {
     if (!png_.info || !begin(size, has_alpha)) fail();
   }
 
@@ -94,8 +95,9 @@ class PngWriter {
 
 }  // namespace
 
-void writePng(const std::filesystem::path& path, glm::uvec2 size, bool has_alpha, const FillRow& fill) {
-  PngWriter png(path, size, has_alpha);
+void writePng(const std::filesystem::path& path, glm::uvec2 size, bool has_alpha, const FillRow& fill,
+              OutputName name) {
+  PngWriter png(path, size, has_alpha, name);
   std::vector<glm::u8vec4> row(size.x);
   for (uint32_t y = 0; y < size.y; ++y) {
     fill(y, row);

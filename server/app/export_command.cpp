@@ -1,5 +1,6 @@
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "common/io/mesh_file.h"
 #include "common/io/output_target.h"
@@ -73,13 +74,16 @@ void runExport(const ExportArguments& arguments) {
   if (!reader.textures().textures.empty()) refuseFilesBesideStream(arguments.output);
   std::FILE* const report = reportStream(arguments.output, arguments.json);
   const store::Cut cut = chooseCut(arguments, reader);
-  const Json json = describeAsJson(cut, reader);
+  Json json = describeAsJson(cut, reader);
   const bool is_too_large = arguments.triangles && !cut.converged;
-  if (!is_too_large) store::exportCut(reader, cut, arguments.output);
+  std::vector<std::filesystem::path> beside;
+  if (!is_too_large) beside = store::exportCut(reader, cut, arguments.output);
+  json["files_beside"] = Json::array();
+  for (const std::filesystem::path& file : beside) json["files_beside"].push_back(file.string());
   if (arguments.json) printJson(json);
   if (!cut.converged)
     throw Error(ErrorCode::kInput, arguments.store.string() + ": " + describeFailure(arguments, cut));
-  if (!arguments.json) printText(describe(json, arguments.output), report);
+  if (!arguments.json) printText(describe(json, arguments.output) + describeFilesBeside(beside), report);
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ bool exportImage(const Reader& reader, const Texture& texture, const std::filesy
   const FinestTiles stored(reader, texture);
   const bool has_alpha = stored.haveClearTexels();
   std::vector<TileImage> tiles(stored.count().x);
-  writePng(path, {texture.width, texture.height}, has_alpha, [&](uint32_t y, std::span<glm::u8vec4> row) {
+  const auto fill = [&](uint32_t y, std::span<glm::u8vec4> row) {
     const uint32_t line = y % kTileInnerPx;
     if (line == 0)
       for (uint32_t x = 0; x < tiles.size(); ++x) tiles[x] = stored.image(x, y / kTileInnerPx);
@@ -60,7 +60,8 @@ bool exportImage(const Reader& reader, const Texture& texture, const std::filesy
       const auto* const from = tile.texels.data() + size_t{line + kTileGutterPx} * tile.size.x;
       to = std::copy(from + kTileGutterPx, from + tile.size.x - kTileGutterPx, to);
     }
-  });
+  };
+  writePng(path, {texture.width, texture.height}, has_alpha, fill, OutputName::kDerived);
   return has_alpha;
 }
 
@@ -75,7 +76,8 @@ ImageFiles exportTextures(const Reader& reader, const std::filesystem::path& mes
     if (texture.name.empty()) texture.name = "missing";
     if (texture.tiles.empty()) continue;
     const std::string name = names.next(texture.name);
-    files.has_alpha[i] = exportImage(reader, texture, mesh.parent_path() / name);
+    files.written.push_back(mesh.parent_path() / name);
+    files.has_alpha[i] = exportImage(reader, texture, files.written.back());
     texture.name = name;
   }
   return files;
@@ -105,9 +107,10 @@ Mesh assembleCut(const Reader& reader, const Cut& cut) {
   return joiner.finish();
 }
 
-void exportCut(const Reader& reader, const Cut& cut, const std::filesystem::path& path) {
+std::vector<std::filesystem::path> exportCut(const Reader& reader, const Cut& cut,
+                                             const std::filesystem::path& path) {
   const Mesh mesh = assembleCut(reader, cut);
-  writeMesh(path, mesh, reader.summary().lattice, exportTextures(reader, path));
+  return writeMesh(path, mesh, reader.summary().lattice, exportTextures(reader, path));
 }
 
 }  // namespace lode::store

@@ -36,8 +36,9 @@ CutImages writeCutImages(const core::Cut& cut, const Mesh& mesh, const std::file
     }
     const std::string name = names.next(texture.name);
     const bool has_alpha = image.hasAlpha();
-    writePng(mesh_file.parent_path() / name, image.size(), has_alpha,
-             [&](uint32_t y, std::span<glm::u8vec4> row) { image.fill(y, row); });
+    images.files.written.push_back(mesh_file.parent_path() / name);
+    const auto fill = [&](uint32_t y, std::span<glm::u8vec4> row) { image.fill(y, row); };
+    writePng(images.files.written.back(), image.size(), has_alpha, fill, OutputName::kDerived);
     texture.name = name;
     is_written[group.material] = true;
     images.files.has_alpha[group.material] = has_alpha;

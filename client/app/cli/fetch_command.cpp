@@ -100,7 +100,7 @@ class Fetch {
     const KeyResult& last = keys_.back();
     std::string left_out;
     if (last.is_complete && !options_.output.empty()) left_out = write(last.status, target.model());
-    if (options_.json) std::printf("%s\n", toJson(keys_, total_ms).dump().c_str());
+    if (options_.json) printJson(total_ms);
     refuseFailed(left_out);
     if (!left_out.empty()) std::fprintf(stderr, "lodestream: %s\n", left_out.c_str());
     if (!options_.json) print(total_ms);
@@ -144,11 +144,11 @@ class Fetch {
   }
 
   /// Writes the cut. @return text that names the images that are left out; empty if there are none.
-  std::string write(const stream::StreamStatus& status, const ModelSummary& model) const {
+  std::string write(const stream::StreamStatus& status, const ModelSummary& model) {
     const core::Cut& cut = *status.cut;
     const Mesh mesh = weldCut(cut, model.attributes);
     const CutImages images = writeCutImages(cut, mesh, options_.output);
-    writeMesh(options_.output, mesh, model.lattice, images.files);
+    files_beside_ = writeMesh(options_.output, mesh, model.lattice, images.files);
     const char* const why = status.counts.tiles_left_out == 0
                                 ? "it is unavailable"
                                 : "the memory budget had no room for it; raise --memory-budget";
@@ -160,7 +160,15 @@ class Fetch {
            (images.left_out.size() == 1 ? " is" : " are") + " left out, as " + why;
   }
 
+  void printJson(double total_ms) const {
+    Json json = toJson(keys_, total_ms);
+    json["files_beside"] = Json::array();
+    for (const std::filesystem::path& file : files_beside_) json["files_beside"].push_back(file.string());
+    std::printf("%s\n", json.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
+  }
+
   void print(double total_ms) const {
+    std::fputs(describeFilesBeside(files_beside_).c_str(), report_);
     const KeyResult& last = keys_.back();
     std::fprintf(
         report_,
@@ -175,10 +183,12 @@ class Fetch {
   std::FILE* const report_ = reportStream(options_.output, options_.json);
   Clock::time_point start_ = Clock::now();
   std::vector<KeyResult> keys_;
+  std::vector<std::filesystem::path> files_beside_;  ///< written beside the output
 };
 
 void fetch(const FetchOptions& options) {
-  meshFormatOf(options.output);  // refuse a wrong ending before the work begins
+  meshFormatOf(options.output);  // refuse a wrong output before the work begins
+  if (!options.output.empty()) findOutput(options.output);
   refuseToReplace(options.common.target, options.output);
   Fetch run(options);
   run.run();

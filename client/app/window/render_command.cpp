@@ -1,10 +1,12 @@
 #include "client/app/window/render_command.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -13,6 +15,7 @@
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/opened_target.h"
@@ -82,7 +85,14 @@ std::vector<Shot> planShots(const RenderOptions& options, const core::CameraPath
 /// Temporary folder for a video's frames. The destructor removes the folder.
 class FramesFolder {
  public:
-  explicit FramesFolder(fs::path path) : path_(std::move(path)), unfinished_(path_) {}
+  /// @throws Error kIo if something is at the path, or if the folder cannot be created.
+  explicit FramesFolder(fs::path path) : path_(std::move(path)) {
+    const Uninterrupted until_it_is_known;
+    if (::mkdir(path_.c_str(), S_IRWXU) != 0)
+      throw Error(ErrorCode::kIo, path_.string() + ": the video's frames need a new folder of this name: " +
+                                      std::strerror(errno) + "; remove it, or name another output");
+    unfinished_ = Unfinished(path_);
+  }
   ~FramesFolder() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
@@ -92,7 +102,7 @@ class FramesFolder {
 
  private:
   const fs::path path_;
-  const Unfinished unfinished_;
+  Unfinished unfinished_;
 };
 
 /// Results of the pictures drawn so far.
@@ -168,7 +178,8 @@ void render(const RenderOptions& options) {
     shown.legend = std::move(picture.legend);
     occlusion.darken(target, glm::radians(scene.path().fov_y_deg), style.show);
     target.resolve();
-    render::writePng(shot.file, target.readPixels());
+    render::writePng(shot.file, target.readPixels(),
+                     options.output.empty() ? OutputName::kDerived : OutputName::kTyped);
     ++shown.pictures;
     shown.max_error_px = std::max(shown.max_error_px, picture.max_error_px);
   }
@@ -187,13 +198,13 @@ void renderVideo(RenderOptions options) {
   refuseToReplace(options.common.target, options.video);
   const char* const search_path = std::getenv("PATH");
   const fs::path ffmpeg = findFfmpeg(search_path != nullptr ? search_path : "");
-  options.folder = options.video + ".frames";
-  if (fs::exists(options.folder))
-    throw Error(ErrorCode::kIo,
-                options.folder + " exists, but the video's frames need a new folder of this name: remove it");
+  const OutputTarget video = findOutput(options.video);
+  if (video.is_stream)
+    throw Error(ErrorCode::kUsage, options.video + ": is a pipe or a device: name a file for the video");
+  options.folder = video.path.string() + ".frames";
   const FramesFolder frames(options.folder);
   render(options);
-  makeVideo(ffmpeg, options.folder, options.fps, options.video);
+  makeVideo(ffmpeg, options.folder, options.fps, video.path);
 }
 
 }  // namespace

@@ -9,10 +9,11 @@
 
 namespace lode::render {
 
-void writePng(const std::filesystem::path& path, const Image& image) {
-  lode::writePng(path, {image.width_px, image.height_px}, false, [&](uint32_t y, std::span<glm::u8vec4> row) {
+void writePng(const std::filesystem::path& path, const Image& image, OutputName name) {
+  const auto fill = [&](uint32_t y, std::span<glm::u8vec4> row) {
     std::memcpy(row.data(), image.pixel(0, y), row.size_bytes());
-  });
+  };
+  lode::writePng(path, {image.width_px, image.height_px}, false, fill, name);
 }
 
 }  // namespace lode::render

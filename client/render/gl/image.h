@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "common/io/output_target.h"
+
 namespace lode::render {
 
 /// An image of 8-bit sRGB pixels (red, green, blue, alpha), top row first.
@@ -20,6 +22,6 @@ struct Image {
 
 /// Writes a PNG (colour only, no alpha). The file gets its name only when it is complete.
 /// @throws Error kIo.
-void writePng(const std::filesystem::path& path, const Image& image);
+void writePng(const std::filesystem::path& path, const Image& image, OutputName name = OutputName::kTyped);
 
 }  // namespace lode::render

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -55,11 +56,26 @@ TEST(Video, saysWhatToDoWithoutFfmpeg) {
 
 TEST(Video, isMadeOfAFoldersFramesAtTheirRate) {
   const test::WorkFolder work;
+  fs::create_directory(work / "frames");
   makeVideo(fakeFfmpeg(work / "bin", kWriteArguments), work / "frames", 29.97, work / "out.mp4");
   const std::string arguments = contentOf(work / "out.mp4");
   EXPECT_NE(arguments.find("-framerate 29.97 -i " + (work / "frames").string() + "/frame_%06d.png"),
             std::string::npos)
       << arguments;
+}
+
+TEST(Video, isMadeWithAbsolutePathsInWhichNothingIsAPatternOrAnOption) {
+  for (const char* name : {"100%d", "-y", "concat:a"}) {
+    const test::WorkFolder work;
+    fs::create_directory(work / name);
+    makeVideo(fs::relative(fakeFfmpeg(work / "bin", kWriteArguments)), fs::relative(work / name), 30,
+              work / "out.mp4");
+    const std::string arguments = contentOf(work / "out.mp4");
+    const std::string expected = std::string_view(name) == "100%d" ? "100%%d" : name;
+    EXPECT_NE(arguments.find(" -i /"), std::string::npos) << arguments;
+    EXPECT_NE(arguments.find("/" + expected + "/frame_%06d.png"), std::string::npos) << arguments;
+    EXPECT_NE(arguments.find(" -f mp4 /"), std::string::npos) << arguments;
+  }
 }
 
 TEST(Video, hasTheColoursOfItsFramesAndSaysInWhichMatrix) {
@@ -93,6 +109,7 @@ TEST(Video, hasTheColoursOfItsFramesAndSaysInWhichMatrix) {
 
 TEST(Video, leavesNothingBehindWhereFfmpegFailsAndSaysWhy) {
   const test::WorkFolder work;
+  fs::create_directory(work / "frames");
   const fs::path ffmpeg =
       fakeFfmpeg(work / "bin", std::string(kWriteArguments) + "echo 'no codec' >&2; exit 1");
   try {
@@ -101,7 +118,7 @@ TEST(Video, leavesNothingBehindWhereFfmpegFailsAndSaysWhy) {
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("no codec"), std::string::npos);
   }
-  EXPECT_EQ(work.contents(), (std::vector<std::string>{"bin", "bin/ffmpeg"}));
+  EXPECT_EQ(work.contents(), (std::vector<std::string>{"bin", "bin/ffmpeg", "frames"}));
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 #include "client/app/window/camera/path_recorder.h"
 
-#include <fstream>
+#include <span>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "client/app/window/output/picture_file.h"
-#include "common/error.h"
+#include "common/io/atomic_file.h"
 
 namespace lode::app {
 
@@ -43,10 +43,10 @@ std::optional<std::string> PathRecorder::save() {
   const std::optional<core::CameraPath> path = finish();
   if (!path) return std::nullopt;
   const std::string file = timedName("json");
-  std::ofstream stream(file, std::ios::binary);
-  stream << writeCameraPath(*path) << std::flush;
-  if (!stream)
-    throw Error(ErrorCode::kIo, file + " cannot be written: start the window in a writable folder");
+  const std::string text = writeCameraPath(*path);
+  AtomicFile output(file, {}, OutputName::kDerived);
+  output.write(std::as_bytes(std::span(text)));
+  output.commit();
   return file;
 }
 

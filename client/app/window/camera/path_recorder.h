@@ -22,7 +22,7 @@ class PathRecorder {
   std::optional<core::CameraPath> finish();
   /// Ends the recording and writes the path into the current folder.
   /// @return name of the file; nothing if the path has no keys.
-  /// @throws Error kIo.
+  /// @throws Error kIo, as AtomicFile does.
   std::optional<std::string> save();
 
  private:

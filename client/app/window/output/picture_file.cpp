@@ -42,6 +42,7 @@ std::string frameName(size_t frame) {
 }
 
 void makeFilmFolder(const fs::path& folder) {
+  followLinks(folder);  // refuses a link of another user
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed)

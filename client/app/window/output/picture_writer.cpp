@@ -14,7 +14,7 @@ constexpr size_t kMaxQueued = 8;
 
 std::exception_ptr tryToWrite(const std::filesystem::path& file, const render::Image& image) {
   try {
-    render::writePng(file, image);
+    render::writePng(file, image, OutputName::kDerived);
     return nullptr;
   } catch (const Error&) {
     return std::current_exception();

@@ -8,9 +8,19 @@
 
 #include "client/app/cli/child_process.h"
 #include "common/error.h"
-#include "common/io/interrupted.h"
 
 namespace lode::app {
+
+namespace {
+
+/// Returns a path in which ffmpeg finds no pattern of a file number.
+std::string escapePattern(const std::filesystem::path& path) {
+  std::string escaped;
+  for (const char c : path.string()) escaped += c == '%' ? "%%" : std::string(1, c);
+  return escaped;
+}
+
+}  // namespace
 
 std::filesystem::path findFfmpeg(const std::string& search_path) {
   std::istringstream folders(search_path);
@@ -26,21 +36,19 @@ std::filesystem::path findFfmpeg(const std::string& search_path) {
 
 void makeVideo(const std::filesystem::path& ffmpeg, const std::filesystem::path& frames, double fps,
                const std::filesystem::path& output) {
-  std::filesystem::path unfinished = output;
-  unfinished += ".part";
-  const Unfinished until_renamed(unfinished);
+  const std::filesystem::path folder = std::filesystem::absolute(frames), unfinished = folder / "video.mp4";
   char rate[32];
   std::snprintf(rate, sizeof rate, "%.6g", fps);
   // Most players need yuv420p, which needs even sides. Write the colour matrix into the file, because players
   // would otherwise guess the matrix from the size of the picture.
-  ChildProcess encoder(ffmpeg,
+  ChildProcess encoder(std::filesystem::absolute(ffmpeg),
                        {"-y",
                         "-loglevel",
                         "error",
                         "-framerate",
                         rate,
                         "-i",
-                        frames / "frame_%06d.png",
+                        escapePattern(folder) + "/frame_%06d.png",
                         "-vf",
                         "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
                         "-c:v",
