@@ -16,6 +16,7 @@
 #include "client/net/tcp_transport.h"
 #include "common/codec/texture_set.h"
 #include "common/error.h"
+#include "common/io/file_io.h"
 #include "common/limits.h"
 
 namespace lode::app {
@@ -343,6 +344,7 @@ void writeRequestTrace(AtomicFile file, const RequestTrace& trace) {
 }
 
 RequestTrace readRequestTrace(const std::filesystem::path& file) {
+  refuseUnlessFile(file, "a trace of replay --record");
   std::error_code failed;
   const uint64_t bytes = std::filesystem::file_size(file, failed);
   if (!failed && bytes > kMaxTraceFileBytes)

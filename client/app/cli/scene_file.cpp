@@ -12,6 +12,7 @@
 #include "client/app/cli/target.h"
 #include "client/core/view/strict_json.h"
 #include "common/error.h"
+#include "common/io/file_io.h"
 
 namespace lode::app {
 namespace {
@@ -178,9 +179,7 @@ Scene parseScene(std::string_view text, std::string_view source) {
 }
 
 Scene readScene(const std::filesystem::path& file) {
-  std::error_code failed;
-  if (std::filesystem::is_directory(file, failed))
-    throw Error(ErrorCode::kIo, file.string() + " is a directory; name a scene, a JSON file");
+  refuseUnlessFile(file, "a scene, a JSON file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw Error(ErrorCode::kIo, file.string() + ": cannot open the scene; check the name");
   std::string text(kMaxSceneBytes + 1, '\0');

@@ -21,6 +21,8 @@ Target parseFile(std::string_view text, const std::filesystem::path& textures_fo
                 path.string() + ": no such file; a target is lode://HOST[:PORT]/MODEL, a store or a PLY");
   if (std::filesystem::is_directory(status))
     throw Error(ErrorCode::kInput, path.string() + " is a directory; name a store or a PLY in it");
+  if (!std::filesystem::is_regular_file(status))
+    throw Error(ErrorCode::kInput, path.string() + " is a pipe or a device; name a store or a PLY, a file");
   std::ifstream file(path, std::ios::binary);
   std::array<char, 3> head{};
   if (!file) throw Error(ErrorCode::kIo, path.string() + ": cannot be opened; check its permissions");

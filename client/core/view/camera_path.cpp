@@ -11,6 +11,7 @@
 
 #include "client/core/view/strict_json.h"
 #include "common/error.h"
+#include "common/io/file_io.h"
 
 namespace lode::core {
 namespace {
@@ -132,9 +133,7 @@ CameraPath parseCameraPath(std::string_view text, std::string_view source) {
 }
 
 CameraPath readCameraPath(const std::filesystem::path& file) {
-  std::error_code failed;
-  if (std::filesystem::is_directory(file, failed))
-    throw Error(ErrorCode::kIo, file.string() + " is a directory; name a camera path, a JSON file");
+  refuseUnlessFile(file, "a camera path, a JSON file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw Error(ErrorCode::kIo, file.string() + ": cannot open the camera path; check the name");
   std::string text(kMaxCameraPathBytes + 1, '\0');

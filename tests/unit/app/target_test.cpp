@@ -4,6 +4,7 @@
 #include <functional>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "common/error.h"
 #include "common/limits.h"
@@ -53,6 +54,12 @@ class TargetFile : public testing::Test {
 
   test::WorkFolder folder_;
 };
+
+TEST_F(TargetFile, isRefusedAtOnceIfItIsAPipeOrADevice) {
+  ASSERT_EQ(mkfifo((folder_ / "pipe.ply").c_str(), 0600), 0);
+  for (const fs::path& name : {folder_ / "pipe.ply", fs::path("/dev/zero")})
+    EXPECT_EQ(codeOf([&] { parseTarget(name.string()); }), ErrorCode::kInput) << name;
+}
 
 TEST_F(TargetFile, isAPlyByItsContentWhateverItsName) {
   const std::string path = write("scan", "ply\nformat ascii 1.0\n");
