@@ -211,8 +211,11 @@ void addServeCommand(CLI::App& program) {
       ->capture_default_str();
   command->add_flag("--strict", options->strict,
                     "refuse to start if a store in a folder cannot be opened (default: skip the store)");
-  command->add_flag("--public", options->public_ok, "allow an address beyond loopback without tokens");
-  command->add_flag("--insecure", options->insecure, "allow an address beyond loopback without TLS");
+  command->add_flag("--public", options->public_ok,
+                    "allow an address beyond loopback without tokens, and metrics there");
+  command->add_flag(
+      "--insecure", options->insecure,
+      "allow an address beyond loopback without TLS, and a private key that other users can read");
   command->add_option("--token-file", options->token_file, "file with the tokens that clients must present")
       ->type_name("FILE");
   command->add_option("--tls-cert", options->tls_certificate, "certificate chain, PEM")->type_name("FILE");

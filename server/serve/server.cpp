@@ -11,10 +11,13 @@
 #include <malloc.h>
 
 #include "common/error.h"
+#include "common/io/own_folder.h"
+#include "server/serve/access.h"
 #include "server/serve/memory/memory_reserve.h"
 #include "server/serve/net/acceptor.h"
 #include "server/serve/net/admission.h"
 #include "server/serve/net/listener.h"
+#include "server/serve/net/wrong_tokens.h"
 #include "server/serve/ops/health_endpoint.h"
 #include "server/serve/ops/metrics.h"
 #include "server/serve/worker.h"
@@ -26,6 +29,7 @@ namespace {
 constexpr uint64_t kOtherDescriptors = 64;  ///< descriptors reserved for everything except connections,
                                             ///< stores and refusals
 constexpr auto kMaintainEvery = std::chrono::milliseconds(100);
+constexpr const char* kOpenKey = "other users can read or change the private key; chmod it to 600";
 constexpr uint64_t kTrimBytes = 1u << 20;  ///< least number of freed bytes for a call of malloc_trim()
 
 /// Removes the folders of all configured paths from a message, because readers of the log must not see the
@@ -51,19 +55,6 @@ unsigned threadsOf(const ServeOptions& options) {
   return options.threads == 0 ? std::max(1u, std::thread::hardware_concurrency()) : options.threads;
 }
 
-/// Requires tokens and TLS, or the options that waive them, for an address beyond loopback.
-void checkAccessBeyondLoopback(const ServeOptions& options, const asio::ip::tcp::endpoint& endpoint) {
-  if (endpoint.address().is_loopback()) return;
-  const auto refuse = [&](const std::string& remedy) {
-    throw Error(ErrorCode::kUsage, "other machines can connect to " + toString(endpoint) + ": " + remedy +
-                                       ", or listen on 127.0.0.1");
-  };
-  if (options.token_file.empty() && !options.public_ok)
-    refuse("give --token-file, or --public to let everybody read every model");
-  if (options.tls_certificate.empty() && !options.insecure)
-    refuse("give --tls-cert and --tls-key, or --insecure to send everything unencrypted");
-}
-
 }  // namespace
 
 struct Server::State {
@@ -71,8 +62,8 @@ struct Server::State {
   ~State();
 
   BlobReaderOptions readerOptions();
-  std::shared_ptr<const TokenFile> openTokens() const;
-  std::shared_ptr<asio::ssl::context> openCertificate() const;
+  std::shared_ptr<const TokenFile> openTokens();
+  std::shared_ptr<asio::ssl::context> openCertificate();
   uint32_t possibleConnections();
   ConnectionLimits limits() const;
   ServerGauges gauges() const;
@@ -98,6 +89,7 @@ struct Server::State {
   Published published;         ///< written by the constructor and reload() only
   MemoryBudget budget;
   ByteRate rate;
+  WrongTokens wrong_tokens;
   Admission admission;
   Metrics metrics;
   std::atomic<bool> stopping{false};
@@ -124,6 +116,7 @@ Server::State::State(ServeOptions given)
           openCertificate()},
       budget(options.memory_budget_bytes == 0 ? defaultMemoryBudget() : options.memory_budget_bytes),
       rate(options.bytes_per_second),
+      wrong_tokens(options.wrong_token_delay),
       admission(possibleConnections(), options.max_connections_per_address),
       metrics(threadsOf(options) + 1),
       models_skipped(skipped.size()),
@@ -147,20 +140,29 @@ BlobReaderOptions Server::State::readerOptions() {
           }};
 }
 
-std::shared_ptr<const TokenFile> Server::State::openTokens() const {
+std::shared_ptr<const TokenFile> Server::State::openTokens() {
   if (options.token_file.empty()) return nullptr;
+  if (isOpenToOthers(options.token_file))
+    log->write(LogKind::kServer, "other users can read or change the token file; chmod it to 600");
   return std::make_shared<const TokenFile>(TokenFile::read(options.token_file));
 }
 
-std::shared_ptr<asio::ssl::context> Server::State::openCertificate() const {
+std::shared_ptr<asio::ssl::context> Server::State::openCertificate() {
   if (options.tls_certificate.empty() != options.tls_key.empty())
     throw Error(ErrorCode::kUsage, "--tls-cert needs --tls-key and the reverse; give both");
-  return options.tls_certificate.empty() ? nullptr : openTls(options.tls_certificate, options.tls_key);
+  if (options.tls_certificate.empty()) return nullptr;
+  if (isOpenToOthers(options.tls_key)) {
+    if (!options.insecure)
+      throw Error(ErrorCode::kUsage, options.tls_key.string() + ": " + kOpenKey + ", or give --insecure");
+    log->write(LogKind::kServer, kOpenKey);
+  }
+  return openTls(options.tls_certificate, options.tls_key);
 }
 
 /// Returns --max-connections, or a lower limit if the limit of open files is too low.
 uint32_t Server::State::possibleConnections() {
-  const uint64_t others = kOtherDescriptors + Refusals::kMost + 2 * published.served.catalog->models().size();
+  const uint64_t others = kOtherDescriptors + Refusals::kMost + WrongTokens::kMostWaiting +
+                          2 * published.served.catalog->models().size();
   const uint64_t room = open_files > 2 * others ? open_files - others : open_files / 2;
   if (room >= options.max_connections) return options.max_connections;
   log->write(LogKind::kServer,
@@ -219,6 +221,7 @@ void Server::State::listen() {
       });
   acceptor->setTls(published.tls);
   if (options.metrics.empty()) return;
+  checkMetricsBeyondLoopback(options, resolveListen(context, options.metrics));
   health = std::make_unique<HealthEndpoint>(
       context, options.metrics,
       HealthAnswers{[this] { return metrics.text(gauges()); }, [this] { return !stopping; }});
@@ -234,7 +237,7 @@ void Server::State::startWorkers() {
   try {
     for (unsigned i = 0; i < threads; ++i)
       workers.push_back(std::make_unique<Worker>(published, *log, metrics.ofThread(i + 1), readers, budget,
-                                                 rate, limits()));
+                                                 rate, wrong_tokens, limits()));
     for (auto& worker : workers) worker->start(sweep_every);
   } catch (const std::system_error& error) {
     throw Error(ErrorCode::kIo, "cannot start " + std::to_string(threads) + " threads: " + error.what() +

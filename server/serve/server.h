@@ -23,8 +23,8 @@ struct ServeOptions {
   std::optional<int> listening_socket;
   std::string metrics;               ///< address of the port for metrics and health; empty: no such port
   bool strict = false;               ///< refuse to start if a store in a folder cannot be opened
-  bool public_ok = false;            ///< allow addresses beyond loopback without tokens
-  bool insecure = false;             ///< allow addresses beyond loopback without TLS
+  bool public_ok = false;            ///< allow addresses beyond loopback without tokens, and metrics there
+  bool insecure = false;             ///< allow addresses beyond loopback without TLS, and an open private key
   std::filesystem::path token_file;  ///< file with the tokens; empty: clients need no token
   std::filesystem::path tls_certificate, tls_key;  ///< PEM files; set both or neither
   bool proxy_protocol = false;  ///< expect a balancer's header at the start of a connection
@@ -41,6 +41,7 @@ struct ServeOptions {
   uint64_t bytes_per_second = 0;  ///< rate limit for the blobs of all connections; 0: no limit
   uint64_t bytes_per_second_per_connection = 0;
   std::chrono::milliseconds handshake_deadline = proto::kHandshakeDeadline;
+  std::chrono::milliseconds wrong_token_delay{50};  ///< delay of the answer to an address's first wrong token
   std::chrono::milliseconds idle_deadline = proto::kIdleDeadline;
   std::chrono::milliseconds write_deadline = proto::kWriteDeadline;
   std::chrono::milliseconds read_deadline = kReadDeadline;  ///< for a read that waits for the disk

@@ -22,7 +22,7 @@ constexpr auto kCheckMemoryEvery = std::chrono::milliseconds(20);
 }  // namespace
 
 Worker::Worker(Published published, Log& log, ThreadCounters& counters, DiskReaders& readers,
-               MemoryBudget& budget, ByteRate& rate, ConnectionLimits limits)
+               MemoryBudget& budget, ByteRate& rate, WrongTokens& wrong_tokens, ConnectionLimits limits)
     : budget_(budget), limits_(limits), guard_(context_.get_executor()), tick_(context_) {
   host_.served = std::move(published.served);
   host_.tls = std::move(published.tls);
@@ -31,6 +31,7 @@ Worker::Worker(Published published, Log& log, ThreadCounters& counters, DiskRead
   host_.readers = &readers;
   host_.rate = &rate;
   host_.budget = &budget;
+  host_.wrong_tokens = &wrong_tokens;
 }
 
 void Worker::start(Clock::duration sweep_every) {

@@ -27,7 +27,7 @@ struct Published {
 class Worker {
  public:
   Worker(Published published, Log& log, ThreadCounters& counters, DiskReaders& readers, MemoryBudget& budget,
-         ByteRate& rate, ConnectionLimits limits);
+         ByteRate& rate, WrongTokens& wrong_tokens, ConnectionLimits limits);
 
   /// Starts the thread. Call it once. @throws std::system_error.
   void start(Clock::duration sweep_every);

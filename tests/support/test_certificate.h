@@ -11,7 +11,8 @@
 
 namespace lode::test {
 
-/// Writes a self-signed certificate, which is valid from now on for a given time, and its key.
+/// Writes a self-signed certificate, which is valid from now on for a given time, and its key, which only
+/// this user can read.
 inline void writeCertificate(const std::filesystem::path& certificate, const std::filesystem::path& key,
                              long seconds = 3600) {
   const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> pair(EVP_EC_gen("P-256"), EVP_PKEY_free);
@@ -29,6 +30,7 @@ inline void writeCertificate(const std::filesystem::path& certificate, const std
   PEM_write_X509(File(std::fopen(certificate.c_str(), "w"), std::fclose).get(), x509.get());
   PEM_write_PrivateKey(File(std::fopen(key.c_str(), "w"), std::fclose).get(), pair.get(), nullptr, nullptr, 0,
                        nullptr, nullptr);
+  std::filesystem::permissions(key, std::filesystem::perms(0600));
 }
 
 }  // namespace lode::test

@@ -6,18 +6,14 @@
 
 namespace lode::serve {
 
-namespace {
-
-/// Returns the key of an IPv4 address or of the /64 network of an IPv6 address.
-uint64_t keyOf(const asio::ip::address& plain) {
+uint64_t addressKey(const asio::ip::address& address) {
+  const asio::ip::address plain = plainAddress(address);
   if (plain.is_v4()) return plain.to_v4().to_uint();
   const auto bytes = plain.to_v6().to_bytes();
   uint64_t network = 0;
   for (size_t i = 0; i < 8; ++i) network = network << 8 | bytes[i];
   return network | uint64_t{1} << 63;  // the highest bit distinguishes the key from all IPv4 keys
 }
-
-}  // namespace
 
 asio::ip::address plainAddress(const asio::ip::address& address) {
   if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return address;
@@ -40,9 +36,8 @@ void Slot::countIn(std::atomic<uint32_t>& load) noexcept {
 }
 
 bool Slot::countUnder(const asio::ip::address& address) {
-  const asio::ip::address plain = plainAddress(address);
-  const uint64_t key = keyOf(plain);
-  if (!admission_->countUnder(key, plain.is_loopback())) return false;
+  const uint64_t key = addressKey(address);
+  if (!admission_->countUnder(key, plainAddress(address).is_loopback())) return false;
   address_ = key;
   return true;
 }

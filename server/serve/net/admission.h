@@ -17,6 +17,9 @@ class Admission;
 /// addresses unchanged.
 asio::ip::address plainAddress(const asio::ip::address& address);
 
+/// Returns a number for an IPv4 address, or for the /64 network of an IPv6 address.
+uint64_t addressKey(const asio::ip::address& address);
+
 /// A connection's slot in the limits of Admission. The destructor frees the slot.
 class Slot {
  public:

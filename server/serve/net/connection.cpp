@@ -143,6 +143,7 @@ asio::awaitable<void> Connection::read() {
     if (!end_) why_ = session_.refusal();
     end(EndReason::kMistake);
     if (session_.unauthorized()) host_.counters->refused[static_cast<size_t>(RefusalReason::kToken)].add();
+    if (holds_answer_) co_await delayAnswer();
     wakeWriter();  // the writer sends the Error; further frames are discarded
     co_await stream_.discard();
   } else {
@@ -151,6 +152,34 @@ asio::awaitable<void> Connection::read() {
   }
   gone_ = true;
   wakeWriter();
+}
+
+/// Refuses a client that has not been let in if its address must wait because of wrong tokens.
+bool Connection::refuseUnheard() {
+  if (session_.greeted() || !host_.served.tokens) return false;
+  asio::error_code ignored;
+  const uint64_t address = addressKey(asio::ip::make_address(client_, ignored));
+  if (!host_.wrong_tokens->blocks(address, Clock::now())) return false;
+  host_.counters->refused[static_cast<size_t>(RefusalReason::kToken)].add();
+  session_.refuse(proto::WireError::kLimit, "this address sent too many wrong tokens; try again later");
+  return true;
+}
+
+/// Waits before the answer to a wrong token. The connection leaves its slot and its memory to others first.
+asio::awaitable<void> Connection::delayAnswer() {
+  try {
+    asio::error_code ignored;
+    const uint64_t address = addressKey(asio::ip::make_address(client_, ignored));
+    const std::optional<WrongTokens::Wait> wait = host_.wrong_tokens->add(address, Clock::now());
+    if (wait) {
+      { const Slot left = std::move(slot_); }
+      { const MemoryAccount left = std::move(memory_); }
+      asio::steady_timer answer(stream_.bytes().executor(), wait->until());
+      co_await answer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+    }
+  } catch (const std::exception&) {  // out of memory: answer at once
+  }
+  holds_answer_ = false;
 }
 
 /// Reads the balancer's header and performs the TLS handshake. @return false if the client closed the
@@ -213,7 +242,8 @@ asio::awaitable<void> Connection::readFrames() {
     }
     if (!linger_until_) {
       ++frames_;
-      session_.receive(frame.header, frame.body, Clock::now());
+      if (!refuseUnheard()) session_.receive(frame.header, frame.body, Clock::now());
+      holds_answer_ = session_.gaveWrongToken();
       wakeWriter();
     }
     releaseStorageOf(frame);

@@ -15,6 +15,7 @@
 #include "server/serve/memory/memory_budget.h"
 #include "server/serve/net/admission.h"
 #include "server/serve/net/byte_rate.h"
+#include "server/serve/net/wrong_tokens.h"
 #include "server/serve/ops/log.h"
 #include "server/serve/ops/metrics.h"
 #include "server/serve/session/disk_readers.h"
@@ -52,7 +53,8 @@ struct ConnectionHost {
   ThreadCounters* counters = nullptr;
   ByteRate* rate = nullptr;  ///< rate limit that all connections of the server share
   MemoryBudget* budget = nullptr;
-  DiskReaders* readers = nullptr;  ///< threads for reads that wait for the disk
+  WrongTokens* wrong_tokens = nullptr;  ///< delays that all threads share
+  DiskReaders* readers = nullptr;       ///< threads for reads that wait for the disk
   BufferPool buffers;
   std::unordered_set<Connection*> connections;
 };
@@ -101,6 +103,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   asio::awaitable<bool> greet();
   void turnAway(RefusalReason refused, EndReason ended, const std::string& why);
   asio::awaitable<void> readFrames();
+  bool refuseUnheard();
+  asio::awaitable<void> delayAnswer();
   void releaseStorageOf(proto::Frame& frame);
   asio::awaitable<void> write();
   asio::awaitable<void> writeFrames();
@@ -134,8 +138,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
                                            ///< time is reserved
   asio::steady_timer to_write_, to_read_;  ///< timers that are cancelled to wake a coroutine
   bool write_woken_ = false, read_woken_ = false;
-  bool gone_ = false;  ///< the client has closed the connection, or the connection broke
-  bool slow_ = true;   ///< many unsent bytes may wait in the kernel
+  bool gone_ = false;          ///< the client has closed the connection, or the connection broke
+  bool holds_answer_ = false;  ///< the writer waits until delayAnswer() has ended
+  bool slow_ = true;           ///< many unsent bytes may wait in the kernel
   /// Time until which the client should close the connection; set when everything is sent.
   std::optional<Clock::time_point> linger_until_;
   std::optional<Clock::time_point> writing_since_;  ///< start of the current write; empty between writes

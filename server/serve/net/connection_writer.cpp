@@ -87,6 +87,10 @@ asio::awaitable<void> Connection::writeFrames() {
       session_.onWritable(Clock::now());
       if (error) throw Error(ErrorCode::kNetwork, "the connection broke while writing: " + error.message());
     }
+    while (holds_answer_) {
+      writing_since_.reset();
+      co_await sleep(to_write_, write_woken_);
+    }
     const proto::Bytes control = session_.takeControl();
     ChunkBuffer buffer;
     if (isItsTurn()) {

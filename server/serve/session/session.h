@@ -155,6 +155,8 @@ class Session {
   Clock::time_point deadline() const noexcept { return deadline_; }
   bool greeted() const noexcept { return greeted_; }
   bool unauthorized() const noexcept { return unauthorized_; }
+  /// Returns true if Hello was refused for its token, which was not empty.
+  bool gaveWrongToken() const noexcept { return unauthorized_ && !greeted_ && !token_.empty(); }
   size_t openRequests() const noexcept { return requests_.size(); }
 
  private:

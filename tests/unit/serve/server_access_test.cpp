@@ -8,6 +8,7 @@
 
 #include "common/error.h"
 #include "server/serve/net/refusals.h"
+#include "server/serve/net/wrong_tokens.h"
 #include "tests/support/test_certificate.h"
 #include "tests/unit/serve/server_fixture.h"
 #include "tests/unit/serve/tls_client.h"
@@ -68,6 +69,56 @@ TEST_F(ServerAccess, withoutAKnownTokenNobodyIsLetIn) {
   }
   TestClient client = connect();
   EXPECT_EQ(greet(client, "right"), FrameType::kWelcome);
+}
+
+TEST_F(ServerAccess, eachWrongTokenIsAnsweredLaterThanTheOneBeforeAndARightOneAtOnce) {
+  writeTokens("right never *\n");
+  options_.wrong_token_delay = 20ms;
+  start();
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 3; ++i) {
+    TestClient client = connect();
+    client.send(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, "wrong", "test"});
+    client.expectErrorAndEnd(WireError::kUnauthorized);
+  }
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, 20ms + 40ms + 80ms);
+  TestClient client = connect();
+  EXPECT_EQ(greet(client, "right"), FrameType::kWelcome);
+}
+
+TEST_F(ServerAccess, aDelayedAnswerHoldsNeitherAConnectionsPlaceNorItsMemory) {
+  writeTokens("right never *\n");
+  options_.wrong_token_delay = WrongTokens::kLongestDelay;
+  options_.max_connections = 1;
+  start();
+  TestClient waiting = connect();
+  waiting.send(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, "wrong", "test"});
+  while (server_->memoryHeld() > 0) std::this_thread::yield();
+  FrameType answer{};
+  do {  // the server may not have read the wrong token yet
+    TestClient client = connect();
+    answer = greet(client, "right");
+  } while (answer != FrameType::kWelcome);
+  EXPECT_FALSE(waiting.hasReceived());
+}
+
+TEST_F(ServerAccess, anAddressWhoseManyWrongTokensWaitIsNotHeard) {
+  writeTokens("right never *\n");
+  options_.wrong_token_delay = WrongTokens::kLongestDelay;
+  start();
+  std::vector<std::unique_ptr<TestClient>> waiting;
+  for (uint32_t i = 0; i < WrongTokens::kMostWaitingPerAddress; ++i) {
+    waiting.push_back(std::make_unique<TestClient>(server_->port()));
+    waiting.back()->send(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, "wrong", "test"});
+  }
+  std::optional<Received> answer;
+  do {  // the server may not have read all wrong tokens yet
+    TestClient client = connect();
+    client.send(proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, 0, "right", "test"});
+    answer = client.receive();
+  } while (answer && answer->is(FrameType::kWelcome));
+  ASSERT_TRUE(answer && answer->is(FrameType::kError));
+  EXPECT_EQ(proto::decode<proto::ErrorMessage>(answer->body).code, WireError::kLimit);
 }
 
 TEST_F(ServerAccess, aTokenThatHasExpiredIsNone) {
@@ -311,6 +362,31 @@ TEST_F(ServerAccess, beyondLoopbackTokensOrPublicAndTlsOrInsecureAreNeeded) {
   for (int given = 0; given < 16; ++given) {
     const bool tokens = given & 1, tls = given & 2, public_ok = given & 4, insecure = given & 8;
     EXPECT_EQ(starts(tokens, tls, public_ok, insecure), (tokens || public_ok) && (tls || insecure)) << given;
+  }
+}
+
+TEST_F(ServerAccess, metricsBeyondLoopbackNeedPublic) {
+  writeTokens("one never *\n");
+  for (const char* const metrics : {"0.0.0.0:0", "[::]:0"}) {
+    options_.metrics = metrics;
+    options_.public_ok = false;
+    EXPECT_THROW(Server{options_}, Error) << metrics;
+    options_.public_ok = true;
+    EXPECT_NO_THROW(Server{options_}) << metrics;
+  }
+  options_.public_ok = false;
+  options_.metrics = "127.0.0.1:0";
+  EXPECT_NO_THROW(Server{options_});
+}
+
+TEST_F(ServerAccess, aKeyThatOthersCanReadOrWriteIsRefusedUnlessInsecure) {
+  writePair("first");
+  for (const mode_t mode : {0644u, 0640u, 0602u}) {
+    std::filesystem::permissions(options_.tls_key, std::filesystem::perms(mode));
+    options_.insecure = false;
+    EXPECT_THROW(Server{options_}, Error) << mode;
+    options_.insecure = true;
+    EXPECT_NO_THROW(Server{options_}) << mode;
   }
 }
 

@@ -59,6 +59,11 @@ class TestClient {
     if (error) return {};
     return frame;
   }
+  /// Returns true if a frame or the end of the connection has come.
+  bool hasReceived() {
+    pollfd waiting{socket_.native_handle(), POLLIN, 0};
+    return poll(&waiting, 1, 0) == 1;
+  }
   template <typename Message>
   Message expect(proto::FrameType type) {
     const auto frame = receive();
