@@ -50,7 +50,7 @@ class WorkerTest : public testing::Test {
     models.push_back(openModel(always_cold, options));
     catalog_ = std::make_shared<const Catalog>(std::move(models));
     worker_.emplace(Published{{catalog_, nullptr}, nullptr}, log_, counters_, disk_, budget_, rate_,
-                    ConnectionLimits{});
+                    wrong_tokens_, ConnectionLimits{});
     worker_->start(10ms);
   }
   ~WorkerTest() override {
@@ -98,6 +98,7 @@ class WorkerTest : public testing::Test {
   ThreadCounters counters_;
   MemoryBudget budget_{64u << 20};
   ByteRate rate_{0};
+  WrongTokens wrong_tokens_{50ms};
   Admission admission_{10, {}};
   std::shared_ptr<const Catalog> catalog_;
   std::latch disk_answers_{1};
