@@ -65,14 +65,16 @@ TEST(Arguments, thatNameACacheWhereNothingCanBeKeptFailAtOnce) {
   const test::WorkFolder folder;
   const std::string file = folder / "file";
   std::ofstream(file) << "not a folder";
-  for (const std::string& cache : {file, std::string("/proc/nope")}) {
+  const auto expectRefused = [](const std::string& cache, const std::string& why) {
     lodestream_options options{};
     options.cache_folder = cache.c_str();
     const std::string said = refusalOf(kNobody, &options);
-    EXPECT_EQ(said.find(cache + ": the cache folder is not writable ("), 0u) << said;
-    EXPECT_NE(said.find("; set the option cache_folder to another folder, or to NULL"), std::string::npos)
+    EXPECT_EQ(said.find(why), 0u) << said;
+    EXPECT_NE(said.find("set the option cache_folder to another folder, or to NULL"), std::string::npos)
         << said;
-  }
+  };
+  expectRefused(file, file + ": is not a folder that only you can write to; remove it");
+  expectRefused("/proc/nope", "cannot make a folder for the cache in /proc: ");
 }
 
 TEST(Arguments, thatNameNoAuthoritiesAreCalledByTheirOption) {

@@ -223,7 +223,10 @@ TEST(Doctor, saysWhichImageAPathOfAnotherMachineMeans) {
   const PlyFolder folder;
   folder.write("not looked into", "here.png");
   const DoctorReport report = examineFile(folder.write(
-      header("3", "1", "comment TextureFile C:\\scan\\HERE.png") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+      "ply\nformat ascii 1.0\ncomment TextureFile C:\\scan\\HERE.png\nelement vertex 3\n"
+      "property float x\nproperty float y\nproperty float z\nproperty float s\nproperty float t\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"));
   ASSERT_EQ(report.textures.size(), 1u);
   EXPECT_EQ(report.textures[0].path.filename(), "here.png");
 }

@@ -1,7 +1,9 @@
 #include "server/ingest/simplify/collapse.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -297,15 +299,20 @@ TEST(Collapse, copesWithAFanOfThousands) {
   for (const Snapshot& snapshot : snapshots) EXPECT_TRUE(test::oddEdges(snapshot.mesh).empty());
 }
 
+/// Returns the CPU time of the faster of two runs, since other processes can take the cache during one.
 double cpuSecondsOfCoincident(uint32_t triangles) {
   NodeMesh mesh;
   mesh.positions = {packPosition({0, 0, 0}), packPosition({1, 0, 0}), packPosition({0, 1, 0})};
   mesh.lca_depth.assign(3, kNeverLocked);
   mesh.wedge_position = {0, 1, 2};
   mesh.triangles.assign(triangles, {0, 1, 2});
-  const double before = cpuSeconds();
-  EXPECT_EQ(collapsedTo(mesh, {triangles / 2}).size(), 1u);
-  return cpuSeconds() - before;
+  double least_s = std::numeric_limits<double>::max();
+  for (int run = 0; run < 2; ++run) {
+    const double before_s = cpuSeconds();
+    EXPECT_EQ(collapsedTo(mesh, {triangles / 2}).size(), 1u);
+    least_s = std::min(least_s, cpuSeconds() - before_s);
+  }
+  return least_s;
 }
 
 TEST(Collapse, takesTimeInProportionToCoincidentTriangles) {

@@ -35,8 +35,9 @@ TEST(ReplacedAttributes, areNotCalledLeftOut) {
   for (const PlyEncoding encoding : kPlyEncodings) {
     const std::vector<std::string> warnings = warningsOf(colouredBadly(), encoding);
     ASSERT_EQ(warnings.size(), 1u);
-    expectMentions(warnings[0],
-                   {"2 vertices with a NaN or infinite colour, normal or texture coordinate", "set to 0"});
+    expectMentions(
+        warnings[0],
+        {"2 vertices or faces with a NaN or infinite colour, normal or texture coordinate", "set to 0"});
     EXPECT_EQ(warnings[0].find("skipped"), std::string::npos) << warnings[0];
   }
 }
