@@ -161,8 +161,8 @@ TEST_F(Loadtest, sortsErrorsByKind) {
   expectOneLine(outcome.err);
   const Json told = Json::parse(outcome.out);
   EXPECT_NE(outcome.err.find(told.at("first_error")), std::string::npos) << outcome.err;
-  EXPECT_EQ(told["errors"], 3);
-  EXPECT_EQ(told["errors_by_kind"], Json({{"network", 3}}));
+  EXPECT_GE(told["errors"], 3) << "each of the three clients tries at least once";
+  EXPECT_EQ(told["errors_by_kind"], Json({{"network", told["errors"]}}));
 }
 
 TEST_F(Loadtest, thatIsInterruptedTellsWhatItHasSeen) {

@@ -148,9 +148,9 @@ TEST(Replay, leavesTheTraceThatThereWasWhenItIsInterrupted) {
 
 TEST(Replay, saysWhyItDidNotConverge) {
   const WorkFolder folder;
-  const RunningServer server({makeSmallStore(folder)});
-  const Outcome outcome = lodestream({"replay", server.url("small"), "--camera", writePath(folder),
-                                      "--pixels", "0.01", "--memory-budget", "16M", "--timeout", "2"});
+  const RunningServer server({makeSmallStore(folder)}, {"--max-rate", "2KB"});
+  const Outcome outcome = lodestream(
+      {"replay", server.url("small"), "--camera", writePath(folder), "--pixels", "0.01", "--timeout", "2"});
   EXPECT_EQ(outcome.status, 1) << outcome.out;
   expectOneLine(outcome.err);
 }
