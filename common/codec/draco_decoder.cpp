@@ -234,7 +234,7 @@ std::span<const std::byte> decodeGuarded(std::span<const std::byte> bytes, const
 }  // namespace
 
 Mesh decodePayload(std::span<const std::byte> bytes, double step, const PayloadExpectation& expected) {
-  if (!isLatticeStep(step)) refuse("the lattice's step is none that a store has");
+  if (!isLatticeStep(step)) refuse("a store cannot hold this lattice step");
   Mesh mesh;
   mesh.attributes = expected.attributes;
   if (bytes.empty() && expected.triangles == 0) return mesh;

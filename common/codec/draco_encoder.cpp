@@ -262,7 +262,8 @@ std::optional<EncodedPayload> encodeWithoutNormals(const Mesh& mesh, double step
 EncodedPayload encodePayload(const Mesh& given, double step, MeshSource source) {
   if (given.triangles.empty()) return {};
   if (!isLatticeStep(step))
-    throw Error(ErrorCode::kInternal, "a mesh to encode lies on a lattice with a step that no store has");
+    throw Error(ErrorCode::kInternal,
+                "cannot encode a mesh: a store cannot hold its lattice step");
   requireSound(given);
   const std::optional<Mesh> spread = spreadTriangles(given);
   const Mesh& mesh = spread ? *spread : given;

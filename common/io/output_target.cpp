@@ -89,10 +89,10 @@ std::filesystem::path findSideFile(const std::filesystem::path& path) {
   struct stat status {};
   if (::lstat(file.c_str(), &status) != 0 || (S_ISREG(status.st_mode) && status.st_uid == ::geteuid()))
     return file;
-  throw Error(ErrorCode::kIo,
-              path.string() + ": is " +
-                  (S_ISREG(status.st_mode) ? "a file of another user" : "not a regular file") +
-                  ", which is not replaced without its name: move it, or name another output");
+  throw Error(
+      ErrorCode::kIo,
+      path.string() + ": is " + (S_ISREG(status.st_mode) ? "a file of another user" : "not a regular file") +
+          " beside the output, which the command does not overwrite: move it, or name another output");
 }
 
 bool isStandardOutput(const std::filesystem::path& output) noexcept {

@@ -47,7 +47,8 @@ class FrameRateControl {
   void limitTo(double coarsening) noexcept;
   /// Advances time. @param moved  true if the camera moved.
   void step(double seconds, bool moved) noexcept;
-  /// Adds a drawn frame, which may be several frames old. Ignores a frame of another resolution.
+  /// Adds a drawn frame, which may be several frames old. Ignores a frame whose resolution is not the current
+  /// one.
   /// @param work_ms  time of the frame without the wait for the display
   void add(double work_ms, const render::Coarsening& coarsening) noexcept;
 

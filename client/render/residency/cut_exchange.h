@@ -56,7 +56,7 @@ class CutExchange {
 
   Cuts from_, to_;
   std::vector<ExchangeStep> steps_;
-  std::vector<Mixture> mixtures_;  ///< latest mixture of each instance
+  std::vector<Mixture> mixtures_;  ///< for each instance, the mixture of old and new parts that it draws now
 };
 
 }  // namespace lode::render

@@ -34,7 +34,7 @@ struct AgainstReport {
 /// least 0.8 times the measured error in every LOD (I4). Skips bad values of the input like --skip-bad.
 /// Temporary files are about twice as large as the triangle soup.
 /// @param progress  one thread at a time calls this function; an exception from it cancels the comparison.
-/// @param witness  receives the point that shows a violation of I4, if one is thrown.
+/// @param witness  receives the point that shows the violation, if the function throws because of I4.
 /// @throws Error kInput or kIo (the input), kFormat (the first difference between store and input, with its
 /// place).
 AgainstReport compareWithInput(const AgainstOptions& options, const BuildProgress& progress = {},

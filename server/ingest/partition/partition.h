@@ -16,7 +16,7 @@ namespace lode::ingest {
 
 /// Leaves of the octree with their meshes.
 struct Partition {
-  /// Name of the meshes' file, which outlives a killed build.
+  /// Name of the file that holds the meshes. The file remains if the build is killed.
   static constexpr std::string_view kLeafFile = "leaves";
 
   AttributeSet attributes;      ///< attributes taken from the file

@@ -29,7 +29,7 @@ FileFingerprint fingerprint(const std::filesystem::path& path);
 struct BuildIdentity {
   struct Texture {
     std::string name;       ///< name as written in the input
-    FileFingerprint image;  ///< fingerprint of the image; its path is empty if no file was found
+    FileFingerprint image;  ///< fingerprint of the image, with an empty path if no file was found
   };
   FileFingerprint input;
   std::vector<Texture> textures;  ///< images that the input names

@@ -15,9 +15,10 @@ namespace lode::ingest {
 /// Limits on the harm that a collapse may do to the surrounding mesh. With any limits, a watertight mesh
 /// stays watertight.
 struct CollapseLimits {
-  double least_cosine = 0;     ///< least cosine between the old and the new normal of a triangle
-  double least_shape = 0;      ///< least ratio of height to longest side of a triangle that becomes thinner
-  bool link_condition = true;  ///< true rejects collapses that make a manifold surface non-manifold
+  double least_cosine = 0;  ///< least cosine between the old and the new normal of a triangle
+  double least_shape =
+      0;  ///< least allowed ratio of height to longest side; checked for triangles that become thinner
+  bool link_condition = true;     ///< true rejects collapses that make a manifold surface non-manifold
   uint32_t most_triangles = ~0u;  ///< largest number of triangles around both ends
 };
 
