@@ -46,20 +46,25 @@ TEST(PictureWriter, tellsWhyAPictureIsNotThere) {
   EXPECT_THROW(std::rethrow_exception(written->failure), Error);
 }
 
-/// Makes a pipe: a writer blocks until somebody reads it.
 TEST(PictureWriter, keepsNobodyWaitingWhileItWrites) {
+  const test::WorkFolder folder;
+  PictureWriter writer;
+  writer.write(folder / "large.png", {2000, 2000, std::vector<uint8_t>(4u * 2000 * 2000, 77)});
+  EXPECT_FALSE(writer.take()) << "the picture takes many times longer to compress than this call";
+  const auto written = writer.waitAndTake();
+  ASSERT_TRUE(written);
+  EXPECT_EQ(written->failure, nullptr);
+}
+
+TEST(PictureWriter, refusesAPipeInsteadOfWaitingForItsReader) {
   const test::WorkFolder folder;
   const fs::path pipe = folder / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   PictureWriter writer;
   writer.write(pipe, greyPicture(1));
-  EXPECT_FALSE(writer.take());
-  std::FILE* const reader = std::fopen(pipe.c_str(), "rb");
-  ASSERT_NE(reader, nullptr);
   const auto written = writer.waitAndTake();
-  std::fclose(reader);
   ASSERT_TRUE(written);
-  EXPECT_EQ(written->failure, nullptr);
+  EXPECT_NE(written->failure, nullptr);
 }
 
 using std::chrono::milliseconds;
