@@ -88,7 +88,7 @@ class WaitTimes {
   TimePoint since_{};
 };
 
-/// Figures of one model's stream, or of several by operator+=. PanelContent has them all.
+/// Statistics of the stream of one model. operator+= adds up the statistics of several models.
 struct EngineCounts {
   uint64_t received_bytes = 0;  ///< all bytes received from the server
   uint64_t cache_bytes = 0;     ///< size of the blobs read from the cache

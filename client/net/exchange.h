@@ -12,17 +12,17 @@ namespace lode::net {
 /// Largest number of reads and answers in one call of exchange().
 constexpr size_t kMaxExchangeRounds = 16;
 
-/// Sends the frames that a client's end of the protocol has queued. If the transport has no room, they stay
-/// where they are. @param end  has takeOutgoing().
+/// Sends the frames that a client's end of the protocol has queued. If the transport has no room, the frames
+/// stay in `end`. @param end  has takeOutgoing().
 template <typename End>
 void sendOutgoing(TcpTransport& transport, End& end) {
   if (transport.hasRoom()) transport.send(end.takeOutgoing());
 }
 
-/// Passes received bytes to a client's end of the protocol. If answers of the end wait to be sent, sends them
-/// before it takes more bytes; while the transport has no room for them, takes none. So a server that sends
-/// without reading fills neither queue. The work of one call is limited, so that a flood of frames does not
-/// keep the caller from its clock.
+/// Passes received bytes to a client's end of the protocol. If `end` has answers to send, sends the answers
+/// first, and takes no received bytes while the transport has no room. A server that sends without reading
+/// can therefore fill neither the queue of answers nor the queue of received bytes. The work of one call is
+/// limited, so that the caller can check deadlines even during a flood of frames.
 /// @param end  has connected(), takesInput(), takeOutgoing() and receive(bytes), which handles the events.
 /// @return true if the caller should call again at once. If the transport lacks room, it wakes its owner.
 /// @throws Error as TcpTransport and `end` do.
@@ -43,7 +43,7 @@ bool exchange(TcpTransport& transport, End& end) {
   return end.connected();
 }
 
-/// One connection of an engine, for exchange().
+/// Adapts one connection of an engine to exchange().
 class EngineEnd {
  public:
   EngineEnd(core::Engine& engine, core::SessionRole role, core::TimePoint now) noexcept

@@ -240,7 +240,7 @@ asio::awaitable<void> TcpTransport::State::writeAll() {
   }
 }
 
-/// Notes the end of a write. @return true if there is room again.
+/// Notes the end of a write. @return true if hasRoom() changes from false to true.
 bool TcpTransport::State::endWrite() {
   const std::lock_guard lock(mutex);
   const bool had_room = hasRoomLocked();

@@ -27,7 +27,8 @@ class MeanThreshold {
 struct ShownThresholds {
   /// Mean in which each part coarser than the cut's threshold counts with the cut's threshold.
   MeanThreshold drawn;
-  MeanThreshold complete;  ///< mean in which such a part counts with its own error
+  /// Mean in which each part coarser than the cut's threshold counts with its own error.
+  MeanThreshold complete;
 
   ShownThresholds& operator+=(const ShownThresholds& more) noexcept;
 };

@@ -43,7 +43,7 @@ void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& exp
   if (vertices > expected.vertices)
     refuse("it declares " + std::to_string(vertices) + " vertices, but the hierarchy has " +
            std::to_string(expected.vertices));
-  // A seam would need a table of faces per attribute.
+  // Refuse attributes with seams, because such an attribute needs a table of faces of its own.
   if (header.u8() != 0) refuse("it has seams of its own");
   const uint32_t symbols = header.varint();
   if (symbols > faces || header.varint() > symbols)

@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns true for regular files in the folder, and links to such files.
+/// Returns true if an entry of a folder is a regular file, or a link to a regular file inside `root`.
 bool isFileBelow(const fs::directory_entry& entry, const fs::path& root) {
   std::error_code failed;
   if (!entry.is_symlink(failed)) return entry.is_regular_file(failed);

@@ -31,7 +31,8 @@ void MeshJoiner::add(const Mesh& part) {
   }
 }
 
-/// Mixing steps of SplitMix64 (Steele et al., Fast Splittable Pseudorandom Number Generators, 2014).
+/// Hashes a wedge with the mixing steps of SplitMix64 (Steele et al., Fast Splittable Pseudorandom Number
+/// Generators, 2014).
 size_t MeshJoiner::WedgeHash::operator()(const Wedge& wedge) const noexcept {
   uint64_t low;
   uint32_t high;

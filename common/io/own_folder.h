@@ -15,24 +15,25 @@ struct FolderUse {
 /// false for a link, because another user may have placed the link to redirect this program's files.
 bool isOwnFolder(const std::filesystem::path& path) noexcept;
 
-/// Creates a folder that only this user can use (mode 0700), or takes an own folder and closes it to others.
+/// Creates a folder that only this user can use (mode 0700). If isOwnFolder() is true for an existing folder,
+/// changes its mode to 0700.
 /// @throws Error kIo, also if isOwnFolder() is false for an existing path.
 void makeOwnFolder(const std::filesystem::path& path, const FolderUse& use);
 
 /// Creates the missing folders above the path with mode 0700, then calls makeOwnFolder(). @throws Error kIo.
 void makeOwnFolders(const std::filesystem::path& path, const FolderUse& use);
 
-/// Refuses a path where something other than an own folder is; accepts a missing path. @throws Error kIo.
+/// Refuses an existing path for which isOwnFolder() is false; accepts a missing path. @throws Error kIo.
 void refuseForeignFolder(const std::filesystem::path& path, const FolderUse& use);
 
 /// Replaces a file in an own folder by a file that only this user can read (mode 0600). The file appears
-/// complete under its name, but is not synced to disk. Creates the temporary file beside it, with O_EXCL and
-/// a name that begins with kNewFile. @return false, with errno set, on failure. Thread safe.
+/// complete under its name, but is not synced to disk. Creates a temporary file in the same folder, with
+/// O_EXCL and a name that begins with kNewFile. @return false, with errno set, on failure. Thread safe.
 bool writeOwnFile(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
-/// Returns true if a user other than this one and root can read or change a file: a secret should not be such
-/// a file. Lets root's file be readable by its group, as for services that receive secrets through a group.
-/// Returns false for a missing file, for anything but a file, and for a file without a name.
+/// Returns true if a user other than this user and root can read or change a file, so that the file is unsafe
+/// for secrets. Ignores read permission for the group of a file of root, because services can receive secrets
+/// through a group. Returns false if the file is missing, is not a regular file or has no name.
 bool isOpenToOthers(const std::filesystem::path& file) noexcept;
 
 /// Start of the names of temporary files that writeOwnFile() creates. A killed process may leave such a file.

@@ -8,9 +8,9 @@
 namespace lode {
 
 /// Recognizes a compressed file or an archive by its first bytes.
-/// @param head  first bytes of the file, at best 262 or more.
-/// @return the end of a message that begins with the file's name: what the file is and the command that
-/// unpacks it; nothing for other files.
+/// @param head  first bytes of the file; 262 bytes suffice to recognize all formats.
+/// @return rest of an error message that begins with the file's name: the format and the command that unpacks
+/// the file. Returns nothing for other files.
 std::optional<std::string> packedFileInWords(const std::filesystem::path& path, std::string_view head);
 
 }  // namespace lode

@@ -9,15 +9,15 @@
 
 namespace lode {
 
-/// Image of a `comment TextureFile`.
+/// Image file for a `comment TextureFile` line of a PLY file.
 struct TextureFile {
   std::filesystem::path path;  ///< canonical path of a regular file; empty if there is a problem
-  std::string problem;         ///< reason why the image cannot be read, and remedy; else empty
+  std::string problem;         ///< reason why the image cannot be read, and remedy; empty if `path` is set
 };
 
 /// Finds the images that a PLY file names. Searches the folder of --textures, the PLY file's folder and, if
 /// the PLY file is a link, the folder of the link's target. Never returns a file outside these folders, and
-/// follows no link out of them. In this order it takes
+/// follows no link out of them. Takes the first of these that exists:
 /// 1. the file at the path in the PLY file,
 /// 2. the file at the longest end of that path that exists, with slashes or backslashes: for
 ///    `C:\scan\maps\a.png` first maps/a.png, then a.png,

@@ -10,7 +10,8 @@ namespace lode::serve {
 /// @throws Error kUsage.
 void checkAccessBeyondLoopback(const ServeOptions& options, const asio::ip::tcp::endpoint& endpoint);
 
-/// Requires --public for metrics beyond loopback: everybody who reaches them reads the names of all models.
+/// Requires --public for metrics beyond loopback, because everybody who reaches the metrics can read the
+/// names of all models.
 /// @throws Error kUsage.
 void checkMetricsBeyondLoopback(const ServeOptions& options, const asio::ip::tcp::endpoint& endpoint);
 

@@ -69,7 +69,7 @@ void Worker::admit(tcp::socket socket, Slot slot, MemoryAccount memory, std::str
         std::move(stream), std::move(slot), std::move(memory), host_, limits_, std::move(client));
     connection->start();
     if (!draining_.empty()) connection->drain(draining_);
-  } catch (const std::exception& error) {  // out of memory
+  } catch (const std::exception& error) {  // memory ran out
     host_.log->write(LogKind::kSystem, "a connection was dropped", {{"why", reasonOf(error)}});
   }
 }

@@ -40,7 +40,8 @@ struct KeyResult {
   std::optional<double> first_image_ms, converged_ms;  // times since the start of the key
   uint64_t converged_bytes = 0;                        ///< bytes received until the key converged
   bool is_complete = false;                            ///< the cut has converged and the stream has settled
-  bool is_lattice_seen = false;  ///< is_complete, but original triangles exceed the requested error
+  bool is_lattice_seen = false;  ///< true if is_complete, but one lattice step of the original triangles
+                                 ///< covers more pixels than requested
   stream::StreamStatus status;
 
   bool converged() const { return converged_ms.has_value(); }

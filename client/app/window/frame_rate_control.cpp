@@ -30,7 +30,8 @@ constexpr std::array kScales{1.0, 0.7071067811865476, 0.5};  ///< scales of the 
                                                              ///< quarter of the pixels
 /// Threshold steps that have the same effect as one step of kScales, in window pixels.
 constexpr int kStepsOfScale = 2;
-/// Number of steps to twice the threshold. If frames need more steps, the resolution can drop.
+/// The resolution can drop if frames need more threshold steps than these. This number of steps doubles the
+/// threshold.
 constexpr int kStepsBeforeScale = 4;
 constexpr double kPixelFill = 0.5;        ///< part of a frame's time that the work per pixel may take
 constexpr double kPixelFillAgain = 0.45;  ///< kPixelFill for a restored resolution

@@ -8,7 +8,7 @@ namespace lode::app {
 /// rounds of frames that agree.
 class Trials {
  public:
-  /// Adds a round of frames. @param agrees true if the frames agree with the change. @return true if the
+  /// Adds a round of frames. @param agrees  true if the frames agree with the change. @return true if the
   /// change should be made.
   bool see(bool agrees) noexcept;
   /// Notes that the change was made.
@@ -21,7 +21,7 @@ class Trials {
  private:
   int rounds_ = 0;    ///< number of consecutive rounds that have agreed
   int patience_ = 1;  ///< number of consecutive rounds that must agree before the next change
-  int frames_ = 0;    ///< number of frames that the change must still last to count as a success
+  int frames_ = 0;    ///< number of further frames that the change must last to count as a success
 };
 
 /// Keeps a frame rate while the camera moves, by a coarser threshold. While the camera rests, the threshold
@@ -86,7 +86,7 @@ class FrameRateControl {
   double last_pixel_load_ = 0;  ///< part of the target time that the last frame's work on pixels took
   /// Number of consecutive frames that exceeded the target at the coarsest threshold.
   int slow_frames_ = 0;
-  double least_slow_ = 0;  ///< time of the fastest of the slow frames, relative to the target
+  double least_slow_ = 0;  ///< time of the fastest frame among slow_frames_, relative to the target
   // Number of consecutive frames that needed no further steps. The next members are maxima over these frames.
   int calm_frames_ = 0;
   double calm_need_ = 0;        ///< steps needed

@@ -14,9 +14,9 @@ namespace lode::app {
 namespace {
 
 // Time between two frames that draw nothing, in seconds.
-constexpr double kIdleWaitS = 0.25;       ///< if all streams are settled
-constexpr double kStreamingWaitS = 0.01;  ///< if a stream refines
-constexpr double kCoarserWaitS = 0.002;   ///< if a coarser cut is about to be drawn
+constexpr double kIdleWaitS = 0.25;       ///< wait if all streams are settled
+constexpr double kStreamingWaitS = 0.01;  ///< wait if a stream refines
+constexpr double kCoarserWaitS = 0.002;   ///< wait if a coarser cut is about to be drawn
 constexpr double kFramesOfFade = 4;       ///< least number of frames of a fade
 constexpr double kNoteS = 6;              ///< time during which a note stays on the panel
 

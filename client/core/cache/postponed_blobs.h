@@ -10,14 +10,16 @@
 
 namespace lode::core {
 
-/// Pause before the first repetition of refused requests; each further pause is half as long again.
+/// Pause before the first repetition of refused requests. Each further pause is 1.5 times as long as the
+/// pause before.
 constexpr std::chrono::seconds kFirstRepeat{1};
 constexpr std::chrono::seconds kLastRepeat{30};  ///< longest pause before a repetition
-/// Above this number, all blobs are forgotten, and may be requested again at once.
+/// Largest number of postponed blobs. Above this number, all blobs leave the list and may be requested at
+/// once.
 constexpr size_t kMaxPostponedBlobs = 65'536;
 
-/// Blobs that the server refuses for now, for example because its storage fails. They are requested again
-/// after a pause, all at one time. Not thread safe.
+/// Blobs that the server refuses for now, for example because its storage fails. After a pause, all
+/// refused blobs may be requested again at the same time. Not thread safe.
 class PostponedBlobs {
  public:
   /// @param why  reason as a text for users.
@@ -28,7 +30,8 @@ class PostponedBlobs {
   void arrived(uint32_t blob);
   /// Releases the blobs when their pause is over. @return true if there are blobs to request again.
   bool release(TimePoint now);
-  /// Reason why the first blob was refused; empty once all have arrived or none of them was requested again.
+  /// Returns the reason why the first blob was refused. The reason becomes empty once all refused blobs have
+  /// arrived, or after a pause in which no blob was refused again.
   const std::string& why() const noexcept { return why_; }
 
  private:

@@ -12,8 +12,8 @@
 namespace lode::core {
 namespace {
 
-/// The mesh is searched if the box is nearer than this share of its diagonal: farther away, the box says
-/// nearly the same, and few parts of a cut are that near.
+/// The function searches the mesh if the eye is nearer to the box than this share of the box's diagonal.
+/// Farther away, the distance to the box is nearly the distance to the mesh.
 constexpr double kNearShare = 0.125;
 
 ModelBox widened(ModelBox box, double by) {

@@ -36,7 +36,7 @@ constexpr uint64_t kMaxRequestedBytes = 32ull << 20;
 constexpr uint32_t kMaxRequestsAtOnce = 1024;
 /// Largest number of open requests, including cancelled requests that are not acknowledged yet.
 constexpr size_t kMaxUnendedRequests = 16'384;
-/// Largest total size of the bytes kept for cancelled requests; above it, their bytes are dropped.
+/// Largest total size of the bytes kept for cancelled requests; the session drops further bytes.
 constexpr uint64_t kMaxCancelledBytes = 4ull << 20;
 constexpr float kReprioritiseFactor = 1.19f;  ///< 2^1/4; smaller changes of a priority are not sent
 
@@ -113,10 +113,10 @@ class Session {
   /// root page itself. The caller announces the root's coarsest payload after reading the root page.
   void expectUnasked(const BlobRef& blob, const BlobUse& use);
 
-  /// Replaces the set of requests: adds new requests, changes priorities and cancels requests that are not
-  /// wanted any more. Omits requests above the session's limits and blobs whose cancellation is not
-  /// acknowledged yet; pass them again in a later call. Cancelled requests count towards no limit, because
-  /// the server reads the cancels before the adds; kMaxUnendedRequests limits both together.
+  /// Replaces the set of requests: adds new requests, changes priorities and cancels requests that are not in
+  /// `wanted`. Omits requests above the session's limits, and requests for blobs whose cancellation is not
+  /// acknowledged yet; pass the omitted requests again in a later call. Cancelled requests count towards no
+  /// limit, because the server reads the cancels before the adds; kMaxUnendedRequests limits both together.
   /// @param wanted  requests, best first.
   /// @return false if nothing has changed, because too many frames wait in takeOutgoing(): call again later.
   bool setRequests(std::span<const Request> wanted);
@@ -129,7 +129,7 @@ class Session {
   proto::Bytes takeOutgoing();
 
   /// Returns true if the server sends the root page and the root's coarsest LOD without a request, because
-  /// the client has not loaded this build. Returns false once the server has refused one of them.
+  /// the client has not loaded this build. Returns false once the server has refused one of the two blobs.
   bool givesFirstBlobs() const noexcept { return gives_first_blobs_; }
   bool opened() const noexcept { return state_ == State::kOpen; }
   bool isRequested(const BlobRef& blob) const { return request_of_blob_.contains(blob.number); }
@@ -147,10 +147,10 @@ class Session {
   struct Incoming {
     BlobRef blob;
     BlobUse use;
-    // Bytes received so far; the first chunk reserves memory for the whole blob. Empty if dropped.
+    // Bytes received so far; the first chunk reserves memory for the whole blob. Empty if is_dropped.
     std::vector<std::byte> bytes = {};
     uint32_t received_bytes = 0;
-    bool is_dropped = false;  // the request is cancelled, and there is no memory for its bytes
+    bool is_dropped = false;  // the request is cancelled, and the session discards its bytes to save memory
   };
   struct OpenRequest {
     Incoming incoming;
@@ -206,7 +206,8 @@ class Session {
   uint64_t received_bytes_ = 0;
   TimePoint now_, last_sent_, last_ping_;
   std::chrono::nanoseconds silence_{0};  // duration of the server's silence: see kMaxGap
-  std::chrono::nanoseconds blocked_{0};  // duration for which Pongs wait and takeOutgoing() was not called
+  // Duration for which Pongs have waited without a call of takeOutgoing().
+  std::chrono::nanoseconds blocked_{0};
   CreditWindow window_;
   uint64_t pings_ = 0;
   bool ping_open_ = false;

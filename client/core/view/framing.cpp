@@ -108,10 +108,11 @@ double centred(const std::vector<glm::dvec3>& points, const glm::dvec3& side, co
 
 /// A mesh is terrain if its area vectors, added up along an axis, exceed this fraction of its area.
 constexpr double kOpenPart = 0.2;
-constexpr double kOpenFactor = 1.5;  ///< and if their sum exceeds the sum along the other axis by this factor
-/// The z axis is up if its foot exceeds the foot of the y axis by this fraction of the mesh's area.
+constexpr double kOpenFactor = 1.5;  ///< required ratio of the sums along this axis and the other axis
+/// The foot of an axis is Areas::standing. The z axis is up if its foot exceeds the foot of the y axis by
+/// this fraction of the mesh's area.
 constexpr double kFootPart = 0.03;
-constexpr double kFootHeight = 0.03;  ///< height of the foot, relative to the model's height
+constexpr double kFootHeight = 0.03;  ///< height of the lower and upper end, relative to the model's extent
 constexpr double kDownwards = 0.7;    ///< a triangle is flat if the cosine of the angle between its normal
                                       ///< and the axis is at least this value
 

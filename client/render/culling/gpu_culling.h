@@ -35,9 +35,8 @@ class GpuCulling {
     uint32_t count = 0;                             ///< index in counts(), relative to firstCountOfPass()
   };
 
-  /// @param most_readable_bytes  limit of the size of pages that shaders read, in addition to the driver's
-  /// limit.
-  ///                             Parts in larger pages are drawn whole.
+  /// @param most_readable_bytes  largest size of pages that shaders read, if the driver's limit is not
+  /// smaller. Parts in larger pages are drawn whole.
   /// @throws Error kInternal if the driver rejects a shader.
   explicit GpuCulling(uint64_t most_readable_bytes = std::numeric_limits<uint64_t>::max());
   ~GpuCulling();
@@ -55,12 +54,12 @@ class GpuCulling {
   /// @return the instance's index in this picture.
   uint32_t add(std::span<const SeenPart> parts, const GpuPages& pages, double lattice_step,
                const core::View& view, const std::optional<core::View>& last_view);
-  /// Runs the first pass. Call it after all add().
+  /// Runs the first pass. Call findUnhidden() after add() was called for all instances.
   void findUnhidden();
   /// Runs the second pass. @param drawn  picture with all clusters of the first pass.
   void findAppeared(const Framebuffer& drawn);
 
-  /// Returns the draws of an instance. They are the same for both passes.
+  /// Returns the draws of an instance; both passes use the same draws.
   std::span<const Draw> draws(uint32_t instance) const;
   GLuint commands() const noexcept { return commands_.get(); }
   GLuint counts() const noexcept { return counts_.get(); }

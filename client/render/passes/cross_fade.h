@@ -45,7 +45,7 @@ class CrossFade {
   /// Shows a cover and starts fades from the parts of the last frame, whose meshes must still be resident.
   /// If time.fades is false, shows the cover at once and ends running fades.
   void show(const ShownCover& cover, const core::View& view, double lattice_step, const DrawTime& time);
-  /// Ends all fades, and makes the next show() start none. Call forget() after a shown mesh was evicted.
+  /// Ends all fades. The next show() starts no fade. Call forget() after a shown mesh was evicted.
   void forget();
 
   /// Returns the cut of the last show(), or null if there is none.

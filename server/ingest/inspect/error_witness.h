@@ -17,13 +17,14 @@ struct ErrorWitness {
   double stored_error = 0;
   double distance = 0;       ///< distance between the next two points
   glm::dvec3 point{0};       ///< a point of the LOD, or of the original triangles below its node
-  glm::dvec3 nearest{0};     ///< the nearest point of the other surface, or of its boundary
+  glm::dvec3 nearest{0};     ///< the point of the other surface or of its boundary that is nearest to `point`
   bool of_lod = false;       ///< `point` is on the LOD
   bool on_boundary = false;  ///< `distance` is the distance between boundaries
 };
 
-/// Measures a point of an LOD or of the leaves below its node from every triangle of the other surface, or
-/// from every boundary edge, in double precision.
+/// Measures the distance of a point again, in double precision. The point is on an LOD or on the leaves below
+/// the LOD's node. The function compares the point with every triangle of the other surface, or with every
+/// boundary edge.
 /// @throws Error kIo, kFormat.
 ErrorWitness witnessOf(const store::Reader& reader, const LodAt& lod, const MeasuredError& measured);
 

@@ -37,7 +37,7 @@ struct FarPoint {
   bool of_lod = false;       ///< the point is on the LOD, not on a leaf
   bool on_boundary = false;  ///< `steps` is the distance between boundaries
 
-  /// Replaces this point by one that is farther, or as far and first by coordinates.
+  /// Replaces this point by another point that is farther, or equally far and smaller by coordinates.
   void raiseTo(const FarPoint& other) noexcept;
 };
 

@@ -54,7 +54,8 @@ struct Farthest {
   float at_most = 0;  ///< upper bound of the largest squared distance
 };
 
-/// Moves the boundaries that can be nearest to some point of a part to the front. @return their number.
+/// Moves to the front of `boundaries` all boundaries that can be nearest to some point of a part. @return
+/// number of the moved boundaries.
 size_t keepNear(const Segment& part, std::span<Segment> boundaries) {
   const glm::vec3 middle = (part.from + part.to) / 2.f;
   const float reach = std::sqrt(squaredDistance(middle, boundaries)) + glm::distance(part.from, part.to);
@@ -107,8 +108,8 @@ class MeetingBoundaries {
     });
   }
 
-  /// Collects references at both ends of an edge, at most about `most`. Prefers those that map to the edge or
-  /// to one of its ends.
+  /// Collects at most about `most` references at both ends of an edge. Prefers references that map to the
+  /// edge or to one of its ends.
   void gather(glm::u32vec2 ends, size_t most, std::vector<Segment>& boundaries) const {
     boundaries.clear();
     for (const uint32_t place : {ends.x, ends.y}) {
@@ -123,7 +124,8 @@ class MeetingBoundaries {
     }
   }
 
-  /// Adds references at the positions that share one with an end, until there are about `most`.
+  /// Collects references as gather() does, then adds references at neighbouring positions. A position is a
+  /// neighbour if a reference connects it to an end of the edge. Stops at about `most` references.
   void gatherAround(glm::u32vec2 ends, size_t most, std::vector<Segment>& boundaries) const {
     gather(ends, most, boundaries);
     for (const uint32_t place : around(ends, most)) {

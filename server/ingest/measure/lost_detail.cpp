@@ -71,7 +71,7 @@ class DetailMeter {
   const bool counts_colour_, counts_normal_, counts_texture_;
   const float normal_threshold_;
   std::vector<Value> values_;  ///< attributes of each wedge of the LOD
-  std::vector<Found> found_;   ///< differences on each triangle of the LOD
+  std::vector<Found> found_;   ///< differences between LOD and input, by triangle of the LOD
 };
 
 Value DetailMeter::valueOf(const VertexAttributes& attributes) const {

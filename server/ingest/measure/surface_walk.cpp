@@ -52,7 +52,7 @@ class TriangleOutline {
 
   /// Returns the edge beyond which a point lies farthest; -1 if the point lies inside all edges. Uses no
   /// branch in the usual case of a point beyond one edge, because the processor could not predict the branch.
-  /// @param passed_over edge to ignore, or -1
+  /// @param passed_over  edge to ignore, or -1
   int edgeTowards(glm::vec3 point, int passed_over) const noexcept {
     const Four heights = dot(outwards_, FourVectors(point) - starts_);
     const FourTruths is_beyond = heights > 0;
@@ -213,7 +213,7 @@ SurfaceWalk::Nearest SurfaceWalk::walk(glm::vec3 point, uint32_t start,
   if (best.squared <= tolerance_squared) return best;
   visitAround(point, start, tolerance_squared, best);
   if (std::isinf(best.squared)) return best;
-  glm::u32vec3 done(start);  // corners whose triangles have been visited
+  glm::u32vec3 done(start);  // positions around which visitAround() has searched
   for (float before = std::numeric_limits<float>::infinity(); best.squared < before;) {
     if (best.squared <= tolerance_squared || isAbove(point, best.triangle)) break;
     before = best.squared;

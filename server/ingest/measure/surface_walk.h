@@ -43,7 +43,7 @@ class SurfaceWalk {
 
   /// @param point  in lattice steps, like all points in this class.
   /// @param start  a position of the mesh; the result is infinite if no triangle has this position.
-  /// @param tolerance  the walk ends within this distance.
+  /// @param tolerance  the walk ends as soon as the distance is at most `tolerance`.
   float distance(glm::vec3 point, uint32_t start, float tolerance) const noexcept;
   /// Like distance(), but sets `start` to the position at which the walk ends, a better start for points
   /// nearby.
@@ -73,7 +73,7 @@ class SurfaceWalk {
   /// @return false if no such chain exists, or if the direct way does not find one.
   bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
                   TriangleChain& chain) const noexcept;
-  /// Searches all triangles for the nearest one. @param bound the result if no triangle is nearer.
+  /// Searches all triangles for the nearest one. @param bound  the result if no triangle is nearer.
   TriangleTree::Nearest nearestOfAll(glm::vec3 point, TriangleTree::Nearest bound) const noexcept;
 
  private:
@@ -91,19 +91,20 @@ class SurfaceWalk {
     };
     return {at(0), at(1), at(2), at(3)};
   }
-  /// Returns the other triangle with this edge, or the given triangle if no other has the edge.
+  /// Returns the second triangle at an edge of `triangle`, or `triangle` if no second triangle has the edge.
   uint32_t acrossEdge(uint32_t triangle, uint32_t from, uint32_t to) const noexcept;
   /// Sorts the triangles around a position by their angle around the mean of the directions to them or, if
   /// they lie on all sides, around the axis along which they extend least.
   void sortAround(uint32_t position, glm::vec3 at);
-  /// Returns whether a position has so many triangles that a walk looks at some of them only.
+  /// Returns true if a position has so many triangles that a walk visits only some of these triangles.
   bool isHub(uint32_t position) const noexcept;
   bool isAbove(glm::vec3 point, uint32_t triangle) const noexcept;
   void visitAbove(glm::vec3 point, uint32_t position, float tolerance_squared, Nearest& best) const noexcept;
   void visitAround(glm::vec3 point, uint32_t position, float tolerance_squared, Nearest& best) const noexcept;
   void visitSome(const FourVectors& points, uint32_t begin, uint32_t end, float tolerance_squared,
                  Nearest& best) const noexcept;
-  /// Visits the next four triangles around a position. @return their least squared distance.
+  /// Visits the next four triangles around a position. @return smallest squared distance from a point to one
+  /// of the four triangles.
   float visitFour(const FourVectors& points, uint32_t begin, uint32_t end, float tolerance_squared,
                   Nearest& best) const noexcept;
 

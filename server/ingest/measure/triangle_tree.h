@@ -17,7 +17,8 @@ namespace lode::ingest {
 /// Searches of other meshes stay far below the limit. Not thread safe.
 class SearchEffort {
  public:
-  /// Returns the number of leaves that the next search may visit; the search counts it down.
+  /// Begins a search. @return number of leaves that the search may visit; the search decrements this number
+  /// at each leaf.
   uint64_t& begin() noexcept { return left_ += kLeavesPerSearch; }
 
  private:

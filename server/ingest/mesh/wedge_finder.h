@@ -13,7 +13,7 @@
 namespace lode::ingest {
 
 /// Finds the wedges of a position by their attributes, in a time that does not grow with the number of the
-/// position's wedges. The newest wedges of a position form a list; a table has the others.
+/// position's wedges. The newest wedges of a position form a list; a hash table contains the older wedges.
 class WedgeFinder {
  public:
   static constexpr uint32_t kNone = UINT32_MAX;
@@ -39,7 +39,7 @@ class WedgeFinder {
   /// Returns some wedge of the position, or kNone.
   uint32_t any(uint32_t position) const noexcept { return newest_[position]; }
 
-  /// Adds a wedge. @param attributes_of  attributes by wedge, at least of all wedges added before.
+  /// Adds a wedge. @param attributes_of  attributes by wedge; must contain all wedges added before.
   void add(uint32_t position, uint32_t wedge, std::span<const VertexAttributes> attributes_of) {
     if (before_.size() <= wedge) before_.resize(wedge + 1, kNone);
     before_[wedge] = newest_[position];

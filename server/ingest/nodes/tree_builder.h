@@ -16,7 +16,7 @@ struct TreeResources {
                               ///< parents, and for the tree itself
 };
 
-/// Files of a tree.
+/// Files that buildTree() reads and writes.
 struct TreeFiles {
   PayloadSpool& payloads;         ///< receives the encoded LODs
   const TemporaryFolder& folder;  ///< folder for LODs of large nodes

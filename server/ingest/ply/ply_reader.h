@@ -65,7 +65,7 @@ struct PlyCounts {
 struct PlyDefect {
   bool is_bad = false;  ///< true if reading fails unless skip_bad is set; false for a degenerate face
   std::string text;     ///< element, row, byte or line, and the problem, without a remedy
-  uint64_t rows = 1;    ///< number of rows with this problem, from that row on
+  uint64_t rows = 1;    ///< number of rows with this problem, counted from the reported row on
 };
 
 struct PlyReadOptions {

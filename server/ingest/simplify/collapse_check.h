@@ -40,7 +40,7 @@ class CollapseCheck {
  private:
   bool keepsShapes(const EdgeSurroundings& around, glm::dvec3 to, const CollapseLimits& limits) const;
   double areaOf(uint32_t u, uint32_t a, uint32_t b) const;
-  /// Returns whether one of u's sides has the same two ends.
+  /// Returns true if one of `sides` has the same two ends as `side`.
   bool hasSide(std::span<const EdgeSurroundings::Side> sides, EdgeSurroundings::Side side);
 
   /// Added to stamp_ in the mark of an apex of the edge; the mark of any other neighbour of u is stamp_.

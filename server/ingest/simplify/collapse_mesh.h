@@ -71,7 +71,7 @@ struct CollapseMesh {
   struct Edge {
     uint32_t u, v;
     uint32_t uses;
-    uint32_t corner;  ///< corner of u in one of the edge's triangles
+    uint32_t corner;  ///< corner at u of one of the edge's triangles
     uint32_t wedge_u, wedge_v;
     bool seam;
 
@@ -160,7 +160,7 @@ struct CollapseMesh {
     if (wedge_marks_.empty()) wedge_marks_.resize(wedges.size());
     return ++wedge_stamp_;
   }
-  /// Fills `edges` with the edges from u to higher positions. @param places index in `edges`, by position;
+  /// Fills `edges` with the edges from u to higher positions. @param places  index in `edges`, by position;
   /// the function ignores entries from earlier calls
   void findEdges(uint32_t u, std::vector<Edge>& edges, std::vector<uint32_t>& places) const;
   static void count(const Edge& edge, std::vector<Features>& features) {
@@ -176,7 +176,7 @@ struct CollapseMesh {
   void unlist(uint32_t corner);
   /// Records the slots of a list's corners from index `from` on, if the list is long.
   void noteSlots(const CollapsePosition& list, uint32_t from);
-  /// Removes the triangle of a corner. @param is_listed true if the list of the corner's position contains
+  /// Removes the triangle of a corner. @param is_listed  true if the list of the corner's position contains
   /// the corner
   void kill(uint32_t corner, bool is_listed);
   /// Calls kill() for each corner. The time is proportional to the number of corners and to the lengths of

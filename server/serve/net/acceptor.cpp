@@ -95,7 +95,7 @@ asio::awaitable<void> Acceptor::accept() {
         continue;
       }
       if (outOfDescriptors(error)) refuseForDescriptors();
-    } catch (const std::exception& thrown) {  // out of memory
+    } catch (const std::exception& thrown) {  // memory ran out
       failure = reasonOf(thrown);
     }
     co_await pauseAfter(failure);

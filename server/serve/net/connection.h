@@ -140,7 +140,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool write_woken_ = false, read_woken_ = false;
   bool gone_ = false;          ///< the client has closed the connection, or the connection broke
   bool holds_answer_ = false;  ///< the writer waits until delayAnswer() has ended
-  bool slow_ = true;           ///< many unsent bytes may wait in the kernel
+  bool slow_ = true;           ///< true while many unsent bytes may wait in the kernel
   /// Time until which the client should close the connection; set when everything is sent.
   std::optional<Clock::time_point> linger_until_;
   std::optional<Clock::time_point> writing_since_;  ///< start of the current write; empty between writes

@@ -56,7 +56,8 @@ void WrongTokens::leave(uint64_t address) noexcept {
   --records_.find(address)->second.waiting;  // an address that waits is never forgotten
 }
 
-/// Forgets old addresses if the table is full, and at least the one that was silent longest.
+/// If the table is full, removes all addresses that have sent no wrong token for kForget or, if there are
+/// none, the address whose last wrong token is oldest. Keeps addresses with waiting answers.
 void WrongTokens::makeRoom(Clock::time_point now) {
   if (records_.size() < kMostAddresses) return;
   std::erase_if(records_, [now](const auto& entry) {
@@ -65,7 +66,7 @@ void WrongTokens::makeRoom(Clock::time_point now) {
   if (records_.size() < kMostAddresses) return;
   const auto oldest = std::ranges::min_element(
       records_, {}, [](const auto& entry) { return std::pair(entry.second.waiting > 0, entry.second.last); });
-  records_.erase(oldest);  // not one that waits: kMostWaiting is less than kMostAddresses
+  records_.erase(oldest);  // has no waiting answer, because kMostWaiting is less than kMostAddresses
 }
 
 }  // namespace lode::serve

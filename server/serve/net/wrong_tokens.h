@@ -9,24 +9,24 @@
 
 namespace lode::serve {
 
-/// Delays the answers to wrong tokens. The delay doubles with each wrong token of an address; an address is
-/// forgotten when it has sent none for kForget. Answers that wait are bounded, and so are the addresses that
-/// are remembered. While too many answers wait, an address that must wait is not heard at all. Must outlive
-/// its waits. Thread safe.
+/// Delays the answers to wrong tokens. The delay doubles with each wrong token of an address; after kForget
+/// without a wrong token, the address counts as new. The number of waiting answers and the number of
+/// remembered addresses are limited. While too many answers wait, blocks() returns true for every address
+/// whose delay has not passed. This object must outlive its Wait objects. Thread safe.
 class WrongTokens {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds kLongestDelay{5000};
   static constexpr Clock::duration kForget = std::chrono::minutes(10);
-  static constexpr size_t kMostAddresses =
-      1024;                                   ///< another address replaces the one that was silent longest
-  static constexpr size_t kMostWaiting = 64;  ///< answers that wait, of all addresses
+  static constexpr size_t kMostAddresses = 1024;  ///< largest number of addresses; a further address replaces
+                                                  ///< the address whose last wrong token is oldest
+  static constexpr size_t kMostWaiting = 64;      ///< largest number of waiting answers to all addresses
   static constexpr uint32_t kMostWaitingPerAddress = 8;
 
   /// @param first_delay  delay of the answer to an address's first wrong token.
   explicit WrongTokens(Clock::duration first_delay) noexcept : first_delay_(first_delay) {}
 
-  /// An answer that waits. The destructor makes room for another.
+  /// A waiting answer. The destructor makes room for another waiting answer.
   class Wait {
    public:
     Wait(Wait&& other) noexcept;
@@ -43,10 +43,11 @@ class WrongTokens {
     Clock::time_point until_;
   };
 
-  /// Returns true if a token of the address must not be looked at now, right or wrong.
+  /// Returns true if the caller must refuse every token of the address now, right or wrong.
   /// @param address  see addressKey().
   bool blocks(uint64_t address, Clock::time_point now) const;
-  /// Notes a wrong token. @return the wait before its answer, or nothing if too many answers wait.
+  /// Notes a wrong token. @return the wait before the answer to the token, or nothing if too many answers
+  /// wait.
   std::optional<Wait> add(uint64_t address, Clock::time_point now);
 
   size_t waiting() const;

@@ -118,7 +118,8 @@ class Log {
   void write(LogKind kind, std::string_view message, std::initializer_list<LogField> fields = {}) noexcept {
     write(kind, message, std::span(fields.begin(), fields.size()));
   }
-  /// Reports left-out lines of the kinds that can be written again. Call tick() about once a second.
+  /// Writes the number of left-out lines for each kind of line whose limit allows lines again. Call tick()
+  /// about once a second.
   void tick() noexcept;
 
   uint64_t linesDropped() const noexcept;  ///< number of lines that did not fit in the queue or that the

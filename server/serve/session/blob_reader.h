@@ -63,7 +63,7 @@ class BlobReader {
  public:
   BlobReader(store::Reader reader, BlobReaderOptions options);
 
-  /// Reads a range of a blob without waiting for the disk. @param into buffer of at least range.bytes.
+  /// Reads a range of a blob without waiting for the disk. @param into  buffer of at least range.bytes.
   ReadResult readHot(const BlobRange& range, std::span<std::byte> into) const noexcept;
   /// Reads a range of a blob, and waits for the disk if necessary. If the blob is not verified yet, reads the
   /// whole blob.
@@ -111,8 +111,9 @@ class BlobReader {
   mutable std::mutex file_mutex_;
   mutable FileState file_;  ///< guarded by file_mutex_
   mutable std::atomic<uint64_t> damaged_reads_{0};
-  mutable std::atomic<bool> is_unreadable_{false};  ///< reported, and no read has succeeded since then
-  mutable std::atomic<int64_t> reported_ns_{0};     ///< time of the last report that the store is unreadable
+  /// True if the store was reported as unreadable and no read has succeeded since then.
+  mutable std::atomic<bool> is_unreadable_{false};
+  mutable std::atomic<int64_t> reported_ns_{0};  ///< time of the last report that the store is unreadable
 };
 
 }  // namespace lode::serve

@@ -88,7 +88,8 @@ void DiskReaders::State::work() {
   changed.notify_all();
 }
 
-/// Returns the first store after `last`, in a circle, of which a read can begin; the end if there is none.
+/// Returns the next store that can begin a read, or end() if no store can. The search begins after `last` and
+/// wraps around at the end.
 DiskReaders::State::Stores::iterator DiskReaders::State::next() noexcept {
   const auto ready = [this](const auto& entry) { return canBegin(entry.second); };
   const auto after = stores.upper_bound(last);

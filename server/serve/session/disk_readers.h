@@ -15,8 +15,8 @@ constexpr std::chrono::milliseconds kReadDeadline{10'000};  ///< time that a rea
 struct DiskReaderOptions {
   using TimePoint = std::chrono::steady_clock::time_point;
   size_t threads = 6;          ///< threads that read, apart from blocked threads
-  size_t max_threads = 256;    ///< limit of all threads, at which a blocked thread is not replaced
-  size_t reads_per_store = 4;  ///< limit of a store's reads at a time; the others of the store wait
+  size_t max_threads = 256;    ///< limit for all threads; at this limit, no thread replaces a blocked thread
+  size_t reads_per_store = 4;  ///< largest number of simultaneous reads of a store; further reads wait
   size_t many_blocked = 16;    ///< number of blocked threads above which a store has one read at a time
   /// Duration of a read after which its thread counts as blocked, and another thread replaces it.
   std::chrono::nanoseconds replace_after = std::chrono::milliseconds(500);
@@ -24,10 +24,10 @@ struct DiskReaderOptions {
   std::function<TimePoint()> clock = std::chrono::steady_clock::now;
 };
 
-/// Threads for reads that wait for the disk. Stores take turns. Another thread replaces a thread that a read
-/// blocks for long. A read that is late ends for its caller as kUnreadable. While all reads of a store are
-/// late, its other reads end as kUnreadable at once. So a store whose storage hangs blocks at most
-/// reads_per_store threads, and delays other stores by replace_after at most. Thread safe.
+/// Threads for reads that wait for the disk. Stores take turns. If a read blocks its thread for long, another
+/// thread replaces the blocked thread. For the caller, a late read ends with kUnreadable. While all reads of
+/// a store are late, its other reads end with kUnreadable at once. So a store whose storage hangs blocks at
+/// most reads_per_store threads, and delays other stores by replace_after at most. Thread safe.
 class DiskReaders {
  public:
   using TimePoint = DiskReaderOptions::TimePoint;
@@ -48,8 +48,8 @@ class DiskReaders {
   void post(std::function<void()> task);
   /// Ends late reads and replaces blocked threads. Call tick() several times per replace_after.
   void tick();
-  /// Ends waiting reads as kUnreadable, waits for the running reads that are not late, at most kJoinPatience,
-  /// and returns. Late reads end later on detached threads. They use only memory that they share.
+  /// Ends waiting reads with kUnreadable. Then waits at most kJoinPatience for the running reads that are not
+  /// late. Late reads end later on detached threads, which own a share of all memory that they use.
   void join();
 
   static constexpr std::chrono::seconds kJoinPatience{1};

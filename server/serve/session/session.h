@@ -29,7 +29,7 @@ struct SessionLimits {
   uint32_t max_open_models = proto::kMaxOpenModels;
 };
 
-/// Objects that the session uses. Their owner must keep them longer than the session.
+/// Objects that a session uses. All of them must outlive the session.
 struct SessionHost {
   /// Models and tokens; the owner calls servedSetChanged() after replacing them.
   const ServedSet* served = nullptr;

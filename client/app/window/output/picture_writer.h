@@ -50,7 +50,7 @@ class PictureWriter {
   /// Returns the result of the oldest picture whose result was not yet returned. Returns nothing if the
   /// picture is still being written.
   std::optional<Written> take();
-  /// Waits until all pictures are written, then returns what take() returns.
+  /// Waits until all pictures are written, then calls take() and returns its result.
   std::optional<Written> waitAndTake();
 
  private:

@@ -34,8 +34,8 @@ class Picks {
   /// Undoes the last pick. Called for a double click, whose first click has already picked a point.
   void takeBack() { picks_ = before_; }
 
-  /// Describes the last point in lines: coordinates, node, LOD, error, colour, and the distance to the point
-  /// before. Returns no lines if no point is picked.
+  /// Describes the last point in lines: coordinates, node, LOD, error, colour, and the distance to the
+  /// previous point. Returns no lines if no point is picked.
   std::vector<std::string> lines() const;
   /// Returns the distance between the two points as text; empty if fewer than two points are picked.
   std::string distance() const;
