@@ -110,7 +110,7 @@ struct EngineCounts {
   double round_trip_ms = 0;     ///< smallest measured round trip; 0: unknown
   uint64_t window_bytes = 0;    ///< unacknowledged bytes that the server may send
 
-  /// Adds the counts of another model. The round trip becomes the larger one.
+  /// Adds the counts of another model. The round trip becomes the larger of the two round trips.
   EngineCounts& operator+=(const EngineCounts& other) noexcept;
   bool operator==(const EngineCounts&) const = default;
 };

@@ -30,7 +30,8 @@ constexpr uint64_t kMaxTransitBytes = 64ull << 20;
 
 /// The root's coarsest LOD may exceed the memory budget by this much.
 constexpr uint64_t kMaxFirstLodExcessBytes = 32ull << 20;
-/// Above this number, all refusals are forgotten, and their blobs may be requested again.
+/// Largest number of remembered refusals. Above this number, the model forgets all refusals, and their blobs
+/// may be requested again.
 constexpr size_t kMaxRefusedBlobs = 65'536;
 
 /// The resident data of one build of a model: hierarchy, meshes and textures. The caller passes in blobs from
@@ -69,13 +70,13 @@ class Model {
   void take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
   /// Notes that a blob is lost for good. Refinement uses other LODs or nodes instead.
   void lose(const BlobRef& blob, const std::string& why);
-  /// Notes that the server refuses a blob for now. wants() returns false for it until a pause is over.
+  /// Notes that the server refuses a blob for now. wants() returns false for this blob until a pause is over.
   void postpone(const BlobRef& blob, const std::string& why, TimePoint now);
   /// Ends the pause of postponed blobs when it is over. @return true if there are blobs to request again.
   bool releasePostponed(TimePoint now) { return postponed_.release(now); }
 
   /// Returns the waiting jobs that fit the decoding budget. Call the function again after each
-  /// finishDecode(), to get the other jobs.
+  /// finishDecode(), to get further jobs.
   std::vector<DecodeJob> takeDecodeJobs();
   /// Stores the result of a decode job; ignores results of another build.
   void finishDecode(DecodeResult result);

@@ -71,8 +71,8 @@ class FullClient final : public LoadClient {
   std::string turned_away_;      ///< last reason why the server turned the client away
   bool started_ = false, image_seen_ = false, converged_ = false, gone_ = false;
   Transports transports_;
-  /// Transports of ended connections. The next step destroys them, because a transport must not be destroyed
-  /// in its own callback.
+  /// Transports of ended connections. The next step destroys them, because a callback of a transport must not
+  /// destroy the transport.
   std::vector<std::unique_ptr<net::TcpTransport>> ended_;
 };
 

@@ -31,8 +31,8 @@ size_t forEachFrame(std::span<const std::byte> bytes, const Take& take) {
   return at;
 }
 
-/// Measures the requests of one connection. Reads them from the frames that the client sends. Not thread
-/// safe.
+/// Measures the requests of one connection. Reads the requests from the frames that the client sends. Not
+/// thread safe.
 class RequestClock {
  public:
   struct Request {
@@ -71,8 +71,8 @@ RequestClock::Requests addLost(RequestClock::Requests& lost, RequestClock::Reque
 /// Throws on protocol errors. Not thread safe.
 class OverheardRequests {
  public:
-  /// A function that receives a request whose blob is complete. @param asked_at argument `now` of the call of
-  /// sent() that noted the request.
+  /// A function that receives a request whose blob is complete. @param asked_at  argument `now` of the call
+  /// of sent() that noted the request.
   using Tell = std::function<void(const core::Request& request, double asked_at)>;
   explicit OverheardRequests(Tell tell) : tell_(std::move(tell)) {}
 

@@ -33,7 +33,7 @@ Error naming(const Address& server, const Error& error);
 struct Route {
   Address address;
   std::chrono::milliseconds connect_timeout{20'000};  ///< until the server's first byte
-  std::shared_ptr<asio::ssl::context> tls = nullptr;  ///< null: plain TCP
+  std::shared_ptr<asio::ssl::context> tls = nullptr;  ///< TLS context; null selects plain TCP
   core::Remedies remedies = {};
 };
 

@@ -24,7 +24,8 @@ void sendOutgoing(TcpTransport& transport, End& end) {
 /// can therefore fill neither the queue of answers nor the queue of received bytes. The work of one call is
 /// limited, so that the caller can check deadlines even during a flood of frames.
 /// @param end  has connected(), takesInput(), takeOutgoing() and receive(bytes), which handles the events.
-/// @return true if the caller should call again at once. If the transport lacks room, it wakes its owner.
+/// @return true if the caller should call again at once. Returns false if the transport has no room; the
+/// transport wakes its owner later.
 /// @throws Error as TcpTransport and `end` do.
 template <typename End>
 bool exchange(TcpTransport& transport, End& end) {

@@ -31,8 +31,8 @@ class TcpTransport {
   TcpTransport(const TcpTransport&) = delete;
   TcpTransport& operator=(const TcpTransport&) = delete;
 
-  /// Returns true if at most proto::kMaxQueuedAnswerBytes wait to be sent. Calls `wake` when this becomes
-  /// true again.
+  /// Returns true if at most proto::kMaxQueuedAnswerBytes wait to be sent. The transport calls `wake` when
+  /// the result changes from false to true.
   bool hasRoom() const;
   /// Queues bytes; never blocks. @throws Error kNetwork if more than kMaxUnsentBytes are queued.
   void send(proto::Bytes bytes);

@@ -53,7 +53,7 @@ struct DrawCounts {
   uint64_t triangles = 0;
   uint32_t nodes = 0;
   uint32_t calls = 0;
-  float error_px = 0;  ///< largest projected error in the picture, for the view that the cut was made for
+  float error_px = 0;  ///< largest projected error in the picture, in the view of the cut
   ShownThresholds shown;
 
   DrawCounts& operator+=(const DrawCounts& more) noexcept;

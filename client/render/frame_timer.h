@@ -11,7 +11,7 @@
 namespace lode::render {
 
 /// Measures the GPU time of frames by timer queries. The results arrive a few frames later. Only wait()
-/// blocks. Use it on the thread of its context.
+/// blocks. Use the object on the thread of its OpenGL context.
 class FrameTimer {
  public:
   FrameTimer();

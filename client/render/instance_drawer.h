@@ -24,7 +24,7 @@ struct InstanceDraw {
 };
 
 /// Draws instances of models into one picture, with occlusion culling across all instances. Create, use and
-/// destroy it on the thread of its context.
+/// destroy the object on the thread of its OpenGL context.
 class InstanceDrawer {
  public:
   /// @param instances  the visible instances, preferably nearest first. All styles except the first must set

@@ -33,7 +33,8 @@ std::filesystem::path directoryOf(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
-// Returns a name beside the target that no other writer uses, in this process or in another.
+// Returns the path of a temporary file beside the target. No other writer of this or another process uses the
+// path.
 std::filesystem::path temporaryName(const std::filesystem::path& path) {
   static std::atomic<unsigned> counter{0};
   std::filesystem::path name = path;

@@ -12,15 +12,15 @@ namespace lode {
 /// line on stderr and end the process. A signal that is ignored or already has a handler stays as it is.
 void endCleanlyWhenInterrupted() noexcept;
 
-/// Removes every unfinished file and folder, prints a message on stderr and ends the process by a signal, as
-/// the sender expects, even if other threads compute. Any thread and any signal handler can call the
-/// function.
-/// @param message text after the program's name; nullptr: a text that says whether files were removed.
+/// Removes every unfinished file and folder, prints a message on stderr and ends the process by the signal,
+/// as the sender of the signal expects. Does not wait for other threads. Any thread and any signal handler
+/// can call the function.
+/// @param message  text after the program's name; nullptr: a text that says whether files were removed.
 [[noreturn]] void endInterrupted(int signal, const char* message) noexcept;
 
 /// Blocks SIGINT, SIGTERM and SIGHUP in the calling thread during this object's lifetime. Create a file and
-/// its Unfinished during that time, so that no signal arrives between the two. If another thread handles a
-/// signal meanwhile, the constructor of Unfinished removes the file.
+/// its Unfinished while this object exists, so that no signal arrives between the two creations. If another
+/// thread handles a signal meanwhile, the constructor of Unfinished removes the file.
 class Uninterrupted {
  public:
   Uninterrupted() noexcept;

@@ -9,8 +9,8 @@ namespace lode {
 
 /// Origin of an output's name.
 enum class OutputName : uint8_t {
-  kTyped,   ///< the user's: findOutput()
-  kDerived  ///< the program's: findSideFile()
+  kTyped,   ///< name that the user has typed: see findOutput()
+  kDerived  ///< name that the program has derived: see findSideFile()
 };
 
 /// The output of a command after resolving links.

@@ -72,8 +72,8 @@ std::string listed(const FolderIndex::Files& files, const fs::path& below) {
   return words;
 }
 
-/// Returns the files that match a name best: those with the same name, else those with the name in another
-/// case.
+/// Returns the files with exactly the given name. If there are none, returns the files whose names differ
+/// only in the case of letters.
 FolderIndex::Files bestMatches(const FolderIndex& index, const std::string& name) {
   const FolderIndex::Files& matches = index.named(name);
   FolderIndex::Files exact;

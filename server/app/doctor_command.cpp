@@ -124,8 +124,8 @@ std::string rowsInWords(const ingest::DoctorReport& report, uint64_t read, const
   return std::to_string(read) + (is_part ? " of " + std::to_string(declared->count) : "");
 }
 
-/// Returns an addition to a texture's name: whether the image is missing, or its path if it has another name
-/// than the PLY file says.
+/// Returns a text that follows a texture's name: " (missing)", or the image's path if its name differs from
+/// the name in the PLY file.
 std::string placeInWords(const std::filesystem::path& path, const std::string& name) {
   if (path.empty()) return " (missing)";
   return path.filename() == name ? "" : " (is " + path.string() + ")";

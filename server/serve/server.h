@@ -44,7 +44,7 @@ struct ServeOptions {
   std::chrono::milliseconds wrong_token_delay{50};  ///< delay of the answer to an address's first wrong token
   std::chrono::milliseconds idle_deadline = proto::kIdleDeadline;
   std::chrono::milliseconds write_deadline = proto::kWriteDeadline;
-  std::chrono::milliseconds read_deadline = kReadDeadline;  ///< for a read that waits for the disk
+  std::chrono::milliseconds read_deadline = kReadDeadline;  ///< longest time of a read from the disk
   std::chrono::milliseconds drain_delay{0};                 ///< time from stop() until the listener closes
   std::chrono::milliseconds drain_deadline = proto::kDrainDeadline;
   std::chrono::milliseconds check_stores_every{20};  ///< interval of checks for changed store files

@@ -15,9 +15,9 @@ struct OpenEdge {
   friend auto operator<=>(const OpenEdge&, const OpenEdge&) = default;
 };
 
-/// Collects the open edges of any number of meshes: the edges that an odd number of triangles use. Edges
-/// inside a mesh cancel at once, and edges that neighbouring meshes share cancel soon. So the memory is
-/// proportional to the number of open edges. Not thread safe.
+/// Collects the open edges of any number of meshes: the edges that an odd number of triangles use. The two
+/// uses of an edge inside a mesh cancel at once, and the uses of an edge that neighbouring meshes share
+/// cancel soon. The memory is therefore proportional to the number of open edges. Not thread safe.
 class OpenEdges {
  public:
   void add(const Mesh& mesh);

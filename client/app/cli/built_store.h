@@ -14,8 +14,8 @@
 
 namespace lode::app {
 
-/// A function that receives the current stage of a build and the finished fraction of the stage, 0 to 1. The
-/// thread that calls builtStore() calls it.
+/// A function that receives the current stage of a build and the finished fraction of the stage, 0 to 1.
+/// builtStore() calls the function on its caller's thread.
 using BuildWatch = std::function<void(std::string_view stage, double fraction)>;
 
 /// A store in the user's cache.

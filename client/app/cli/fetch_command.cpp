@@ -184,7 +184,7 @@ class Fetch {
   std::FILE* const report_ = reportStream(options_.output, options_.json);
   Clock::time_point start_ = Clock::now();
   std::vector<KeyResult> keys_;
-  std::vector<std::filesystem::path> files_beside_;  ///< written beside the output
+  std::vector<std::filesystem::path> files_beside_;  ///< files written beside the output
 };
 
 void fetch(const FetchOptions& options) {

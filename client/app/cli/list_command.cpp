@@ -42,7 +42,7 @@ class Bell {
     std::unique_lock lock(mutex_);
     condition_.wait_until(lock, deadline, [this] { return rung_; });
     rung_ = false;
-    return Clock::now() < deadline;  // a flood keeps ringing
+    return Clock::now() < deadline;  // check the deadline, because a flood of frames can ring without end
   }
 
  private:

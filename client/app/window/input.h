@@ -30,7 +30,7 @@ struct Input {
   int next_camera = 0;  ///< number of steps through the kinds of cameras
   int next_axis = 0;    ///< number of steps through the up axes
   int next_show = 0;    ///< number of steps through the colour modes; negative steps go back
-  int finer = 0;        ///< number of steps to a finer threshold; negative steps make it coarser
+  int finer = 0;        ///< number of steps to a finer threshold; negative steps make the threshold coarser
   bool screenshot = false, copy = false, record = false, quit = false;
   bool quit_where_idle = false;  ///< Q was pressed; the key quits if no model is shown, else it flies down
 

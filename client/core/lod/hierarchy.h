@@ -51,11 +51,12 @@ struct KnownNode : Node {
 };
 static_assert(kMaxLods <= 64);
 
-/// Returns an upper bound of a page's memory. @param blob_bytes size of the page's blob. hierarchy.cpp checks
-/// the bound for the smallest encoded node and LOD.
+/// Returns an upper bound of a page's memory. @param blob_bytes  size of the page's blob. hierarchy.cpp
+/// checks the bound for the smallest encoded node and LOD.
 constexpr uint64_t pageBytesAtMost(uint64_t blob_bytes) noexcept { return 128 + 8 * blob_bytes; }
 
-/// Above this number, all lost blobs are forgotten; the marks of loaded pages stay.
+/// Largest number of remembered lost blobs. Above this number, the hierarchy forgets all lost blobs; the
+/// marks of loaded pages stay.
 constexpr size_t kMaxLostBlobs = 65'536;
 
 /// The known part of a model's octree, merged from the pages of an untrusted server. If memory is short,

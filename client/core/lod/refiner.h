@@ -48,10 +48,12 @@ struct KnownModel {
 /// covers the node, else a coarser stand-in. Children replace a node only when resident meshes cover every
 /// child in the view or its margin. Missing children outside the margin are left out of the cut and requested
 /// in the margin class, largest error first. The nearest resident ancestor that fits the fallback budget
-/// becomes the fallback of these children. It is drawn again as soon as one of them comes into view.
+/// becomes the fallback of these children. The fallback is drawn as soon as one of these children comes into
+/// view.
 ///
 /// Refinement requests no LODs between the shown and the wanted LOD, except for one covering step. The
-/// covering step is an LOD of an ancestor of the wanted parts, and costs at most a twentieth of their bytes.
+/// covering step is an LOD of an ancestor of the wanted parts, and has at most a twentieth of the bytes of
+/// the wanted parts.
 ///
 /// Occluded nodes belong to the cut like all nodes in the view. The siblings of an occluded node can be shown
 /// as soon as the node's coarsest LOD is resident. The node's finer LODs are requested after all visible

@@ -15,8 +15,8 @@ namespace lode::core {
 
 /// Estimates occlusion: lists the octree cells that are visible in a view and its margin. Rasterises a cut
 /// into a small depth buffer, in which each pixel marks one cell. A node with few marked cells counts as
-/// occluded: it is hidden or too small to matter. The estimate changes only the order of requests, so an
-/// error delays a request but never leaves a hole.
+/// occluded: the node is hidden or too small to matter. The estimate changes only the order of requests, so
+/// an error delays a request but never leaves a hole.
 class SeenPlaces {
  public:
   /// Largest number of triangles of a cut; larger cuts would take too long to rasterise.

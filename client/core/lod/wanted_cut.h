@@ -52,8 +52,8 @@ struct WantedMesh {
 /// error of the replaced part, because a child's far LODs may have larger errors. If a LOD is lost, the next
 /// finer LOD replaces it. A part stays if its children cannot be loaded. Node keys decide between parts with
 /// equal errors. Parts outside the view are not refined. The order matters only if a budget stops refinement.
-/// The first attempt therefore uses no priority queue; if a budget stops it, a second attempt starts again
-/// with one.
+/// The first attempt therefore uses no priority queue. If a budget stops the first attempt, a second attempt
+/// uses a priority queue.
 class WantedCut {
  public:
   /// @param held  result of held() in the previous refinement; used only with hysteresis.

@@ -9,7 +9,7 @@
 
 namespace lode::core {
 
-/// Largest window. It is enough for 1 Gbit/s at a round trip of 85 ms, with kWindowGain.
+/// Largest window; enough for 1 Gbit/s at a round trip of 85 ms, with kWindowGain.
 constexpr uint64_t kMaxWindowBytes = 16u << 20;
 constexpr double kWindowGain = 1.5;  ///< ratio of the window to rate × round trip
 constexpr double kGrowthGain = 3;    ///< gain that replaces kWindowGain while the measured rate still grows

@@ -47,8 +47,8 @@ struct SessionOptions {
   std::string program = "lodestream";
   Remedies remedies;
   uint64_t max_requested_bytes = kMaxRequestedBytes;
-  /// Time since the first attempt during which a connection retries though the model has never been open.
-  /// Zero: the first error is final.
+  /// Time after the first attempt during which a connection retries even if the model has never been open. If
+  /// zero, the first error is final.
   std::chrono::nanoseconds open_patience{0};
   /// If the server does not have the model, the session waits for the model instead of failing.
   bool awaits_model = false;

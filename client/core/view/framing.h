@@ -37,9 +37,9 @@ struct Framing {
 glm::dvec3 upOf(const Framing& framing);
 
 /// Returns the default camera of every command, as a path with one key. The camera shows the model in a
-/// three-quarter view from above, as near as the whole model fits the picture. The model's front is at +z if
-/// y is up, and at -y if z is up. The camera stands between the front and the right side, closer to the
-/// broader of the two. The camera looks down more steeply on flat models.
+/// three-quarter view from above, as near as possible with the whole model in the picture. The model's front
+/// is at +z if y is up, and at -y if z is up. The camera stands between the front and the right side, closer
+/// to the broader of these two sides. The camera looks down more steeply on flat models.
 CameraPath framingCamera(const ModelSummary& model, const Framing& framing = {});
 
 }  // namespace lode::core

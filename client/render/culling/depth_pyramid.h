@@ -9,7 +9,7 @@
 namespace lode::render {
 
 /// Reduces a picture's depth to the farthest depth of each square of FarthestDepths::kSquarePx, over all
-/// samples. Create, use and destroy it on the thread of its context.
+/// samples. Create, use and destroy the object on the thread of its OpenGL context.
 class FarthestSquares {
  public:
   /// @throws Error kInternal if the driver rejects a shader.
@@ -27,7 +27,8 @@ class FarthestSquares {
 /// Returns the number of squares along a side of `side_px` pixels.
 uint32_t squareCount(uint32_t side_px) noexcept;
 
-/// Reads back a picture's farthest depths. Create, use and destroy it on the thread of its context.
+/// Reads back a picture's farthest depths. Create, use and destroy the object on the thread of its OpenGL
+/// context.
 class DepthReader {
  public:
   /// Blocks until drawing is done. Changes the same state as FarthestSquares::draw().
@@ -42,8 +43,8 @@ class DepthReader {
 
 /// Depth pyramid of a picture on the GPU. Level 0 has the squares of FarthestDepths. In each further level, a
 /// texel has the farthest depth of 2 × 2 texels. A test of a box therefore reads at most 16 texels. Create,
-/// use and destroy it on the thread of its context. Source: Greene, Kass and Miller, Hierarchical Z-buffer
-/// Visibility, 1993.
+/// use and destroy the object on the thread of its OpenGL context. Source: Greene, Kass and Miller,
+/// Hierarchical Z-buffer Visibility, 1993.
 class DepthPyramid {
  public:
   /// @throws Error kInternal if the driver rejects a shader.

@@ -22,8 +22,8 @@ namespace lode::render {
 /// run over the same parts. The first pass finds the clusters that the depth of the last picture does not
 /// hide. The second pass tests the remaining clusters with the depth that the first pass has drawn. A pass
 /// handles all models of a picture, so that the GPU synchronizes only twice. Commands keep the order of the
-/// parts, so that pictures are deterministic. Create, use and destroy it on the thread of its context.
-/// Source: Aaltonen and Haar, GPU-Driven Rendering Pipelines, 2015 (two-pass occlusion culling).
+/// parts, so that pictures are deterministic. Create, use and destroy the object on the thread of its OpenGL
+/// context. Source: Aaltonen and Haar, GPU-Driven Rendering Pipelines, 2015 (two-pass occlusion culling).
 class GpuCulling {
  public:
   /// One call of glMultiDrawElementsIndirectCount: clusters of one instance, one page and one program.

@@ -12,7 +12,7 @@ namespace lode::render {
 Image readFramebuffer(GLuint framebuffer, uint32_t width_px, uint32_t height_px);
 
 /// An off-screen render target with sRGB colour and reversed 32-bit float depth. A multisampled target also
-/// has a resolved colour buffer. Use it on the thread of its context.
+/// has a resolved colour buffer. Use the object on the thread of its OpenGL context.
 class Framebuffer {
  public:
   /// @param samples  samples per pixel, clamped to the driver's limit. The driver may raise any value

@@ -10,8 +10,8 @@ namespace lode::render {
 
 /// Screen-space ambient occlusion. Darkens the creases and hollows that the depth of a drawn picture shows.
 /// The radius is relative to the picture's height, so that a model looks alike near and far. The result
-/// depends on the depth alone: equal depths give equal bits. Create, use and destroy it on the thread of its
-/// context. Source: McGuire, Mara and Luebke, Scalable Ambient Obscurance, 2012.
+/// depends on the depth alone: equal depths give equal bits. Create, use and destroy the object on the thread
+/// of its OpenGL context. Source: McGuire, Mara and Luebke, Scalable Ambient Obscurance, 2012.
 class AmbientOcclusion {
  public:
   /// @throws Error kInternal if the driver rejects a shader.

@@ -19,8 +19,8 @@ constexpr std::array<glm::u8vec3, kTexelColourCount> kTexelLadder{
 constexpr std::array<const char*, kTexelColourCount> kTexelMeanings{
     "1/4 texel per pixel or less: blurred", "1/2", "1", "2", "4 or more", "no texture"};
 
-/// Colours that people can distinguish, even if they are colour-blind. Source: the colours of Okabe & Ito,
-/// Color Universal Design, 2008, lightened. The last four are mixtures of the others.
+/// Colours that colour-blind people can distinguish too. Source: the colours of Okabe & Ito, Color Universal
+/// Design, 2008, lightened. The last four colours are mixtures of the first eight.
 constexpr std::array<glm::u8vec3, 12> kLadder{{{240, 228, 66},
                                                {230, 159, 0},
                                                {213, 94, 0},

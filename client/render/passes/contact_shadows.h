@@ -18,7 +18,7 @@ struct ContactShadow {
 };
 
 /// Darkens ground that is already drawn. Draw the shadows before the objects on the ground. Create, use and
-/// destroy it on the thread of its context.
+/// destroy the object on the thread of its OpenGL context.
 class ContactShadows {
  public:
   ContactShadows();

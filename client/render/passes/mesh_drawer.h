@@ -15,8 +15,8 @@
 namespace lode::render {
 
 /// Shader programs that draw meshes, one per combination of features. Features are selected by compilation
-/// instead of branches, because a CPU renderer runs both sides of a branch for every pixel. Use it on the
-/// thread of its context.
+/// instead of branches, because a CPU renderer runs both sides of a branch for every pixel. Use the object on
+/// the thread of its OpenGL context.
 class MeshPrograms {
  public:
   enum Part : uint8_t {
@@ -47,7 +47,7 @@ struct DrawState {
 
 /// Sets up the OpenGL state for draw calls of a model's meshes. Between begin() and end(), call use(), then
 /// bindPage() for each page, and draw indexed triangles. Pass the index of a DrawState as base instance.
-/// Create, use and destroy it on the thread of its context.
+/// Create, use and destroy the object on the thread of its OpenGL context.
 class MeshDrawer {
  public:
   /// @throws Error kInternal if the driver rejects a shader.
@@ -57,7 +57,7 @@ class MeshDrawer {
   /// @param states      buffer with an array of DrawState.
   /// @param attributes  the attributes of all meshes of the model.
   void begin(const GlBuffer& states, AttributeSet attributes, const TextureResidency& textures);
-  /// Selects a program. @param has_samples true if the target is multisampled.
+  /// Selects a program. @param has_samples  true if the target is multisampled.
   void use(bool fades, bool has_samples, const core::View& view, double lattice_step, const DrawStyle& style);
   void bindPage(const GpuPages& pages, uint32_t page) const;
   void end() const;

@@ -45,7 +45,7 @@ struct GpuBlock {
 };
 
 /// GPU memory for meshes: a few large buffers (pages) that are divided into blocks. Pages are created on
-/// demand within a budget. Use it on the thread of its context.
+/// demand within a budget. Use the object on the thread of its OpenGL context.
 class GpuPages {
  public:
   GpuPages(uint64_t budget_bytes, uint32_t page_bytes);

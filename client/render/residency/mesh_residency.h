@@ -38,8 +38,8 @@ struct UploadBudget {
 /// Keeps meshes of a model on the GPU and decides which meshes each instance draws. A region of a newer cut
 /// is drawn when all its meshes are resident. Until then the region's old parts are drawn, so that slow
 /// uploads leave no holes, even if the camera moves. A cut of another build replaces the drawn cut as a
-/// whole. Meshes are identified by their shared_ptr, but the residency does not keep them alive. Use it on
-/// the thread of its context.
+/// whole. Meshes are identified by their shared_ptr, but the residency does not keep them alive. Use the
+/// object on the thread of its OpenGL context.
 class MeshResidency {
  public:
   /// @throws Error kIo if there is no memory for the staging ring.

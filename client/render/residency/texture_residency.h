@@ -61,8 +61,8 @@ constexpr uint32_t kLeastTextureStagingBytes = kTileLayerBytes * 3 / 2;  ///< le
 /// Keeps texture tiles on the GPU. The tiles are in a texture array of a bounded number of layers; small
 /// tiles share a layer. The mesh shader finds the cell of a (texture, level, tile) in a table. Unlike a mesh,
 /// a tile is used as soon as it is resident, and a coarser tile replaces a missing tile. Images are
-/// identified by their shared_ptr, but the residency does not keep them alive. Use it on the thread of its
-/// context.
+/// identified by their shared_ptr, but the residency does not keep them alive. Use the object on the thread
+/// of its OpenGL context.
 class TextureResidency {
  public:
   /// @param budget_bytes   limit of the array's size. One layer is always allowed.

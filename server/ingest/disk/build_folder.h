@@ -10,9 +10,10 @@
 namespace lode::ingest {
 
 /// Folder `.OUT.lode.building` beside the output. The folder contains a lock, the journal and the incomplete
-/// store, from which a later build can resume. It also contains the temporary files. If the caller names
-/// another parent for temporary files, they are in a folder of that parent instead, which is named after the
-/// output. Unless keep(true) was called, the destructor removes all files; journal and lock go last.
+/// store, from which a later build can resume. The folder also contains the temporary files, unless the
+/// caller names another parent for temporary files. The parent then gets a subfolder for temporary files,
+/// named after the output. Unless keep(true) was called, the destructor removes all files; journal and lock
+/// go last.
 class BuildFolder {
  public:
   /// Creates and locks the folder; keep() is true at first. @throws Error kIo if the folder cannot be created

@@ -13,7 +13,8 @@
 
 namespace lode::ingest {
 
-/// Serializes values in native byte order. Only the same build, or a build that resumes it, reads the bytes.
+/// Serializes values in native byte order. Only the same build, or a build that resumes the same build, reads
+/// the bytes.
 class RecordWriter {
  public:
   template <typename T>

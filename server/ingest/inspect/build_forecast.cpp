@@ -15,8 +15,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Number of triangles near the root that a build simplifies on one thread. A build simplifies these nodes
-/// one after another; only measuring and encoding use several threads.
+/// Number of triangles near the root that a build simplifies on one thread. A build simplifies the nodes near
+/// the root one after another; only measuring and encoding use several threads.
 constexpr double kTrianglesOfOneThread = 1e5;
 /// Part of the stages dereference and partition that runs on one thread. Measurements gave a fifth to two
 /// fifths.

@@ -62,10 +62,10 @@ class LodCheck {
 
   /// Compares the LOD with a leaf. Thread safe.
   void add(const LeafSurface& leaf);
-  /// Returns the farthest point; call after adding the last leaf. Its distance is at least 3/4 of the stored
-  /// error. For a point of the LOD, the distance is exact only up to 1.25 times the stored error; for points
-  /// farther away, it is at least 1.3 times the stored error. Distances are measured in double precision, so
-  /// that none is overestimated.
+  /// Returns the farthest point; call after adding the last leaf. The distance of this point is at least 3/4
+  /// of the stored error. For a point of the LOD, the distance is exact only up to 1.25 times the stored
+  /// error; for points farther away, the returned distance is at least 1.3 times the stored error. Distances
+  /// are measured in double precision, so that no distance is overestimated.
   FarPoint farthest() const;
   double found() const { return farthest().steps; }
 

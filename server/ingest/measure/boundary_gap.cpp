@@ -15,18 +15,19 @@ namespace {
 
 constexpr float kMargin = 1.001f;  ///< factor that covers rounding errors
 constexpr float kBoundaryPrecision = 1.02f;
-constexpr float kNegligible = 0.25f;  ///< distances below this value do not matter, because floats are no
-                                      ///< more precise; in lattice steps
+constexpr float kNegligible = 0.25f;  ///< smallest distance in lattice steps that matters; floats are no
+                                      ///< more precise
 /// Parts of an edge below this length are not divided; in lattice steps.
 constexpr float kShortestPart = 0.5f;
 constexpr size_t kFewBoundaries = 16;     ///< up to this number of boundaries, a search tests each of them
 constexpr size_t kManyBoundaries = 4096;  ///< number of boundaries that is enough to measure an edge
-/// All boundary edges that meet at a position measure about this number of boundaries together. Each edge
-/// measures at least kLeastBoundaries, and kManyBoundaries if few edges meet.
+/// The boundary edges at one position are compared with about kBoundariesOfPlace boundaries in total. Each
+/// edge is compared with at least kLeastBoundaries, and with kManyBoundaries if few edges meet at the
+/// position.
 constexpr size_t kBoundariesOfPlace = 16384, kLeastBoundaries = 64;
 
-/// A position of the simplified mesh, a reference one end of which maps to this position, and the position to
-/// which the other end maps.
+/// A reference and the positions of the simplified mesh to which its two ends map: `place` for one end,
+/// `other` for the other end.
 struct Meeting {
   uint32_t place, other, reference;
 };

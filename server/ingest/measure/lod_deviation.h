@@ -35,10 +35,10 @@ LodDeviation lodDeviation(const SimplifiedMesh& lod, const LodInput& input, cons
                           float farthest_sample);
 
 /// Returns the deviation of an LOD whose input is already reduced. Adds the input's deviation as an
-/// independent error, because a plain sum would be 2 to 5 times too large. Over many levels even this value
+/// independent error, because a plain sum would be 2 to 5 times too large. Over many levels, this value also
 /// becomes too large, because an LOD cancels some of its input's deviation. For a large LOD, the function
-/// therefore relies on samples of the original. A large LOD deviates nearly as much as its worst place at
-/// many places, and samples do not miss all of these.
+/// therefore relies on samples of the original. A large LOD has many places that deviate nearly as much as
+/// its worst place, and some samples are near such places.
 /// @param from_input  distance between the LOD and its input. @param off  deviation of the input from the
 /// original.
 /// @param triangles  number of triangles in the LOD. @return at least each of the three distances.

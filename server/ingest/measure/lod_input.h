@@ -73,7 +73,7 @@ class LodInput {
 glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> remap) noexcept;
 
 /// Returns the references of an LOD that replaces its input. These are the input's references, except
-/// vanished references. If they number more than `most`, the LOD's own boundary edges replace them.
+/// vanished references. If there are more than `most` references, the LOD's own boundary edges replace them.
 /// @param boundary_gap_steps  gap of the LOD's boundaries; see boundaryGap()
 ReferenceBoundaries referencesIn(const LodInput& input, std::span<const uint32_t> remap,
                                  float boundary_gap_steps, size_t most);

@@ -11,8 +11,8 @@
 
 namespace lode::ingest {
 
-/// A point of the original surface that each node passes to its parent, with its distance from the current
-/// mesh in lattice steps.
+/// A point of the original surface, with its distance from the current mesh in lattice steps. Nodes pass
+/// their samples to their parents.
 struct SurfaceSample {
   PositionCode position;
   /// Distance from the current mesh; too large by at most a quarter of the mesh's largest deviation.
@@ -28,10 +28,10 @@ struct SurfaceSample {
 void selectSamples(std::vector<SurfaceSample>& samples, size_t positions, size_t capacity);
 
 /// Adds the positions that are locked in a node's coarsest mesh. Locked positions have never moved, so they
-/// are points of the original, even if all samples near them were dropped. @param depth depth of the node.
+/// are points of the original, even if all samples near them were dropped. @param depth  depth of the node.
 void addLockedPositions(std::vector<SurfaceSample>& samples, const NodeMesh& mesh, int depth);
 
-/// Removes duplicates: keeps one of several samples with equal position and `near`, the one with the largest
+/// Removes duplicates: among samples with equal `position` and `near`, keeps the sample with the largest
 /// deviation. Sorts the samples by position.
 void dropDuplicates(std::vector<SurfaceSample>& samples);
 

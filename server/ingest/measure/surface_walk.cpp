@@ -14,10 +14,12 @@
 namespace lode::ingest {
 namespace {
 
-/// Number of triangles around a position up to which a walk looks at all of them. Around other positions a
-/// walk looks at some, so that a mesh of n triangles around one position does not take a time of n * n.
+/// Largest number of triangles around a position of which a walk visits all. Around a position with more
+/// triangles, a walk visits only some, so that a mesh of n triangles around one position does not take a time
+/// of n * n.
 constexpr uint32_t kMostAround = 256;
-/// Squared mean of the directions to triangles from which on they count as on one side.
+/// Triangles count as being on one side of a position if the squared mean of the directions to them
+/// exceeds this value.
 constexpr float kOneSided = 0.01f;
 constexpr uint32_t kSpotsAtOnce = 32;  ///< number of groups of four triangles that visitSome() spreads
 

@@ -31,11 +31,11 @@ struct TriangleChain {
 };
 
 /// Finds the distance from a point to a mesh, in lattice steps, by a walk. The walk goes from the triangles
-/// around one position to the triangles around the next, as long as the distance falls. The result is never
-/// smaller than the true distance. It is larger if every path to the nearest triangle first leads away from
-/// the point, if the nearest triangle is on another piece of the mesh, or if very many triangles meet at a
-/// position. If a position near the point is known, a walk is much faster than a TriangleTree. Const
-/// functions are thread safe.
+/// around one position to the triangles around a neighbouring position, as long as the distance falls. The
+/// result is never smaller than the true distance. The result is larger than the true distance if every path
+/// to the nearest triangle first leads away from the point, if the nearest triangle is on another piece of
+/// the mesh, or if very many triangles meet at a position. If a position near the point is known, a walk is
+/// much faster than a TriangleTree. Const functions are thread safe.
 class SurfaceWalk {
  public:
   /// @param mesh  the mesh to walk on.
@@ -70,7 +70,7 @@ class SurfaceWalk {
   /// Finds the triangles below a segment. The chain leads from the triangle below the segment's first end to
   /// the triangle below the last end. It can also end at another triangle close to the last end, if the last
   /// end projects into this triangle.
-  /// @return false if no such chain exists, or if the direct way does not find one.
+  /// @return false if the function finds no such chain.
   bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
                   TriangleChain& chain) const noexcept;
   /// Searches all triangles for the nearest one. @param bound  the result if no triangle is nearer.
@@ -93,8 +93,9 @@ class SurfaceWalk {
   }
   /// Returns the second triangle at an edge of `triangle`, or `triangle` if no second triangle has the edge.
   uint32_t acrossEdge(uint32_t triangle, uint32_t from, uint32_t to) const noexcept;
-  /// Sorts the triangles around a position by their angle around the mean of the directions to them or, if
-  /// they lie on all sides, around the axis along which they extend least.
+  /// Sorts the triangles around a position by their angle around an axis. The axis is the mean of the
+  /// directions to the triangles. If the triangles lie on all sides, the axis is the direction along which
+  /// the triangles extend least.
   void sortAround(uint32_t position, glm::vec3 at);
   /// Returns true if a position has so many triangles that a walk visits only some of these triangles.
   bool isHub(uint32_t position) const noexcept;

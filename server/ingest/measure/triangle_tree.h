@@ -13,7 +13,7 @@
 
 namespace lode::ingest {
 
-/// Limits the work of many searches in all, for meshes in which the boxes of nearly all triangles overlap.
+/// Limits the total work of many searches, for meshes in which the boxes of nearly all triangles overlap.
 /// Searches of other meshes stay far below the limit. Not thread safe.
 class SearchEffort {
  public:
@@ -90,7 +90,7 @@ class TriangleTree {
   };
   template <typename Reach, typename Visit>
   void search(const FourVectors& points, const Reach& reach, const Visit& visit) const noexcept;
-  /// @param leaves  number of leaves that the search may visit; receives the number that is left.
+  /// @param leaves  number of leaves that the search may visit; receives the number of leaves that are left.
   Nearest nearestWithin(glm::vec3 point, float tolerance, Nearest bound, uint64_t& leaves) const noexcept;
   Branch build(const NodeMesh& mesh, std::span<Middle> middles);
   static size_t partInHalves(std::span<Middle> middles);
@@ -99,7 +99,7 @@ class TriangleTree {
   static constexpr uint32_t kIsLeaf = 1u << 31;
 
   std::vector<Fork> forks_;
-  /// Four triangles per leaf; empty triangles fill a leaf that has fewer.
+  /// Four triangles per leaf; empty triangles fill a leaf with fewer triangles.
   std::vector<PackedTriangle> triangles_;
   std::vector<uint32_t> number_;  ///< for each entry of triangles_, the triangle's number in the mesh
   std::vector<uint32_t> place_;   ///< for each triangle of the mesh, its index in triangles_

@@ -26,8 +26,8 @@ inline Four squaredDistances(const FourSegments& p, const FourSegments& q) noexc
   // Position on p, from 0 to 1, that is nearest to the infinite line through q; 0 if p and q are parallel.
   const Four of_p = share(pq * qb - pb * qq, pp * qq - pq * pq);
   const Four of_q = share(pq * of_p + qb, qq);
-  // Position on p that is nearest to the point on q. It differs from of_p if the point on q was clamped to an
-  // end.
+  // Position on p that is nearest to the point on q. This position differs from of_p if the point on q was
+  // clamped to an end.
   const Four back = share(pq * of_q - pb, pp);
   const FourVectors away = between + back * along_p - of_q * along_q;
   return dot(away, away);

@@ -23,22 +23,23 @@ struct LodRule {
 /// locked. The root locks nothing, and its LODs end at kRootTriangles. Returns at least one count, unless the
 /// root is already small. Omits counts above kMaxLodTriangles, the limit of a store.
 ///
-/// The factor decides how many vertices of the parent's input could not move in the children: with 8 about a
-/// quarter, with 12 a sixth, with 4 half. With half, a cut that passes from a node to its children does not
-/// improve, although its triangles grow up to threefold. See docs/decisions/0011-lod-ladder.md.
+/// The factor decides how many vertices of the parent's input could not move in the children: about a quarter
+/// with factor 8, a sixth with factor 12, half with factor 4. With factor 4, a cut that passes from a node to
+/// its children does not improve, although its triangles grow up to threefold. See
+/// docs/decisions/0011-lod-ladder.md.
 ///
 /// Each step halves the count. The root, and depths 1 and 2 of a large model, use steps of the square root of
 /// 2: views of the whole model gain most from fine steps, and fine steps near the root add little to the
 /// store.
 ///
 /// Each locked vertex keeps about one triangle. If most triangles belong to locked vertices, a step keeps at
-/// least 2/3 as many of the other triangles as a plain step would keep. Otherwise a node that is nearly all
-/// border would keep its border but lose its shape, and every level above would inherit the error.
+/// least 2/3 as many triangles without locked vertices as a plain step would keep. Otherwise a node that is
+/// nearly all border would keep its border but lose its shape, and every level above would inherit the error.
 /// @param triangles  number of triangles in the node's input.
 std::vector<size_t> lodTargets(size_t triangles, const LodRule& rule);
 
-/// Returns the largest number of triangles that a node may pass to its parent: the largest count of its last
-/// LOD.
+/// Returns the largest number of triangles that a node's last LOD can have. A node passes this LOD to its
+/// parent.
 size_t mostTriangles(const LodRule& rule);
 
 /// Returns the triangle counts of the far LODs. Far LODs are coarser than the LOD from which the parent is

@@ -38,13 +38,14 @@ constexpr double kLeastArea = 1e-6;   // area that replaces zero, in square latt
 constexpr size_t kProgress = 32;
 // Up to this number of pairs of wedges, the cost of an edge counts attributes.
 constexpr size_t kMostPairs = 64;
-// The cost of a position around a vertex with very many triangles grows by this share for each rank; see
-// drop().
+// The cost of a position around a vertex with very many triangles grows by this share per trailing zero bit
+// of the position's number; see drop().
 constexpr double kSpread = 0.25;
-// The costs of these positions grow with each collapse; a higher key saves evaluations.
+// Factor on the key of an edge at a vertex with very many triangles. The cost of such an edge grows with each
+// collapse, so that a higher key saves evaluations.
 constexpr double kAhead = 1.5;
-// Collapses around such vertices may look at this number of triangles: a number for each mesh and a number
-// for each triangle of the mesh.
+// Collapses around vertices with very many triangles may check kLooksOfMesh triangles per mesh, plus
+// kLooksPerTriangle for each triangle of the mesh.
 constexpr uint64_t kLooksOfMesh = 1u << 18, kLooksPerTriangle = 64;
 
 /// Freedom of an edge's end in a collapse: the end may move, may move at a higher cost, or must stay.
@@ -128,7 +129,7 @@ class Collapser {
                                    ///< remaining position refers to itself
   uint32_t clock_ = 0;             ///< number of collapses so far
   size_t level_ = 0;
-  uint64_t looks_left_ = 0;  ///< see kLooksPerTriangle
+  uint64_t looks_left_ = 0;  ///< number of triangles that further collapses may check; see kLooksPerTriangle
 };
 
 Collapser::Collapser(NodeMesh&& mesh, const CollapseOptions& options)
@@ -349,8 +350,9 @@ bool Collapser::collapseNext() {
   return true;
 }
 
-// Returns whether there is time to look at all triangles around both ends of an edge. Otherwise a vertex with
-// n triangles would take a time of n * n, because each of its edges is looked at.
+// Returns true if looks_left_ allows a check of all triangles around both ends of an edge. The limit exists
+// because a vertex with n triangles has about n edges, and checking n triangles for each edge takes a time of
+// n * n.
 bool Collapser::mayLookAround(uint32_t u, uint32_t v) {
   const uint32_t triangles = mesh_.positions[u].count + mesh_.positions[v].count;
   if (triangles <= kLimits[0].most_triangles) return true;
@@ -359,8 +361,9 @@ bool Collapser::mayLookAround(uint32_t u, uint32_t v) {
   return true;
 }
 
-// Returns whether a position with few triangles can merge into one with very many without a look at those:
-// all triangles of the former vanish, so no other triangle moves.
+// Returns true if the position `gone` with few triangles can merge into the position `keep` with very many
+// triangles, without a check of the triangles at `keep`. This is possible if all triangles at `gone` also
+// have `keep`: they vanish, and no other triangle moves.
 bool Collapser::canDrop(uint32_t gone, uint32_t keep) const {
   const CollapsePosition& position = mesh_.positions[gone];
   const bool is_free = position.kind == PositionKind::kSmooth || position.kind == PositionKind::kBoundary;
@@ -370,8 +373,9 @@ bool Collapser::canDrop(uint32_t gone, uint32_t keep) const {
   });
 }
 
-// Merges a position into one with very many triangles. Every second position goes first, then every second of
-// the others, so that those that remain are spread evenly.
+// Merges the position `gone` into the position `keep`, which has very many triangles. First merges every
+// second position around `keep`, then every second remaining position, and so on, so that the remaining
+// positions are evenly spread.
 void Collapser::drop(Record record, uint32_t gone, uint32_t keep, const Candidate& candidate) {
   const double cost = candidate.placement.cost * (1 + kSpread * std::countr_zero(gone | 1u << 31));
   if (EdgeQueue<Record>::bucketOf(keyOf(cost)) <= queue_.current())

@@ -10,7 +10,7 @@ namespace lode::ingest {
 /// positive semi-definite.
 /// Source: Garland & Heckbert, Surface Simplification Using Quadric Error Metrics, 1997.
 struct Quadric {
-  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;  // A
+  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;  // elements of A
   glm::dvec3 b{0};
   double c = 0;
 

@@ -154,7 +154,8 @@ asio::awaitable<void> Connection::read() {
   wakeWriter();
 }
 
-/// Refuses a client that has not been let in if its address must wait because of wrong tokens.
+/// Refuses a client without a successful Hello if its address must wait because of wrong tokens. @return true
+/// if the client is refused.
 bool Connection::refuseUnheard() {
   if (session_.greeted() || !host_.served.tokens) return false;
   asio::error_code ignored;
@@ -165,7 +166,8 @@ bool Connection::refuseUnheard() {
   return true;
 }
 
-/// Waits before the answer to a wrong token. The connection leaves its slot and its memory to others first.
+/// Waits before the answer to a wrong token. Before the wait, the connection releases its slot and its memory
+/// for other connections.
 asio::awaitable<void> Connection::delayAnswer() {
   try {
     asio::error_code ignored;
@@ -177,7 +179,7 @@ asio::awaitable<void> Connection::delayAnswer() {
       asio::steady_timer answer(stream_.bytes().executor(), wait->until());
       co_await answer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
     }
-  } catch (const std::exception&) {  // out of memory: answer at once
+  } catch (const std::exception&) {  // memory ran out: answer at once
   }
   holds_answer_ = false;
 }

@@ -62,7 +62,7 @@ struct DiskReaders::State : std::enable_shared_from_this<State> {
   std::mutex mutex;  ///< guards the members below
   std::condition_variable changed;
   Stores stores;                     ///< stores with reads
-  const BlobReader* last = nullptr;  ///< store of the last read that began; the next store's turn follows
+  const BlobReader* last = nullptr;  ///< store of the last read that began; next() searches after this store
   std::deque<std::function<void()>> tasks;
   size_t threads = 0;          ///< threads that are not blocked
   size_t blocked_threads = 0;  ///< threads whose read takes longer than replace_after
@@ -76,7 +76,8 @@ void DiskReaders::State::startThread() {
 
 void DiskReaders::State::work() {
   std::unique_lock lock(mutex);
-  while (threads <= options.threads && !stopping) {  // with more threads, another one has replaced this
+  while (threads <= options.threads &&
+         !stopping) {  // if there are more threads, another thread has replaced this thread
     if (const auto store = next(); store != stores.end())
       runRead(store, lock);
     else if (!tasks.empty())
@@ -127,7 +128,7 @@ void DiskReaders::State::runRead(Stores::iterator entry, std::unique_lock<std::m
   if (store.running.empty() && store.waiting.empty()) stores.erase(entry);
   lock.unlock();
   if (read->done) read->done(result, std::move(read->bytes));
-  ended.clear();  // may close the store
+  ended.clear();  // may release the last reference to the store, which closes the store
   lock.lock();
 }
 

@@ -14,7 +14,8 @@ constexpr double kWalkSpeedStep = 1.25, kWalkSpeedRange = 1e4;
 constexpr double kGrowthASecond = 2, kHeightRange = 1e3;
 /// Height above the eye from which the search for ground starts, in eye heights.
 constexpr double kClimb = 1;
-/// The camera rises at once to this share of the eye height above the ground, and smoothly from there on.
+/// If the camera is lower than this share of the eye height above the ground, it jumps to this height, then
+/// rises smoothly.
 constexpr double kLeast = 0.25;
 constexpr double kSettleS = 0.15;  ///< time constant with which the height adapts
 constexpr double kSettled = 1e-3;  ///< differences below this share of the eye height count as zero

@@ -11,7 +11,7 @@
 
 namespace lode::app {
 
-/// The ground below a point, as far as data is loaded.
+/// The ground below a point, according to the loaded data.
 struct Ground {
   double depth_model = 0;        ///< distance from the point straight down to the ground
   double uncertainty_model = 0;  ///< distance by which finer data may move the ground up or down
@@ -21,8 +21,8 @@ using GroundBelow = std::function<std::optional<Ground>(const glm::dvec3& point_
 
 /// A walking camera. Keys move the camera over the ground at a constant eye height, the mouse turns it, and
 /// the wheel changes its speed. The camera does not fall. It follows the ground smoothly, even over edges,
-/// and keeps its height if there is no ground below. It descends only as far as the uncertainty of the ground
-/// allows, so that the eye stays above finer data that may load later. Positions are in the model frame, like
+/// and keeps its height if there is no ground below. The camera descends only so far that the eye stays above
+/// finer data that may load later: see Ground::uncertainty_model. Positions are in the model frame, like
 /// those of View. Pure: no clock, no input device.
 class WalkCamera {
  public:

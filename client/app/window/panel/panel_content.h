@@ -42,7 +42,7 @@ struct PanelContent {
   bool textured = false;
   uint64_t gpu_tiles = 0;  ///< number of texture tiles on the GPU
   float threshold_px = 1, error_px = 0;
-  double target_ms = 0;  ///< target frame time for which the threshold is coarsened; 0 if it is not coarsened
+  double target_ms = 0;  ///< target frame time for which the threshold is coarsened; 0: not coarsened
   double aimed_ms = 0;   ///< target frame time while the camera moves; 0: none
   double scale = 1;      ///< resolution scale per side; thresholds are in scaled pixels
   bool converged = false;

@@ -8,7 +8,8 @@
 namespace lode::app {
 
 /// Collects the characters that the font atlas needs: Latin, and all other characters that have occurred in
-/// texts. Not all characters of a font, because these are tens of thousands. Pure.
+/// texts. The atlas does not contain all characters of a font, because a font can have tens of thousands.
+/// Pure.
 class PanelCharacters {
  public:
   /// Adds the characters of a text. @param text  UTF-8; invalid bytes are skipped.
