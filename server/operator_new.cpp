@@ -1,6 +1,6 @@
-// The server's operator new. It calls malloc(), and takes a block of the MemoryReserve if malloc() fails. A
-// new-handler could not do this: it does not know the size, so that a few large requests would empty the
-// reserve.
+// The server's operator new calls malloc(), and takes a block of the MemoryReserve if malloc() fails. A
+// new-handler could not do this, because a new-handler does not know the requested size: a few large requests
+// would empty the reserve.
 
 #include <cstdlib>
 #include <new>

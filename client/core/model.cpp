@@ -105,7 +105,8 @@ void Model::addPage(const BlobUse& use, std::span<const std::byte> bytes) {
   }
 }
 
-/// Checks the memory of the LOD that is decoded whatever the budget is. The server only announces its size.
+/// Checks the memory of the LOD that is decoded even if it exceeds the budget. The check relies on the size
+/// that the server announces.
 void Model::requireRoomFor(const Lod& first) const {
   const uint64_t needed_bytes =
       first.payload.bytes + 2 * meshBytes(first.vertices, first.triangles, summary_.attributes);

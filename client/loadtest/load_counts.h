@@ -12,8 +12,8 @@ namespace lode::app {
 
 /// Counters of the clients of one thread.
 struct LoadCounts {
-  /// Latency of requests by request class. The latency ends with the last byte of the blob. It begins at the
-  /// intended time for trace clients, and when the request is sent for full clients.
+  /// Latency of requests by request class. The latency ends with the last byte of the blob. The latency
+  /// begins at the intended time for trace clients, and when the request is sent for full clients.
   std::array<LatencyHistogram, 3> latency;
   LatencyHistogram first_image;  ///< time from a client's intended start to the root's coarsest LOD
   LatencyHistogram converged;    ///< time until the first converged picture; full clients only

@@ -15,9 +15,9 @@
 
 namespace lode::app {
 
-/// Replays a trace in rounds. Each client starts at its own position of the trace. It sends each request at
-/// the intended time, even while earlier requests are open; the latency counts from the intended time. If the
-/// connection ends, the client reconnects and repeats the open requests.
+/// Replays a trace in rounds. Each client starts at its own position of the trace. The client sends each
+/// request at the intended time, even while earlier requests are open; the latency counts from the intended
+/// time. If the connection ends, the client reconnects and repeats the open requests.
 class TraceClient final : public LoadClient {
  public:
   /// @param start    time to connect.

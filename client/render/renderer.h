@@ -24,9 +24,9 @@
 
 namespace lode::render {
 
-/// Draws the cuts of one model, as one instance or several. Create, use and destroy it on the thread of its
-/// OpenGL 4.5 context. The renderer relies on no OpenGL state. It changes the bound framebuffer, program and
-/// vertex array, and the depth and polygon state.
+/// Draws the cuts of one model, as one instance or several. Create, use and destroy the object on the thread
+/// of its OpenGL 4.5 context. The renderer relies on no OpenGL state, but changes the bound framebuffer,
+/// program and vertex array, and the depth and polygon state.
 class Renderer {
  public:
   /// @param lattice_step  the model's lattice step, see isLatticeStep().

@@ -25,8 +25,8 @@ constexpr int kDeepestFolder = 8;
 std::array<std::atomic<const char*>, kMostUnfinished> unfinished;
 std::atomic<bool> is_ending = false;
 
-// The functions below run in a signal handler. They make system calls only, and neither allocate memory nor
-// lock.
+// The functions below run in a signal handler. These functions make only system calls; they do not allocate
+// memory and do not lock.
 
 void removeFolder(int in, const char* name, int depth) noexcept;
 

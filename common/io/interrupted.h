@@ -8,8 +8,9 @@
 
 namespace lode {
 
-/// Installs handlers for SIGINT, SIGTERM and SIGHUP: they remove every unfinished file and folder, print a
-/// line on stderr and end the process. A signal that is ignored or already has a handler stays as it is.
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP. The handlers remove every unfinished file and folder,
+/// print a line on stderr and end the process. A signal that is ignored or already has a handler stays as it
+/// is.
 void endCleanlyWhenInterrupted() noexcept;
 
 /// Removes every unfinished file and folder, prints a message on stderr and ends the process by the signal,

@@ -47,7 +47,7 @@ std::vector<std::string> componentsOf(std::string_view name) {
   return components;
 }
 
-/// Returns the ends of a path, longest first. They contain neither ".." nor hidden components.
+/// Returns the ends of a path, longest first. No end contains ".." or a hidden component.
 std::vector<fs::path> tailsOf(const std::vector<std::string>& components) {
   std::vector<fs::path> tails;
   fs::path tail;

@@ -260,10 +260,10 @@ void Server::State::run() {
   for (auto& worker : workers) worker->join();
 }
 
-/// Ends late reads. Refills the reserve. Returns freed memory to the system when the used part of the budget
-/// has fallen to half of its peak and no longer falls. Without this trim, malloc would keep nearly all memory
-/// that a flood of requests or answers needed. The trim waits until the used part no longer falls, because
-/// connections that still close free more memory.
+/// Runs every kMaintainEvery: ends late reads, refills the reserve, and returns freed memory to the system
+/// when the used part of the budget has fallen to half of its peak and no longer falls. Without this trim,
+/// malloc would keep nearly all memory that a flood of requests or answers needed. The trim waits until the
+/// used part no longer falls, because connections that still close free more memory.
 void Server::State::maintain() {
   readers.tick();
   if (reserve.refill() > 0)

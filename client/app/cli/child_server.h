@@ -15,9 +15,9 @@
 namespace lode::app {
 
 /// A lodestreamd child process that serves one store on a loopback port. The server ends with this object and
-/// with the thread that created this object. It ignores a terminal's Ctrl-C, so that it serves until the
-/// client has ended. The server requires a random token, because other users of the machine can reach its
-/// port.
+/// with the thread that created this object. The server ignores Ctrl-C in the terminal, so that it serves
+/// until the client has ended. The server requires a random token, because other users of the machine can
+/// reach its port.
 class ChildServer {
  public:
   /// Starts the server and waits until it is ready. @throws Error kIo with the child's message if the server

@@ -73,7 +73,7 @@ class MeshCache {
 
   explicit MeshCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// Adds a mesh. Keeps the resident mesh if the key already has one.
+  /// Adds a mesh. Keeps the resident mesh if there is already a mesh with this key.
   /// @param footprint  footprint of a textured mesh; setFootprint() can add the footprint later.
   void insert(MeshKey key, std::shared_ptr<const Mesh> mesh,
               std::shared_ptr<const TextureFootprint> footprint = nullptr);

@@ -10,7 +10,7 @@
 
 namespace lode::core {
 
-/// Longest wait before the first retry; each retry increases it by half.
+/// Longest wait before the first retry. Each retry increases the longest wait by half.
 constexpr std::chrono::milliseconds kFirstRetry{500};
 constexpr std::chrono::seconds kLastRetry{30};  ///< longest wait before any retry
 /// Longest wait before reconnecting when the server announces its shutdown.

@@ -16,7 +16,7 @@ class TextureCache {
  public:
   explicit TextureCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// Adds a tile. Keeps the resident image if the blob already has one.
+  /// Adds a tile. Keeps the resident image if there is already an image of this blob.
   void insert(uint32_t blob, std::shared_ptr<const TileImage> image);
   /// @return null if the tile is not resident.
   std::shared_ptr<const TileImage> find(uint32_t blob) const noexcept;

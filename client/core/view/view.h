@@ -42,8 +42,8 @@ float screenErrorPx(float error_model, double distance_model, const View& view) 
 /// Returns the focal length in pixels: the projected size of one unit at distance one.
 double focalPx(const View& view) noexcept;
 
-/// Returns false only if the box is outside the picture. The test is conservative: it may return true for a
-/// box just outside.
+/// Returns false only if the box is outside the picture. The test is conservative: the function can return
+/// true for a box just outside the picture.
 /// @param widening  scale of the picture about its centre; 1.2 makes the picture a fifth wider and higher.
 bool boxMayBeVisible(const ModelBox& box, const View& view, double widening = 1) noexcept;
 

@@ -7,8 +7,9 @@
 namespace lode::render {
 namespace {
 
-// The shaders follow in the order in which they run. They use the depths of the picture, which are reversed
-// and have no far plane: depth is 1 at the near plane, 0 in the background, and affine on planar surfaces.
+// The shaders follow in the order in which they run. The shaders read the depths of the picture, which are
+// reversed and have no far plane: depth is 1 at the near plane, 0 in the background, and affine on planar
+// surfaces.
 
 enum OcclusionUniform { kOcclusionMiddle, kOcclusionRayStep, kOcclusionReach };
 enum BlurUniform { kBlurAlong };

@@ -63,7 +63,8 @@ std::optional<ColorMode> colorModeNamed(std::string_view name) noexcept;
 /// Returns "surface, unlit, ..." for help texts and errors.
 std::string colorModeNames();
 
-/// Returns the sRGB colour of a part: see ColorModeTraits::colour. White if the mode has none.
+/// Returns the sRGB colour of a part: see ColorModeTraits::colour. Returns white if the mode has no colour
+/// per part.
 glm::u8vec3 colourOf(ColorMode show, const DrawItem& part, float threshold_rad, uint32_t instance = 0);
 /// Returns the legend for the drawn parts; empty if the mode has no legend.
 /// @param threshold_px  the picture's threshold.

@@ -3,7 +3,7 @@
 namespace lode::render {
 
 /// GLSL sources of the mesh programs, for linkProgram(). mesh_drawer.cpp has the uniform locations. Macros
-/// select the features. TEXTURED samples textures. FADING draws a dithered share of the pixels; it prevents
+/// select the features. TEXTURED samples textures. FADING draws a dithered share of the pixels and prevents
 /// early depth tests. CUT_OUT discards transparent pixels. VIEWS draws colour modes other than kSurface. WIRE
 /// draws triangle edges.
 extern const char* const kCorner;        ///< macro that declares the variables that shader stages pass on

@@ -29,8 +29,8 @@ struct ExchangeStep {
 /// Plans the switch from older to newer cuts of a model's instances. Regions switch one by one, each as soon
 /// as all its meshes are on the GPU. Visible regions come first, and larger errors before smaller errors,
 /// across instances. Meanwhile a mixed cut covers the model. In each region the mixed cut has either the
-/// newer or the older parts. It has the fallbacks of both cuts, so that it has only holes that one of the two
-/// cuts also has. Uses no OpenGL.
+/// newer or the older parts. The mixed cut has the fallbacks of both cuts, so that each of its holes is also
+/// a hole of one of the two cuts. Uses no OpenGL.
 class CutExchange {
  public:
   using Cuts = std::vector<std::shared_ptr<const core::Cut>>;  ///< one cut per instance

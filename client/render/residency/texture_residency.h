@@ -69,8 +69,8 @@ class TextureResidency {
   /// @param staging_bytes  limit of uploads per frame.
   explicit TextureResidency(uint64_t budget_bytes, uint32_t staging_bytes = 4 * kTileLayerBytes);
 
-  /// Changes the budget. If the current array exceeds the new budget, evicts all tiles. They are uploaded
-  /// again after the next show().
+  /// Changes the budget. If the current array exceeds the new budget, evicts all tiles; the tiles are
+  /// uploaded again after the next show().
   void setBudget(uint64_t bytes);
 
   /// Selects the tiles to upload and to keep.

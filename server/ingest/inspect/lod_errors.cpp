@@ -15,7 +15,8 @@
 namespace lode::ingest {
 namespace {
 
-/// The LODs of one node that are measured. They are in memory from the node's first leaf to its last leaf.
+/// The LODs of one node that are measured. The LODs stay in memory from the node's first leaf to its last
+/// leaf.
 struct NodeCheck {
   const Node* node = nullptr;
   uint64_t original = 0;       ///< number of triangles in the leaves below the node

@@ -108,8 +108,8 @@ uint64_t usualMemory(const TextureImage& image, uint64_t encoder_texel_bytes, ui
   const glm::u64vec2 tile(tileInnerSize(shape, 0, 0, 0));
   const uint64_t at_once = encoderThreads(memory_bytes, image.memoryBytes(), threads) * tile.x * tile.y;
   const uint64_t encoders = encoder_texel_bytes * std::min(at_once, texels);
-  // Exclude the lower levels, which memoryBytes() includes: they are made only after the decoder has freed
-  // its memory.
+  // Exclude the lower levels, which memoryBytes() includes, because the lower levels are made only after the
+  // decoder has freed its memory.
   const uint64_t decoding = image.memoryBytes() - 2 * texels;
   const bool is_halved = levelCount(shape) > 1;
   return std::max(decoding, texels * (is_halved ? kLevelsTexelBytes : kDecodedTexelBytes) + encoders);

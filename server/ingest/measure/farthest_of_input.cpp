@@ -106,7 +106,7 @@ FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input
   for (const glm::u32vec3& t : input.triangles) {
     const MeasuredPoint &a = beside[input.wedge_position[t.x]], &b = beside[input.wedge_position[t.y]],
                         &c = beside[input.wedge_position[t.z]];
-    // Skip the triangle: its farthest point is a corner.
+    // Skip a triangle whose farthest point is a corner.
     if (a.triangle == b.triangle && b.triangle == c.triangle) continue;
     const std::array<MeasuredPoint, 3> corners{a, b, c};
     if (estimate(corners) <= kRefineAboveInInput * farthest.precision()) continue;

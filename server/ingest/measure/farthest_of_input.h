@@ -12,7 +12,7 @@ namespace lode::ingest {
 
 struct FarthestOfInput {
   float steps = 0;
-  /// The farthest point, if it lies inside a triangle; its `near` is a corner of that triangle.
+  /// The farthest point, if this point lies inside a triangle. Its `near` is a corner of the triangle.
   std::optional<SurfaceSample> inside;
 };
 

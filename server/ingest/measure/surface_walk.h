@@ -68,8 +68,8 @@ class SurfaceWalk {
   /// Returns the place of a position that is a corner of some triangle.
   Place placeAt(uint32_t position) const noexcept;
   /// Finds the triangles below a segment. The chain leads from the triangle below the segment's first end to
-  /// the triangle below the last end. It can also end at another triangle close to the last end, if the last
-  /// end projects into this triangle.
+  /// the triangle below the last end. The chain can also end at another triangle close to the last end, if
+  /// the last end projects into this triangle.
   /// @return false if the function finds no such chain.
   bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
                   TriangleChain& chain) const noexcept;

@@ -30,7 +30,7 @@ constexpr uint32_t kVanished = ~0u;
 struct SimplifiedMesh {
   NodeMesh mesh;
   std::vector<uint32_t> remap;  ///< maps each position of the input to a position of the mesh, or to
-                                ///< kVanished if the latter has lost its last triangle
+                                ///< kVanished if that position has lost its last triangle
   /// True if clustering has made the mesh; clustering may connect separate parts.
   bool is_clustered = false;
 };

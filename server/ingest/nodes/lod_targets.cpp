@@ -14,8 +14,9 @@ constexpr int kFineStepDepth = 2;
 constexpr uint64_t kFineStepNodes = 16;
 constexpr size_t kTrianglesPerLocked = 8;
 constexpr size_t kTrianglesPerLockedBelowRoot = 12;
-// Limits above which a node keeps fewer triangles per locked vertex. They bound the input of the parent, most
-// of all the root's, which takes the most memory. kLargeNodes is in node capacities.
+// Limits above which a node keeps fewer triangles per locked vertex. These limits bound the input of the
+// parent. The bound matters most for the root, whose input takes the most memory. kLargeNodes is in node
+// capacities.
 constexpr size_t kLargeNodes = 8;
 constexpr size_t kLargeTriangles = 1 << 17;
 /// Least limit for nodes that are not children of the root, in triangles.
@@ -33,7 +34,7 @@ bool hasMuchBelow(const LodRule& rule) {
   return rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
 }
 
-/// Returns the triangle count that follows `target`. @param locked number of the triangles at locked
+/// Returns the triangle count that follows `target`. @param locked  number of the triangles at locked
 /// vertices, among `target`.
 double stepFrom(double target, double locked, double factor) {
   return std::max(factor * target, locked + factor * kInnerFactor * (target - locked));

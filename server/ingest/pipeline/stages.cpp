@@ -207,8 +207,8 @@ void DereferenceStage::checkCounts() {
   if (lost.lost > 0) session_.warn(input + lost.inWords());
 }
 
-/// Sorts the triangles. A resumed build continues at the batch of the last recorded run. It dereferences this
-/// batch again, but skips the triangles that are already in a run.
+/// Sorts the triangles. A resumed build continues at the batch of the last recorded run. A resumed build
+/// dereferences this batch again, but skips the triangles that are already in a run.
 void DereferenceStage::sortSoup(const PackedInput& input) {
   DereferencePoint begin;
   uint64_t sorted = 0;  // triangles of the batch that are already in runs

@@ -9,7 +9,7 @@
 
 namespace lode::ingest {
 
-/// Octree over a mesh's unlocked positions. It has only cells with positions in at least two of their
+/// Octree over a mesh's unlocked positions. The octree has only cells with positions in at least two of their
 /// octants.
 class ClusterTree {
  public:

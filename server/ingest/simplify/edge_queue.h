@@ -51,7 +51,7 @@ class EdgeQueue {
     current_ = std::min(current_, bucket);
   }
 
-  /// Takes an item from the lowest bucket that has one. Returns false if the queue is empty.
+  /// Takes an item from the lowest bucket that is not empty. Returns false if the queue is empty.
   /// @param soon  the function calls soon(item) with an item that leaves the queue a few calls later; `soon`
   /// may change the item
   template <typename Soon>

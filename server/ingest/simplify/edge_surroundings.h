@@ -12,9 +12,9 @@
 
 namespace lode::ingest {
 
-/// The triangles around an edge (u, v), gathered once for all checks of the edge's collapse. The triangles
-/// with u only come first, then the triangles with v only. Of a triangle with both ends, only the third
-/// corner is stored.
+/// The triangles around an edge (u, v), gathered once for all checks of the edge's collapse. Triangles that
+/// have u but not v come first, then triangles that have v but not u. Stores only the third corner of a
+/// triangle that has both ends.
 class EdgeSurroundings {
  public:
   /// The two other corners of a triangle at an end of the edge, in the triangle's order.

@@ -31,8 +31,8 @@ void tune(tcp::socket& socket) {
   socket.set_option(NotSentLow(kNotSentLowBytes), ignored);
 }
 
-/// Returns a completion handler that clears the flag. It rethrows an exception of the coroutine, which then
-/// leaves run().
+/// Returns a completion handler that clears the flag. If the coroutine ended with an exception, the handler
+/// rethrows the exception, which then leaves run().
 auto ending(bool& running) {
   return [&running](const std::exception_ptr& thrown) {
     running = false;

@@ -25,8 +25,8 @@ constexpr size_t kMaxFreeBuffers = 64;
 constexpr size_t kMaxColdReads = 8;
 constexpr size_t kSlowWriteBytes = 16u << 10;  ///< size of a write on a slow link
 /// Size of the first writes of a connection. A write of this size fits the client's first TCP window, so that
-/// a client that never reads does not occupy a buffer here. Writes become larger after kReadersBytes, which
-/// show that the client reads.
+/// a client that never reads does not occupy a buffer here. Writes become larger after kReadersBytes, because
+/// these bytes show that the client reads.
 constexpr size_t kFirstWriteBytes = 48u << 10, kReadersBytes = 256u << 10;
 /// Largest number of unsent bytes in the kernel for a link that counts as fast.
 constexpr int kLittleUnsentBytes = 8 << 10;

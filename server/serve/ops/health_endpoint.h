@@ -29,15 +29,15 @@ std::optional<HealthRequest> parseHealthRequest(std::string_view text);
 /// Returns a complete HTTP response that closes the connection. @param status  200, 404, 405 or 503.
 std::string healthAnswer(int status, std::string_view content_type, std::string_view body, bool head_only);
 
-/// Functions that produce the responses. They run on the context's thread and must be quick.
+/// Functions that produce the responses. All functions run on the context's thread and must be quick.
 struct HealthAnswers {
   std::function<std::string()> metrics;  ///< Prometheus' text format
   std::function<bool()> ready;           ///< true while a balancer should send clients to this server
 };
 
-/// A minimal HTTP server on a second port. It answers GET /metrics with the metrics, /healthz with 200 while
-/// the context runs, and /readyz with 200 while the server is ready, else with 503. The endpoint serves a few
-/// connections at a time, each with a short deadline.
+/// A minimal HTTP server on a second port. The endpoint answers GET /metrics with the metrics, /healthz with
+/// 200 while the context runs, and /readyz with 200 while the server is ready, else with 503. The endpoint
+/// serves a few connections at a time, each with a short deadline.
 class HealthEndpoint {
  public:
   /// Starts to listen. The endpoint answers while the context runs.

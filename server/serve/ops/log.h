@@ -104,9 +104,9 @@ struct LogOptions {
   std::function<std::chrono::steady_clock::time_point()> clock = std::chrono::steady_clock::now;
 };
 
-/// The server's log. write() never blocks and never fails. It adds the line to a bounded queue of spdlog. A
-/// thread writes the queued lines without blocking, and counts dropped lines. LogLimit limits each kind of
-/// line; a separate line reports the number of lines left out. Thread safe.
+/// The server's log. write() never blocks and never fails. write() adds the line to a bounded queue of
+/// spdlog. A thread writes the queued lines without blocking, and counts dropped lines. LogLimit limits each
+/// kind of line; a separate line reports the number of lines left out. Thread safe.
 class Log {
  public:
   explicit Log(LogOptions options = {});

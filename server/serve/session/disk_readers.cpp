@@ -76,8 +76,8 @@ void DiskReaders::State::startThread() {
 
 void DiskReaders::State::work() {
   std::unique_lock lock(mutex);
-  while (threads <= options.threads &&
-         !stopping) {  // if there are more threads, another thread has replaced this thread
+  // If there are more than options.threads threads, another thread has replaced this thread.
+  while (threads <= options.threads && !stopping) {
     if (const auto store = next(); store != stores.end())
       runRead(store, lock);
     else if (!tasks.empty())

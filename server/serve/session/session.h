@@ -81,10 +81,10 @@ struct Chunk {
 };
 
 /// Protocol state of one connection on the server, without sockets, files or clocks. The session receives
-/// frames and produces the control frames and chunks to send. It owns the request queue and the byte window.
-/// All memory is charged and bounded. SessionLimits bounds open requests and models. The caller bounds the
-/// queued control frames: if it reads no frame while controlBytes() is above a limit, the queue exceeds this
-/// limit by at most the answers to one frame. Not thread safe.
+/// frames and produces the control frames and chunks to send. The session owns the request queue and the byte
+/// window. All memory is charged and bounded. SessionLimits bounds open requests and models. The caller
+/// bounds the queued control frames: if the caller reads no frame while controlBytes() is above a limit, the
+/// queue exceeds this limit by at most the answers to one frame. Not thread safe.
 ///
 /// The caller sends queued control frames before it begins another chunk.
 class Session {

@@ -20,10 +20,10 @@ struct Ground {
 using GroundBelow = std::function<std::optional<Ground>(const glm::dvec3& point_model)>;
 
 /// A walking camera. Keys move the camera over the ground at a constant eye height, the mouse turns it, and
-/// the wheel changes its speed. The camera does not fall. It follows the ground smoothly, even over edges,
-/// and keeps its height if there is no ground below. The camera descends only so far that the eye stays above
-/// finer data that may load later: see Ground::uncertainty_model. Positions are in the model frame, like
-/// those of View. Pure: no clock, no input device.
+/// the wheel changes its speed. The camera does not fall. The camera follows the ground smoothly, even over
+/// edges, and keeps its height if there is no ground below. The camera descends only so far that the eye
+/// stays above finer data that may load later: see Ground::uncertainty_model. Positions are in the model
+/// frame, like those of View. Pure: no clock, no input device.
 class WalkCamera {
  public:
   /// @param eye_height_model  initial height of the eye above the ground, > 0. @param axis  up axis.

@@ -12,7 +12,8 @@
 namespace lode::app {
 
 /// A picture that the user requests by a key. The picture is due when the window is at rest, so that it shows
-/// full detail and the panel's final text. It is due after kLongestWait at the latest.
+/// full detail and the panel's final text. If the window does not come to rest, the picture is due after
+/// kLongestWait.
 class PictureRequest {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;

@@ -11,7 +11,8 @@
 
 namespace lode::app {
 
-/// A text over the picture. It tells the state of the stream and, if the user can help, how.
+/// A text over the picture. The text tells the state of the stream. If the user can help, the text also tells
+/// how.
 struct Notice {
   enum class Kind : uint8_t {
     kNone,
