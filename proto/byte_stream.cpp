@@ -64,7 +64,8 @@ asio::awaitable<void> ByteStream::connectHandshake(std::string host) {
   const int checked = is_name ? SSL_set1_host(native, host.c_str())
                               : X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(native), host.c_str());
   if (checked != 1)
-    throw Error(ErrorCode::kNetwork, "a certificate cannot be valid for the host '" + host + "'");
+    throw Error(ErrorCode::kNetwork,
+                "no TLS certificate can be valid for the host '" + host + "': check the host name");
   co_await tls_->async_handshake(asio::ssl::stream_base::client,
                                  asio::redirect_error(asio::use_awaitable, error));
   if (!error) co_return;

@@ -44,7 +44,7 @@ void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& exp
     refuse("it declares " + std::to_string(vertices) + " vertices, but the hierarchy has " +
            std::to_string(expected.vertices));
   // Refuse attributes with seams, because such an attribute needs a table of faces of its own.
-  if (header.u8() != 0) refuse("it has seams of its own");
+  if (header.u8() != 0) refuse("it has attributes with seams");
   const uint32_t symbols = header.varint();
   if (symbols > faces || header.varint() > symbols)
     refuse("its connectivity has more symbols than triangles");

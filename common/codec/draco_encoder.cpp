@@ -263,7 +263,7 @@ EncodedPayload encodePayload(const Mesh& given, double step, MeshSource source) 
   if (given.triangles.empty()) return {};
   if (!isLatticeStep(step))
     throw Error(ErrorCode::kInternal,
-                "cannot encode a mesh: a store cannot hold its lattice step");
+                "cannot encode a mesh: a store cannot contain the lattice step of the mesh");
   requireSound(given);
   const std::optional<Mesh> spread = spreadTriangles(given);
   const Mesh& mesh = spread ? *spread : given;

@@ -215,7 +215,8 @@ void writeGlb(const std::filesystem::path& path, const Mesh& mesh, const Lattice
   const uint64_t binary_bytes = parts.bytes() == 0 ? 0 : kChunkHeaderBytes + parts.bytes();
   const uint64_t bytes = kHeaderBytes + kChunkHeaderBytes + text.size() + binary_bytes;
   if (bytes > std::numeric_limits<uint32_t>::max())
-    throw Error(ErrorCode::kLimit, path.string() + ": a GLB holds 4 GB at most, this one would have " +
+    throw Error(ErrorCode::kLimit, path.string() +
+                                       ": a GLB file can have at most 4 GB, but this file would have " +
                                        std::to_string(bytes) + " bytes: write PLY, or ask for a coarser cut");
   AtomicFile file(path);
   const auto writeHeader = [&file](auto... numbers) {

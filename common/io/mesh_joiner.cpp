@@ -21,7 +21,7 @@ void MeshJoiner::add(const Mesh& part) {
     renumbered_[i] = entry->second;
     if (!is_new) continue;
     if (whole_.positions.size() == std::numeric_limits<uint32_t>::max()) {
-      throw Error(ErrorCode::kLimit, "the cut has more than 4294967295 vertices; ask for a coarser one");
+      throw Error(ErrorCode::kLimit, "the cut has more than 4294967295 vertices; ask for a coarser cut");
     }
     whole_.positions.push_back(wedge.position);
     if (has_attributes) whole_.vertex_attributes.push_back(wedge.attributes);

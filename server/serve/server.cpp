@@ -329,8 +329,9 @@ void Server::State::inspect(const Published& now_served) {
   certificate_expires_s =
       expires ? static_cast<uint64_t>(std::max<int64_t>(1, expires->time_since_epoch().count())) : 0;
   if (expires && *expires <= now)
-    log->write(LogKind::kServer,
-               "the certificate has expired, so clients refuse it; install a new one and reload");
+    log->write(
+        LogKind::kServer,
+        "the certificate has expired, so clients refuse the server; install a new certificate and reload");
 }
 
 void Server::State::warnOfUnknownModels(const ServedSet& served) {

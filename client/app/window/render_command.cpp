@@ -148,8 +148,8 @@ void checkOutput(const RenderOptions& options) {
     throw Error(ErrorCode::kUsage, "render needs one of -o OUT.png, --frames DIR and --video OUT.mp4");
   if (!options.output.empty()) checkPictureFile(options.common.target, options.output);
   if (traitsOf(styleOf(options.look).show).shows_time)
-    throw Error(ErrorCode::kUsage,
-                "--show " + options.look.show + " is for view: render draws every part for the first time");
+    throw Error(ErrorCode::kUsage, "--show " + options.look.show +
+                                       " works only with view: in a rendered picture, every part is new");
 }
 
 void render(const RenderOptions& options) {

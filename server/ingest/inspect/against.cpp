@@ -207,7 +207,7 @@ class Comparison {
     if (ratios[worst] < kLeastRatio) failAtWorst("");
     if (report_.lods_below > (report_.lods + kLodsOfOneBelow - 1) / kLodsOfOneBelow) {
       failAtWorst(std::to_string(report_.lods_below) + " of " + std::to_string(report_.lods) +
-                  " LODs have a stored error below the measured one; the worst is ");
+                  " LODs have a stored error below the measured error; the worst is ");
     }
     std::sort(ratios.begin(), ratios.end());
     report_.least_ratio = ratios.front();

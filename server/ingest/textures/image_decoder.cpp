@@ -116,7 +116,7 @@ Image decodeImage(std::span<const std::byte> file, uint64_t memory_bytes, std::s
     throw Error(ErrorCode::kLimit, "has " + std::to_string(header.width) + " x " +
                                        std::to_string(header.height) + " pixels, which need " +
                                        byteSizeAtLeast(header.working_bytes) +
-                                       " of memory; raise --memory or scale it down");
+                                       " of memory; raise --memory or scale the image down");
   Image image;
   image.size = {header.width, header.height};
   image.texels.resize(header.width * header.height);

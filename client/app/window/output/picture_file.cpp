@@ -60,9 +60,9 @@ void refuseOtherFilm(const fs::path& folder, size_t frames) {
     size_t frame = 0;
     std::from_chars(name.data() + kPrefix.size(), name.data() + name.size(), frame);
     if (name == frameName(frame) && frame >= frames)
-      throw Error(ErrorCode::kUsage, entry->path().string() + " belongs to another film: this one has only " +
-                                         counted(frames, "frame") +
-                                         "; remove it, or choose another folder for --frames");
+      throw Error(ErrorCode::kUsage,
+                  entry->path().string() + " belongs to another film: this film has only " +
+                      counted(frames, "frame") + "; remove it, or choose another folder for --frames");
   }
   if (failed)
     throw Error(ErrorCode::kIo, folder.string() + " cannot be listed: " + failed.message() +

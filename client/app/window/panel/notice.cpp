@@ -44,7 +44,7 @@ Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) 
   using enum Notice::Kind;
   if (status.exhausted && status.cut)
     return {kTrouble,
-            "offline: the cache has no finer detail of this view; open it once without --offline to load it"};
+            "offline: the cache has no finer detail of this view; start once without --offline to load more"};
   if (!status.failure.empty()) return {status.failure_may_pass ? kTrouble : kFailure, failureText(status)};
   if (!status.trouble.empty())
     return {kTrouble, "no connection: " + status.trouble +
@@ -60,7 +60,7 @@ Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) 
   const bool is_complete = status.cut && status.cut->converged;
   if (status.settled && !is_complete)
     return {kTrouble,
-            "offline: parts of this view are not in the cache; open it without --offline to load them"};
+            "offline: parts of this view are not in the cache; start again without --offline to load them"};
   return {kHint, "offline: using the cache only"};
 }
 
