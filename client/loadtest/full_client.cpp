@@ -181,7 +181,8 @@ core::CameraKey FullClient::camera(core::TimePoint now) {
   return core::cameraAt(path_, from_s + std::min(at_s, path_s));
 }
 
-/// Steps the engine, sends its requests and decodes blobs until none is left to decode.
+/// Steps the engine, sends its requests and decodes blobs. Repeats these steps until no blob is left to
+/// decode.
 void FullClient::work(core::TimePoint now) {
   for (bool decoded = true; decoded;) {
     engine_.step(now);

@@ -31,7 +31,7 @@ struct LoadResult {
 
 /// Runs a load test. Client number i uses plan number i modulo the number of plans. Each client starts at its
 /// own position of the trace or follows its own path.
-/// @param plans  at least one. The test sets `end` of each.
+/// @param plans  at least one plan. The test sets `end` of each plan.
 /// @throws Error kUsage if the system does not allow that many connections.
 LoadResult runLoadTest(std::span<LoadPlan> plans, const LoadOptions& options);
 

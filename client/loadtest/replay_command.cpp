@@ -125,7 +125,7 @@ class Replay {
       result_.converged_ms = now_ms;
   }
 
-  /// Counts the holes and fallbacks of a frame. @param shown parts to draw. @return the largest error of
+  /// Counts the holes and fallbacks of a frame. @param shown  parts to draw. @return the largest error of
   /// these parts in this view.
   float lookAt(const core::Cut& cut, std::span<const uint32_t> shown, const core::View& view) {
     result_.holes += countHoles(cut, shown, view);

@@ -63,7 +63,8 @@ class RequestClock {
 /// Largest number of requests of broken connections that a client remembers.
 constexpr size_t kMaxLostRequests = 4096;
 
-/// Adds requests of a broken connection to those of earlier ones, up to kMaxLostRequests.
+/// Adds requests of a broken connection to the requests of earlier broken connections, up to
+/// kMaxLostRequests.
 /// @return the requests for which there is no room.
 RequestClock::Requests addLost(RequestClock::Requests& lost, RequestClock::Requests more);
 

@@ -35,7 +35,7 @@ net::Route routeTo(const ServedModel& model, const StreamOptions& options);
 /// State of a stream after its last step.
 struct StreamStatus {
   std::shared_ptr<const core::Cut> cut;  ///< current cut; null until a cut is published
-  /// Cuts indexed by view, whose union is `cut`: see core::ViewGroup.
+  /// Cuts by view; their union is `cut`: see core::ViewGroup.
   std::shared_ptr<const core::ViewCuts> view_cuts;
   uint64_t cut_build = 0;  ///< build of the cut; changes when the model is replaced
   core::EngineCounts counts;
@@ -43,7 +43,7 @@ struct StreamStatus {
   bool settled = false;    ///< the cut is final for the view and the budgets
   bool exhausted = false;  ///< the stream is offline, and the cache lacks blobs that the view needs
   std::string failure;     ///< reason why the stream has ended or a part cannot be loaded; empty otherwise
-  bool failure_may_pass = false;  ///< the stream requests the parts that cannot be loaded again
+  bool failure_may_pass = false;  ///< the stream will request the missing parts again
   std::string trouble;   ///< reason for the missing connection while the stream reconnects; empty otherwise
   bool ended = false;    ///< the stream has stopped for good
   bool current = false;  ///< the status describes the view that was set last

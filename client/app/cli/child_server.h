@@ -37,7 +37,7 @@ class ChildServer {
 struct ResolvedTarget {
   stream::ServedModel served;
   stream::StreamOptions options;           ///< connection options, with the token of the child server if
-                                           ///< there is one
+                                           ///< a child server runs
   std::unique_ptr<ChildServer> child;      ///< server of a local file; must outlive the connection
   std::filesystem::path file;              ///< local file as the user named it; empty for a model on a server
   FileLock in_use;                         ///< lock that keeps other programs from removing the store

@@ -48,7 +48,7 @@ class FrameRateControl {
   /// Advances time. @param moved  true if the camera moved.
   void step(double seconds, bool moved) noexcept;
   /// Adds a drawn frame, which may be several frames old. Ignores a frame whose resolution is not the current
-  /// one.
+  /// resolution.
   /// @param work_ms  time of the frame without the wait for the display
   void add(double work_ms, const render::Coarsening& coarsening) noexcept;
 
@@ -86,7 +86,7 @@ class FrameRateControl {
   double last_pixel_load_ = 0;  ///< part of the target time that the last frame's work on pixels took
   /// Number of consecutive frames that exceeded the target at the coarsest threshold.
   int slow_frames_ = 0;
-  double least_slow_ = 0;  ///< time of the fastest frame among slow_frames_, relative to the target
+  double least_slow_ = 0;  ///< time of the fastest of the slow_frames_ frames, relative to the target
   // Number of consecutive frames that needed no further steps. The next members are maxima over these frames.
   int calm_frames_ = 0;
   double calm_need_ = 0;        ///< steps needed

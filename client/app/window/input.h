@@ -15,7 +15,8 @@ struct Input {
   bool pressed = false;      ///< a mouse button went down
   glm::dvec2 pressed_px{0};  ///< pointer position at the moment the button went down
   bool clicked = false;      ///< the left button went down and up while the pointer stayed in place
-  /// The second click of a double click. The first click sets `clicked` in this frame or an earlier one.
+  /// True for the second click of a double click. The first click has set `clicked` in this frame or in an
+  /// earlier frame.
   bool double_clicked = false;
   FlyKeys fly;             ///< keys that are held down now
   glm::dvec2 pad_turn{0};  ///< right stick of the gamepad, -1 to 1: x to the right, y down

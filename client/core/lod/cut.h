@@ -25,8 +25,8 @@ struct CutPart {
   std::shared_ptr<const Mesh> mesh;
   float error_model = 0;  ///< distance between this surface and the original surface
   float off_model = 0;    ///< the larger of error_model and the appearance error
-  /// Threshold at which this part would be selected. Exact parts have the cut's threshold, finer stand-ins a
-  /// lower one, and coarser stand-ins max(threshold, error_px).
+  /// Threshold at which this part would be selected. Exact parts have the cut's threshold, finer stand-ins
+  /// have a lower threshold, and coarser stand-ins have max(threshold, error_px).
   float threshold_px = 0;
   ModelBox box = {};  ///< bounding box of the node
 };

@@ -18,7 +18,7 @@ struct Ray {
   glm::dvec3 origin_model{0}, direction{0, 0, -1};  ///< direction has unit length
 };
 
-/// Returns the ray from the eye through a pixel position. @param place_px position relative to the top left
+/// Returns the ray from the eye through a pixel position. @param place_px  position relative to the top left
 /// corner; y points down.
 Ray rayThrough(const View& view, const glm::dvec2& place_px) noexcept;
 

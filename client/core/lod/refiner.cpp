@@ -117,7 +117,7 @@ class Run {
     return seen_ != nullptr && wanted.near && !seen_->in(wanted.node->key);
   }
 
-  /// Returns the priority of a request in the view. @param shown_px projected error that the blob helps to
+  /// Returns the priority of a request in the view. @param shown_px  projected error that the blob helps to
   /// remove.
   float priorityOf(float shown_px) const {
     return below_hidden_ ? shown_px * kHiddenPriorityFactor : shown_px;

@@ -82,8 +82,8 @@ class SmallPicture {
     return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
   }
 
-  /// Clips a triangle at the near plane and draws it. The coordinate axes point right, up and away from the
-  /// eye.
+  /// Clips a triangle at the near plane and draws the rest. The coordinate axes point right, up and away from
+  /// the eye.
   void clip(const std::array<glm::dvec3, 3>& corners) {
     std::array<glm::dvec3, 4> seen;
     size_t count = 0;

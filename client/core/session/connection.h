@@ -16,7 +16,8 @@ constexpr std::chrono::seconds kLastRetry{30};  ///< longest wait before any ret
 /// Longest wait before reconnecting when the server announces its shutdown.
 constexpr std::chrono::milliseconds kMoveOn{200};
 
-/// The two sessions of a connection: the active one, and the previous one, whose server is shutting down.
+/// The two sessions of a connection: the active session, and the draining session, whose server is shutting
+/// down.
 enum class SessionRole : uint8_t { kActive, kDraining };
 inline constexpr std::array kSessionRoles{SessionRole::kActive, SessionRole::kDraining};
 

@@ -172,7 +172,7 @@ void GpuCulling::findAppeared(const Framebuffer& drawn) {
   glDeleteSync(std::exchange(count_fences_[picture_], glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0)));
 }
 
-/// Runs a pass. @param by_last_picture true if depths_ shows the last picture, false if it shows this
+/// Runs a pass. @param by_last_picture  true if depths_ shows the last picture, false if it shows this
 /// picture.
 void GpuCulling::find(bool by_last_picture) {
   if (lists_.empty()) return;

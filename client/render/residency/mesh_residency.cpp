@@ -288,8 +288,8 @@ bool MeshResidency::evictOldest() {
   return true;
 }
 
-/// Evicts all meshes, even drawn ones, so that the target can replace them within the same frame. Allocates
-/// its largest meshes first, which leaves the fewest gaps.
+/// Evicts all meshes, even drawn meshes, so that the target can replace them within the same frame. Allocates
+/// the target's largest meshes first, which leaves the fewest gaps.
 bool MeshResidency::makeRoomForTargetAlone() {
   std::vector<std::shared_ptr<const Mesh>> meshes = meshesOf(*target_);
   const auto bytesOf = [](const std::shared_ptr<const Mesh>& mesh) { return core::drawnBytes(*mesh); };

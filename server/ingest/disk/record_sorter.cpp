@@ -76,7 +76,7 @@ void RecordSorter::sortOn(unsigned threads, size_t begin, size_t end, const Prog
   sortOn(lower_threads, begin, middle, progress, total);
 }
 
-/// Sorts in pieces, to report progress between them.
+/// Sorts in pieces, to report progress between the pieces.
 void RecordSorter::sortPieces(size_t begin, size_t end, const Progress& progress, uint64_t total) {
   const auto at = [this](size_t index) { return order_.begin() + static_cast<ptrdiff_t>(index); };
   if (end - begin > kPieceRecords) {

@@ -22,9 +22,9 @@ constexpr double kTrianglesOfOneThread = 1e5;
 /// fifths.
 constexpr double kSerialShare = 0.3;
 constexpr uint64_t kTrialTriangles = 400000;
-/// Numbers of stretches to try, in this order. Several stretches represent a model better than one, because a
-/// lake is cheaper than a mountain. But if the file lists faces in long rows, several stretches are thin
-/// strips, and a single stretch is better.
+/// Numbers of stretches to try, in this order. Several stretches represent a model better than a single
+/// stretch, because the cost differs within a model: a lake is cheaper than a mountain. But if the file lists
+/// faces in long rows, several stretches are thin strips, and a single stretch is better.
 constexpr std::array<uint64_t, 2> kStretches{4, 1};
 /// Largest ratio of the number of a stretch's vertices to its share of the model's vertices. The border makes
 /// the ratio larger than 1. Above this limit, the faces of the stretch are scattered.

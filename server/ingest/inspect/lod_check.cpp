@@ -118,8 +118,8 @@ LodCheck::LodCheck(const Mesh& lod, const LatticeBox& box, float stored_steps, u
 LodCheck::LodCheck(const NodeMesh& lod, const LatticeBox& box, float stored_steps)
     : origin_(box.min), stored_(stored_steps), tree_(lod), walk_(lod) {}
 
-/// Places points at all corners and inside triangles. The number of points in a triangle is proportional to
-/// its area, but at least one.
+/// Places points at all corners and inside triangles. The number of points in a triangle is at least 1 and
+/// otherwise proportional to the triangle's area.
 void LodCheck::placePoints(const Mesh& lod, uint64_t count, Dice dice) {
   for (const PositionCode position : lod.positions) points_.emplace_back(unpackPosition(position) - origin_);
   const auto triangleOf = [&](const glm::u32vec3& t) {
@@ -229,7 +229,7 @@ void LodCheck::bringNearer(const LeafSurface& leaf) {
 
 /// Returns the distance of a point from a leaf; exact between kTolerance times the stored error and `bound`.
 /// @param point  in lattice steps from the leaf's lowest corner. @param last  a triangle at which the search
-/// starts; receives the nearest one.
+/// starts; receives the nearest triangle.
 float LodCheck::distanceTo(const LeafSurface& leaf, glm::dvec3 point, float bound, uint32_t& last) const {
   const float enough = kTolerance * stored_;
   const glm::vec3 at(point);

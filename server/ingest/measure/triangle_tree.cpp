@@ -39,8 +39,8 @@ TriangleCorners exactly(const PackedTriangle& triangle) {
   return {a, a + vectorOf(triangle.ab()), a + vectorOf(triangle.ac())};
 }
 
-/// Returns a limit for squared distances of boxes: a box with a larger squared distance contains no point
-/// within `distance`. The limit allows for the single precision of box distances.
+/// Returns a limit for squared distances of boxes. A box above this limit contains no point within
+/// `distance`, even though the distances of boxes have only single precision.
 float squaredReach(double distance) {
   constexpr double kRounding = 1;  // lattice steps; more than the rounding of three coordinates below 2^21
   return static_cast<float>((distance + kRounding) * (distance + kRounding));

@@ -15,7 +15,7 @@ class NumberTable {
  public:
   static constexpr uint32_t kAbsent = UINT32_MAX;
 
-  /// Clears the table. @param expected number of keys for which memory is reserved; the table grows if more
+  /// Clears the table. @param expected  number of keys for which memory is reserved; the table grows if more
   /// keys follow.
   void reset(size_t expected) {
     const size_t wanted = std::bit_ceil(std::max<size_t>(expected, 8) * 2);

@@ -41,7 +41,7 @@ class Stage {
   virtual bool isOnDisk() const { return true; }
   /// Records all data that load() needs in addition to the files and BuildFacts.
   virtual void save(RecordWriter& record) const = 0;
-  /// Restores the result that save() recorded. @param is_used_up true if all stages that need the result are
+  /// Restores the result that save() recorded. @param is_used_up  true if all stages that need the result are
   /// finished, so that the result's files are removed. @throws Error kIo, kFormat.
   virtual void load(RecordReader& record, bool is_used_up) = 0;
 

@@ -25,7 +25,7 @@ MemoryPlan planMemory(uint64_t memory_bytes, unsigned threads, uint32_t triangle
 
 constexpr uint64_t kNodeRecordBytes = 96;  ///< memory per node of a tree that is being simplified
 
-/// Returns the memory that simplifying and measuring a node takes. @param triangles triangles of the node's
+/// Returns the memory that simplifying and measuring a node takes. @param triangles  triangles of the node's
 /// input mesh.
 constexpr uint64_t memoryOfNode(uint64_t triangles) noexcept {
   /// Memory per triangle for quadrics, the queue, LODs and the tree that measures errors.
@@ -34,7 +34,7 @@ constexpr uint64_t memoryOfNode(uint64_t triangles) noexcept {
 }
 
 /// Returns a warning that names the least sufficient budget if a build could exceed `memory_bytes`, else an
-/// empty text. @param is_one_node true if the whole model fits in one node, which needs little memory.
+/// empty text. @param is_one_node  true if the whole model fits in one node, which needs little memory.
 std::string smallBudgetInWords(uint64_t memory_bytes, uint32_t triangles_per_node, bool is_one_node);
 /// Returns "--memory is less than the N needed for PURPOSE; ...".
 std::string budgetBelowInWords(uint64_t least_bytes, const std::string& purpose);
@@ -50,7 +50,7 @@ uint64_t budgetForImage(uint64_t image_bytes) noexcept;
 /// number, or fewer if their encoders and the image would not fit in memory.
 unsigned encoderThreads(uint64_t memory_bytes, uint64_t image_bytes, unsigned threads) noexcept;
 
-/// Forecasts the peak memory of a build. @param texture_bytes memory of the stage "textures", without the
+/// Forecasts the peak memory of a build. @param texture_bytes  memory of the stage "textures", without the
 /// memory of the program.
 uint64_t expectedPeakBytes(const MemoryPlan& plan, uint64_t vertices, uint64_t triangles, AttributeSet file,
                            uint32_t triangles_per_node, uint64_t texture_bytes) noexcept;

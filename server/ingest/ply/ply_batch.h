@@ -70,8 +70,8 @@ struct FaceAttributes {
   glm::u8vec4 colour{255};
 };
 
-/// Collects faces, drops degenerate ones, and passes the others to a sink in batches. A batch is empty if
-/// many faces in a row are dropped.
+/// Collects faces, drops degenerate faces, and passes the remaining faces to a sink in batches. A batch is
+/// empty if many faces in a row are dropped.
 class PlyFaceBatch {
  public:
   PlyFaceBatch(const PlyPlan& plan, const PlyReader::FaceSink& sink, PlyCounts& counts,

@@ -145,7 +145,7 @@ void dropFaceColours(FacePlan& plan) {
 }
 
 /// Returns true if the vertices are the Gaussians of a splat. Their colours can be in f_dc_* or in other
-/// properties. Some programs pack each group of properties into one.
+/// properties. Some programs pack each group of properties into one property.
 bool isGaussianSplat(const PlyElement& vertices) {
   const auto hasAll = [&](const auto& names) {
     return std::ranges::all_of(names,

@@ -39,8 +39,8 @@ class FoldFinder {
     entries_.reserve(triangles);
   }
 
-  /// Pairs the triangle with an earlier unpaired triangle of opposite orientation, and returns that triangle.
-  /// If there is none, records this triangle and returns kNone.
+  /// Pairs the triangle `t` with an earlier unpaired triangle of opposite orientation. @return number of the
+  /// earlier triangle. If there is no such triangle, records `t` and returns kNone.
   uint32_t partnerOf(glm::u32vec3 t, uint32_t number) {
     while (t.x > t.y || t.x > t.z) t = {t.y, t.z, t.x};
     const bool turned = t.y > t.z;

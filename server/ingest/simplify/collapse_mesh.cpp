@@ -370,7 +370,7 @@ void addPlanes(CollapseMesh& mesh) {
     const double length = glm::length(normal);
     if (length == 0) continue;
     Quadric plane;
-    // The weight turns the square of the cross product into the unit normal's square times the area.
+    // The weight makes the term equal to the plane of the unit normal, weighted by the area.
     plane.addPlane(normal, -glm::dot(normal, mesh.point(t[0])), 0.5 / length);
     for (const uint32_t i : t) {
       mesh.quadrics[i] += plane;

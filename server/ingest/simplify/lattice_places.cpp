@@ -15,15 +15,15 @@ namespace {
 constexpr double kOfEdge = 1.0 / 32, kOfError = 2;
 constexpr double kAreaOfEdge = 0.433;  ///< area of an equilateral triangle with side 1
 
-/// Returns the largest power of two that is at most `value`; 0 for subnormal values. @param value not
+/// Returns the largest power of two that is at most `value`; 0 for subnormal values. @param value  not
 /// negative
 double powerOfTwoAtMost(double value) noexcept {
   constexpr uint64_t kExponent = 0x7FF0000000000000u;
   return std::bit_cast<double>(std::bit_cast<uint64_t>(value) & kExponent);
 }
 
-/// Returns floor(p) for values that fit an integer. The function is inlined, so it is faster than the
-/// library's.
+/// Returns floor(p) for values that fit an integer. This function is faster than the library's floor(),
+/// because it is inlined.
 glm::dvec3 floorOf(glm::dvec3 p) noexcept {
   glm::dvec3 floor{glm::i64vec3(p)};
   for (int k = 0; k < 3; ++k) floor[k] -= floor[k] > p[k];

@@ -93,7 +93,7 @@ class BlockDereference {
   struct Face {
     uint32_t first, corners;  ///< first corner in the block, and number of corners
     uint16_t material;
-    const glm::u8vec4* colour;  ///< null if vertices have the colours, or nothing has
+    const glm::u8vec4* colour;  ///< null if the vertices have the colours, or if there are no colours
   };
 
   glm::dvec3 positionOf(uint32_t corner) const {

@@ -11,7 +11,7 @@
 
 namespace lode::ingest {
 
-/// Warning about a model that has texture coordinates but names no image.
+/// Text of the warning about a model that has texture coordinates but names no image.
 constexpr const char* kNoTextureFile =
     "has texture coordinates, but its header names no image; add a line: comment TextureFile NAME";
 

@@ -26,7 +26,7 @@ ListenAddress parseListenAddress(std::string_view text);
 /// Resolves ADDR:PORT or NAME:PORT to its first address. @throws Error kUsage.
 asio::ip::tcp::endpoint resolveListen(asio::io_context& context, const std::string& listen);
 
-/// Opens an acceptor that listens on the endpoint. @param option option that error messages name, such as
+/// Opens an acceptor that listens on the endpoint. @param option  option that error messages name, such as
 /// "--listen".
 /// @throws Error kIo, for example if the port is in use.
 asio::ip::tcp::acceptor openListener(asio::io_context& context, const asio::ip::tcp::endpoint& endpoint,

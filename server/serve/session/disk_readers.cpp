@@ -132,8 +132,8 @@ void DiskReaders::State::runRead(Stores::iterator entry, std::unique_lock<std::m
   lock.lock();
 }
 
-/// Moves reads that end because storage hangs to `ended`, and the readers of stores that hang since now to
-/// `stalled`.
+/// Moves to `ended` the reads that have just become late, and the waiting reads of stores whose storage
+/// hangs. Adds to `stalled` the readers of the reads that have just become late.
 void DiskReaders::State::collectLate(TimePoint now, Reads& ended,
                                      std::vector<std::shared_ptr<const BlobReader>>& stalled) {
   for (auto& [key, store] : stores) {

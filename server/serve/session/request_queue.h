@@ -52,7 +52,7 @@ class RequestQueue {
   void end(OpenRequest& request);
   void clear();
 
-  /// Ends all requests of a handle. @param ended function that is called with each request, in the order of
+  /// Ends all requests of a handle. @param ended  function that is called with each request, in the order of
   /// the ids.
   template <typename Ended>
   void endAll(uint32_t handle, Ended ended) {

@@ -260,7 +260,7 @@ void Panel::drawOpen(const PanelContent& content) const {
             std::span(content.legend).subspan(is_legend_whole ? legend.size() : legend.size() - 1));
 }
 
-/// Draws some parts of the panel. @param shown one flag per part, in order; true draws the part.
+/// Draws some parts of the panel. @param shown  one flag per part, in order; true draws the part.
 void Panel::drawParts(const PanelContent& content, std::span<const Figure> figures,
                       const std::vector<bool>& shown, std::span<const render::LegendEntry> legend) const {
   const auto rest = shown.begin() + static_cast<std::ptrdiff_t>(figures.size());

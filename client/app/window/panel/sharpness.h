@@ -20,7 +20,7 @@ struct Refining {
 
 /// Returns the text for a picture that is being refined.
 std::string refiningText(const Refining& refining);
-/// Returns the text for a picture that the memory budget limits.
+/// Returns the text for a picture whose detail the memory budget limits.
 std::string limitedText(float error_px);
 /// Returns the text for a picture whose server is unreachable.
 std::string waitingText(float error_px);

@@ -11,7 +11,7 @@ namespace lode::app {
 
 /// Returns the sRGB colour at a hit. Multiplies the interpolated vertex colour by the finest resident texel
 /// in linear light, like the renderer. Returns nothing if the model has neither colours nor a texture.
-/// @param textured  the model's cut that has the textures; cuts of single instances have none.
+/// @param textured  cut of the model that has the textures; the cuts of single instances have no textures.
 std::optional<glm::u8vec3> paintAt(const core::Hit& hit, const core::Cut& textured);
 
 }  // namespace lode::app

@@ -301,8 +301,8 @@ std::vector<ViewedScene::VisibleInstance> ViewedScene::visibleInstances(const co
   return found;
 }
 
-/// Ends the fades of all instances except the visible ones, so that nothing fades when they become visible
-/// again.
+/// Ends the fades of all instances that are not visible, so that nothing fades when these instances become
+/// visible again.
 void ViewedScene::forgetInvisible(std::span<const VisibleInstance> visible) {
   for (const auto& model : models_) {
     std::vector<bool> is_visible(model->instances.size());
