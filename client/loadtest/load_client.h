@@ -52,7 +52,8 @@ inline double randomPause(double mean_s, std::mt19937_64& random) {
 constexpr size_t kMaxKnownDigests = 1u << 17;
 
 /// Checks the digests of blobs that arrive repeatedly. Computes SHA-256 for the first copy of a blob.
-/// Compares later copies with the xxh3 checksum of the first copy, because this is faster. Not thread safe.
+/// Compares later copies with the xxh3 checksum of the first copy, because a checksum is faster than SHA-256.
+/// Not thread safe.
 class KnownDigests {
  public:
   bool matchesDigest(const BlobRef& blob, std::span<const std::byte> bytes);

@@ -15,8 +15,8 @@ namespace {
 
 constexpr auto kKeepAliveEvery = std::chrono::seconds(1);
 constexpr auto kLookForRetryEvery = std::chrono::milliseconds(20);
-/// If fewer requests than this are open, the client passes all due requests to the session again. The session
-/// limits the number of open requests.
+/// If fewer than kRefillBelow requests are open, the client passes all due requests to the session again. The
+/// session limits the number of open requests.
 constexpr size_t kRefillBelow = 64;
 constexpr double kShortestTraceSeconds = 1;  ///< least duration of a round; traces of a resting camera have
                                              ///< no duration of their own

@@ -95,8 +95,8 @@ double Viewer::coveredShare() const {
   return app::coveredShare(window_px, kTextPx * static_cast<float>(window_.contentScale()));
 }
 
-/// Returns the surface point below the pointer. If there is none, returns the surface point in the middle of
-/// the picture, or else the ground below the eye.
+/// Returns the surface point below the pointer. If no surface is below the pointer, returns the surface point
+/// in the middle of the picture. If no surface is there either, returns the ground below the eye.
 std::optional<glm::dvec3> Viewer::startOfWalk(const glm::dvec2& pointer_px, const GroundBelow& ground) {
   const core::View& view = rig_->view();
   for (const glm::dvec2& pixel_px : {pointer_px, glm::dvec2(view.width_px, view.height_px) / 2.0})

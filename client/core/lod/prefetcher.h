@@ -61,7 +61,7 @@ class Prefetcher {
   void arrived(const BlobRef& blob, const BlobUse& use);
   /// Counts prefetched blobs as used if the views show their meshes, pass through their pages or request
   /// them.
-  /// @param view_cuts  visible parts of the cuts count as shown; may be null.
+  /// @param view_cuts  cuts whose visible parts count as shown; may be null.
   void needed(const ViewCuts* view_cuts, std::span<const NodeKey> pages, std::span<const Request> requests);
   const PrefetchCounts& counts() const noexcept { return counts_; }
 

@@ -7,7 +7,7 @@ namespace lode::render {
 /// early depth tests. CUT_OUT discards transparent pixels. VIEWS draws colour modes other than kSurface. WIRE
 /// draws triangle edges.
 extern const char* const kCorner;        ///< macro that declares the variables that shader stages pass on
-extern const char* const kTintedCorner;  ///< the same macro for programs with VIEWS
+extern const char* const kTintedCorner;  ///< variant of kCorner for programs with VIEWS
 extern const char* const kMeshVertexShader;
 extern const char* const kWireGeometryShader;  ///< geometry shader of programs with WIRE
 extern const char* const kWireShader;

@@ -31,8 +31,8 @@ uint64_t texelBytes(const TileImage& image) {
   return texels * sizeof(glm::u8vec4);
 }
 
-/// Returns true if no texel is transparent. Checks only the finest level, because coarser levels are its
-/// means.
+/// Returns true if no texel is transparent. Checks only the finest level, because the texels of coarser
+/// levels are means of its texels.
 bool isOpaque(const TileImage& image) {
   return std::ranges::all_of(image.texels, [](const glm::u8vec4& texel) { return texel.a == 255; });
 }

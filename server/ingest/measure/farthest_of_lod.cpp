@@ -127,7 +127,7 @@ class Measurement {
     return high;
   }
 
-  /// Samples an edge, unless it was sampled with its other triangle.
+  /// Samples an edge of a triangle, unless the edge was sampled with the second triangle of the edge.
   float sampleEdge(glm::u32vec2 edge, size_t triangle, uint32_t steps) {
     const uint32_t lower = std::min(edge.x, edge.y), upper = std::max(edge.x, edge.y);
     const auto next = static_cast<uint32_t>(of_edge_.size());

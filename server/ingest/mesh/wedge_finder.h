@@ -68,8 +68,8 @@ class WedgeFinder {
   };
 
   std::vector<uint32_t> newest_;  ///< newest wedge of each position
-  std::vector<uint32_t>
-      before_;  ///< for each added wedge, the wedge that was added before it at the same position
+  /// For each added wedge, the previously added wedge of the same position.
+  std::vector<uint32_t> before_;
   std::unordered_map<Key, uint32_t, Hash> older_;
 };
 

@@ -24,8 +24,8 @@ namespace {
 
 /// Largest number of references, per triangle of the node capacity.
 constexpr size_t kReferencesPerTriangle = 2;
-/// A node passes up one sample per this number of triangles of the node capacity, but at least the number
-/// below.
+/// A node passes one sample to its parent per kTrianglesPerSample triangles of the node capacity, but at
+/// least the number of samples in the next constant.
 constexpr uint32_t kTrianglesPerSample = 2;
 /// Least number of samples of a node: kSamplesPerTriangle per triangle of the node capacity, but at most
 /// kSamplesOfSmallNode.

@@ -50,7 +50,7 @@ struct BlobReaderOptions {
   /// place, when the file cannot be read, and when it can be read again. Any thread can call the function,
   /// also after the server's end: see DiskReaders::join().
   std::function<void(StoreFault, std::string_view)> report = [](StoreFault, std::string_view) {};
-  /// False treats the file like one on a network or FUSE file system: all reads are cold.
+  /// If false, all reads are cold, as for a file on a network or FUSE file system.
   bool hot_reads = true;
   /// A function that reads like lode::readAt(), and sets errno on failure. The function can wait for the
   /// disk.

@@ -18,7 +18,7 @@ namespace lode::app {
 
 /// The scene that `render` draws; a single model is a scene of one model. Each model has an equal part of the
 /// memory budget, and one stream and one renderer, which all instances of the model share. Create, use and
-/// destroy it on the thread of its OpenGL context.
+/// destroy the object on the thread of its OpenGL context.
 class RenderedScene {
  public:
   struct Picture {
