@@ -22,7 +22,7 @@ constexpr size_t kLargeTriangles = 1 << 17;
 /// Least limit for nodes that are not children of the root, in triangles.
 constexpr size_t kLeastLargeTriangles = 1 << 14;
 constexpr size_t kTrianglesPerLockedOfLarge = 4;
-/// Of the triangles at unlocked vertices, a step keeps at least its factor times this share.
+/// A step keeps the triangles at locked vertices, and at least this number times its factor of the others.
 constexpr double kInnerFactor = 2.0 / 3;
 /// A node gets far LODs if at least this many node capacities of triangles lie below it.
 constexpr uint64_t kFarLodNodes = 8;

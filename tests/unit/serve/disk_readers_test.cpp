@@ -5,6 +5,7 @@
 #include <atomic>
 #include <climits>
 #include <condition_variable>
+#include <chrono>
 #include <future>
 #include <map>
 #include <mutex>
@@ -276,7 +277,7 @@ TEST_F(DiskReadersTest, aTaskRunsBesideTheReads) {
   start({.threads = 1});
   std::promise<void> ran;
   readers_->post([&] { ran.set_value(); });
-  ran.get_future().wait();
+  EXPECT_EQ(ran.get_future().wait_for(std::chrono::seconds(30)), std::future_status::ready);
 }
 
 TEST(DiskReaders, failAndEndWhereTheSystemDoesNotGiveAllThreads) {
