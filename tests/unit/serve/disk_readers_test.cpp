@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <climits>
 #include <condition_variable>
-#include <chrono>
 #include <future>
 #include <map>
 #include <mutex>
