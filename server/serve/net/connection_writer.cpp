@@ -206,12 +206,11 @@ bool Connection::startFetching(const Chunk& chunk) {
   if (chunk.opened->counters != nullptr) chunk.opened->counters->cold_reads.add();
   host_.readers->read(
       chunk.opened->model->blobs, rangeOf(chunk),
-      [self = shared_from_this(), cold](ReadResult result, std::vector<std::byte> bytes) mutable {
-        const auto executor = self->stream_.bytes().executor();
-        asio::post(executor, [self = std::move(self), cold = std::move(cold), result,
-                              bytes = std::move(bytes)]() mutable {
+      [self = shared_from_this(), cold](ReadResult result, std::vector<std::byte>& bytes) {
+        // If an earlier call failed to post, it has already moved the bytes.
+        if (cold->bytes.empty()) cold->bytes = std::move(bytes);
+        asio::post(self->stream_.bytes().executor(), [self, cold, result] {
           cold->result = result;
-          cold->bytes = std::move(bytes);
           self->endFetching(cold);
         });
       });

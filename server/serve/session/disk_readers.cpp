@@ -7,6 +7,7 @@
 #include <list>
 #include <map>
 #include <mutex>
+#include <new>
 #include <thread>
 #include <utility>
 
@@ -26,6 +27,7 @@ struct DiskReaders::State : std::enable_shared_from_this<State> {
     std::shared_ptr<const BlobReader> blobs;
     BlobRange range;
     Done done;  ///< empty once the read has ended for its caller
+    ReadResult result = ReadResult::kUnreadable;
     std::vector<std::byte> bytes;
     TimePoint begin{};
     bool is_blocked = false, is_late = false;
@@ -53,15 +55,16 @@ struct DiskReaders::State : std::enable_shared_from_this<State> {
   }
   void runTask(std::unique_lock<std::mutex>& lock);
   void runRead(Stores::iterator store, std::unique_lock<std::mutex>& lock);
-  void collectLate(TimePoint now, Reads& ended, std::vector<std::shared_ptr<const BlobReader>>& stalled);
+  void collectLate(TimePoint now, std::vector<std::shared_ptr<const BlobReader>>& stalled);
   void countBlocked(TimePoint now) noexcept;
   void replaceThreads();
-  static void end(Reads ended);
+  void deliver(Reads reads) noexcept;
 
   DiskReaderOptions options;
   std::mutex mutex;  ///< guards the members below
   std::condition_variable changed;
   Stores stores;                     ///< stores with reads
+  Reads undelivered;                 ///< ended reads for which the next tick() calls `done`
   const BlobReader* last = nullptr;  ///< store of the last read that began; next() searches after this store
   std::deque<std::function<void()>> tasks;
   size_t threads = 0;          ///< threads that are not blocked
@@ -114,8 +117,8 @@ void DiskReaders::State::runRead(Stores::iterator entry, std::unique_lock<std::m
   const auto read = std::prev(store.running.end());
   read->begin = options.clock();
   lock.unlock();
-  const ReadResult result = read->blobs->readCold(read->range, read->bytes);
-  if (result != ReadResult::kDone) read->bytes.clear();
+  read->result = read->blobs->readCold(read->range, read->bytes);
+  if (read->result != ReadResult::kDone) read->bytes.clear();
   lock.lock();
   Reads ended;
   ended.splice(ended.end(), store.running, read);
@@ -127,24 +130,22 @@ void DiskReaders::State::runRead(Stores::iterator entry, std::unique_lock<std::m
   if (canBegin(store)) changed.notify_one();
   if (store.running.empty() && store.waiting.empty()) stores.erase(entry);
   lock.unlock();
-  if (read->done) read->done(result, std::move(read->bytes));
-  ended.clear();  // may release the last reference to the store, which closes the store
+  deliver(std::move(ended));  // may release the last reference to the store, which closes the store
   lock.lock();
 }
 
-/// Moves to `ended` the reads that have just become late, and the waiting reads of stores whose storage
+/// Moves to `undelivered` the reads that have just become late, and the waiting reads of stores whose storage
 /// hangs. Adds to `stalled` the readers of the reads that have just become late.
-void DiskReaders::State::collectLate(TimePoint now, Reads& ended,
-                                     std::vector<std::shared_ptr<const BlobReader>>& stalled) {
+void DiskReaders::State::collectLate(TimePoint now, std::vector<std::shared_ptr<const BlobReader>>& stalled) {
   for (auto& [key, store] : stores) {
     for (Read& read : store.running) {
       if (read.is_late || now - read.begin < options.deadline) continue;
       stalled.push_back(read.blobs);
-      ended.emplace_back().done.swap(read.done);
+      undelivered.emplace_back().done.swap(read.done);
       read.is_late = true;
       ++store.late;
     }
-    if (isStalled(store)) ended.splice(ended.end(), store.waiting);
+    if (isStalled(store)) undelivered.splice(undelivered.end(), store.waiting);
   }
 }
 
@@ -169,9 +170,16 @@ void DiskReaders::State::replaceThreads() {
     }
 }
 
-void DiskReaders::State::end(Reads ended) {
-  for (const Read& read : ended)
-    if (read.done) read.done(ReadResult::kUnreadable, {});
+/// Calls `done` of each read once. If memory runs out, tick() calls it again for the rest.
+void DiskReaders::State::deliver(Reads reads) noexcept {
+  while (!reads.empty()) try {
+      Read& read = reads.front();
+      if (read.done) read.done(read.result, read.bytes);
+      reads.pop_front();
+    } catch (const std::bad_alloc&) {
+      const std::lock_guard lock(mutex);
+      undelivered.splice(undelivered.end(), reads);
+    }
 }
 
 DiskReaders::DiskReaders(DiskReaderOptions options) : state_(std::make_shared<State>()) {
@@ -206,7 +214,7 @@ void DiskReaders::read(std::shared_ptr<const BlobReader> blobs, const BlobRange&
       state_->changed.notify_one();
     }
   }
-  State::end(std::move(one));
+  state_->deliver(std::move(one));
 }
 
 void DiskReaders::post(std::function<void()> task) {
@@ -222,11 +230,12 @@ void DiskReaders::tick() {
     const std::lock_guard lock(state_->mutex);
     const TimePoint now = state_->options.clock();
     state_->countBlocked(now);
-    state_->collectLate(now, ended, stalled);
+    state_->collectLate(now, stalled);
     state_->replaceThreads();
+    ended.swap(state_->undelivered);
   }
   for (const auto& blobs : stalled) blobs->noteLateRead(state_->options.deadline);
-  State::end(std::move(ended));
+  state_->deliver(std::move(ended));
 }
 
 void DiskReaders::join() {
@@ -240,8 +249,9 @@ void DiskReaders::join() {
     state_->changed.wait_for(lock, kJoinPatience, [this] { return state_->threads == 0; });
     for (auto& [key, store] : state_->stores)
       for (State::Read& read : store.running) ended.emplace_back().done.swap(read.done);
+    ended.splice(ended.end(), state_->undelivered);
   }
-  State::end(std::move(ended));
+  state_->deliver(std::move(ended));
 }
 
 }  // namespace lode::serve

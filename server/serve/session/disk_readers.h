@@ -31,9 +31,9 @@ struct DiskReaderOptions {
 class DiskReaders {
  public:
   using TimePoint = DiskReaderOptions::TimePoint;
-  /// Receives a read's result and, for kDone, its bytes. Any thread can call the function, also read()
-  /// itself.
-  using Done = std::function<void(ReadResult, std::vector<std::byte>)>;
+  /// Receives a read's result and, for kDone, its bytes, which the function may move. Any thread can call the
+  /// function, also read() itself. If the function throws std::bad_alloc, the next tick() calls it again.
+  using Done = std::function<void(ReadResult, std::vector<std::byte>& bytes)>;
 
   /// @throws Error kIo if the system cannot start the threads.
   explicit DiskReaders(DiskReaderOptions options = {});
@@ -41,7 +41,7 @@ class DiskReaders {
   DiskReaders(const DiskReaders&) = delete;
   DiskReaders& operator=(const DiskReaders&) = delete;
 
-  /// Reads a range of a blob and calls `done` once. The caller bounds the number of its reads.
+  /// Reads a range of a blob and calls `done`. The caller bounds the number of its reads.
   /// @throws std::bad_alloc before the read is queued.
   void read(std::shared_ptr<const BlobReader> blobs, const BlobRange& range, Done done);
   /// Runs a task that reads no store, such as returning memory to the system.

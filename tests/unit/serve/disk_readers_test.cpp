@@ -9,6 +9,7 @@
 #include <future>
 #include <map>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <set>
 #include <string>
@@ -101,7 +102,7 @@ class DiskReadersTest : public testing::Test {
   }
   std::future<Read> read(const std::string& name) {
     const auto promise = std::make_shared<std::promise<Read>>();
-    readers_->read(store(name), {kBlob, 0, 100}, [promise](ReadResult result, std::vector<std::byte> bytes) {
+    readers_->read(store(name), {kBlob, 0, 100}, [promise](ReadResult result, std::vector<std::byte>& bytes) {
       promise->set_value({result, std::move(bytes)});
     });
     return promise->get_future();
@@ -143,6 +144,26 @@ TEST_F(DiskReadersTest, aReadThatHangsEndsAtItsDeadlineAndNotBefore) {
   const Read ended = hung.get();
   EXPECT_EQ(ended.result, ReadResult::kUnreadable);
   EXPECT_TRUE(ended.bytes.empty());
+}
+
+TEST_F(DiskReadersTest, tickDeliversAgainWhenMemoryRanOutDuringADelivery) {
+  start();
+  std::atomic<int> calls{0};
+  std::promise<size_t> delivered;
+  std::atomic<bool> failed{false};
+  readers_->read(store("a"), {kBlob, 0, 100}, [&](ReadResult, std::vector<std::byte>& bytes) {
+    if (++calls <= 2) {
+      failed = true;
+      failed.notify_all();
+      throw std::bad_alloc();
+    }
+    delivered.set_value(bytes.size());
+  });
+  failed.wait(false);
+  auto size = delivered.get_future();
+  while (size.wait_for(0s) != std::future_status::ready) readers_->tick();
+  EXPECT_EQ(size.get(), 100u);
+  EXPECT_EQ(calls, 3);
 }
 
 TEST_F(DiskReadersTest, aStoreThatHangsDelaysNoOtherStoreBeforeItsDeadline) {
