@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "client/app/cli/common_options.h"
+#include "client/app/cli/remedy_words.h"
 #include "client/loadtest/loadtest_command.h"
 #include "common/command_line.h"
 #include "common/error.h"
@@ -46,5 +47,6 @@ int main(int argc, char** argv) {
   lode::endCleanlyWhenInterrupted();
   CLI::App program("Shows models while they stream from a Lodestream server.", "lodestream");
   const auto declare = [&](int& exit_status) { declareCommands(program, exit_status); };
-  return lode::runCommandLine(program, argc, argv, declare, "give --memory-budget a smaller value");
+  return lode::runCommandLine(program, argc, argv, declare, "give --memory-budget a smaller value",
+                              lode::app::messageOf);
 }

@@ -37,6 +37,9 @@ inline int endAfterPrinting(const CLI::App& program, int status) {
   return fail(program, std::string("cannot write to standard output: ") + std::strerror(errno), kWorkFailed);
 }
 
+/// Returns the message of an error for a program without remedies of its own.
+inline std::string plainMessage(const Error& error) { return error.what(); }
+
 /// Returns the end of a message about wrong usage: "see lodestream fetch --help".
 inline std::string helpHint(const CLI::App& program) {
   std::string words = "see " + program.get_name();
@@ -71,9 +74,11 @@ inline void addTexturesFolder(CLI::App& command, std::filesystem::path& folder) 
 /// @param declare  adds the commands. A command's callback throws Error on failure and may set the exit
 /// status.
 /// @param more_memory  remedy for the message about exhausted memory.
+/// @param message_of   returns the message of an error, with the program's words for the error's remedy.
 /// @return the exit status: 0 for success, 1 if the work failed, 2 for wrong usage.
 inline int runCommandLine(CLI::App& program, int argc, const char* const* argv,
-                          const std::function<void(int& exit_status)>& declare, const char* more_memory) {
+                          const std::function<void(int& exit_status)>& declare, const char* more_memory,
+                          std::string (*message_of)(const Error&) = command_line::plainMessage) {
   using namespace command_line;
   int exit_status = kDone;
   try {
@@ -88,7 +93,7 @@ inline int runCommandLine(CLI::App& program, int argc, const char* const* argv,
     const std::string what = unknown.empty() ? error.what() : "not known here: " + unknown;
     return fail(program, what + ": " + helpHint(program), kWrongUsage);
   } catch (const Error& error) {
-    return fail(program, error.what(), error.code() == ErrorCode::kUsage ? kWrongUsage : kWorkFailed);
+    return fail(program, message_of(error), error.code() == ErrorCode::kUsage ? kWrongUsage : kWorkFailed);
   } catch (const std::bad_alloc&) {
     return fail(program, std::string("out of memory: ") + more_memory, kWorkFailed);
   } catch (const std::exception& error) {

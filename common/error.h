@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -17,15 +18,32 @@ enum class ErrorCode {
   kInternal,  ///< a bug in Lodestream
 };
 
+/// Names a remedy that users apply through their program. Libraries know neither command lines nor the
+/// embedding API, so they set the code, and programs put it in words.
+enum class Remedy : uint8_t {
+  kNone,                ///< nothing to add: the message itself says what to do
+  kModel,               ///< name a model that the server has
+  kToken,               ///< give a valid token
+  kCertificate,         ///< use the host name of the certificate, and trust its authority
+  kAuthorities,         ///< give certificates in PEM
+  kCacheFolder,         ///< choose another cache folder
+  kForeignCacheFolder,  ///< remove the file or folder at the cache's path, or choose another cache folder
+};
+constexpr Remedy kLastRemedy = Remedy::kForeignCacheFolder;  ///< last constant of Remedy
+
 /// The exception type of Lodestream. The message is one line that says what failed, where (file, byte, line,
-/// address) and what to do. Programs print it unchanged.
+/// address) and what to do. If `remedy` is not kNone, the message leaves the last part to the program, which
+/// prints its words for the remedy after the message.
 class Error : public std::runtime_error {
  public:
-  Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  Error(ErrorCode code, const std::string& message, Remedy remedy = Remedy::kNone)
+      : std::runtime_error(message), code_(code), remedy_(remedy) {}
   ErrorCode code() const noexcept { return code_; }
+  Remedy remedy() const noexcept { return remedy_; }
 
  private:
   ErrorCode code_;
+  Remedy remedy_;
 };
 
 /// Message for std::bad_alloc.

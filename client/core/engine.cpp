@@ -127,8 +127,8 @@ void Engine::handle(BlobRefused event) {
 void Engine::handle(RequestCancelled) { requests_waiting_ = true; }
 
 void Engine::handle(ServerLeaving event) {
-  if (options_.on_turned_away && !connection_.session()->opened()) options_.on_turned_away(event.reason);
-  connection_.leave(std::move(event.reason), now_);
+  if (options_.on_turned_away && !connection_.session()->opened()) options_.on_turned_away(event);
+  connection_.leave(std::move(event.reason), now_, event.remedy);
 }
 
 void Engine::handle(ModelChanged) { connection_.restart(now_); }

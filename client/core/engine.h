@@ -47,7 +47,7 @@ struct EngineOptions {
   /// @param is_last  true if the engine does not reconnect and throws `why` next.
   std::function<void(SessionRole role, const Error& why, bool is_last)> on_broken = nullptr;
   /// Called when a server rejects the connection because the server is full or shuts down; may be empty.
-  std::function<void(const std::string& why)> on_turned_away = nullptr;
+  std::function<void(const ServerLeaving& why)> on_turned_away = nullptr;
   /// Called when the server refuses a blob; may be empty.
   std::function<void(const BlobRef& blob, const std::string& why)> on_refused = nullptr;
 };
@@ -144,6 +144,8 @@ class Engine {
   void disconnect(const Error& why, TimePoint now, SessionRole role = SessionRole::kActive);
   /// Reason for the missing connection while the engine reconnects; empty otherwise.
   const std::string& trouble() const noexcept { return connection_.trouble(); }
+  /// Returns the remedy for the trouble; kNone if there is no trouble.
+  Remedy troubleRemedy() const noexcept { return connection_.troubleRemedy(); }
 
   /// Returns false if received frames wait until takeOutgoing() is called: see Session::takesInput().
   bool takesInput(SessionRole role = SessionRole::kActive) const noexcept {

@@ -21,8 +21,11 @@ struct lodestream_cut {
 
 namespace lode::embed {
 
-/// Stores a message for lodestream_last_error() on this thread.
-void setLastError(const char* message) noexcept;
+/// Returns the words for a remedy, which name options of the C API. Returns an empty text for kNone.
+const char* wordsFor(Remedy remedy) noexcept;
+
+/// Stores a message for lodestream_last_error() on this thread, followed by the words for its remedy.
+void setLastError(const char* message, Remedy remedy = Remedy::kNone) noexcept;
 
 /// Dereferences an argument of the C API. @throws Error kUsage if the pointer is NULL.
 template <typename T>
@@ -38,6 +41,9 @@ int guard(Work&& work) noexcept {
   try {
     work();
     return 1;
+  } catch (const Error& error) {
+    setLastError(error.what(), error.remedy());
+    return 0;
   } catch (const std::bad_alloc&) {
     setLastError(kOutOfMemory);
     return 0;

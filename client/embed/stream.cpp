@@ -47,21 +47,14 @@ const ModelSummary& modelOf(const lodestream_stream& stream) {
   return *stream.model;
 }
 
-constexpr core::Remedies kEmbeddedRemedies{
-    .token = "set the option token to a valid one",
-    .certificate = "use the host name of the certificate, and set the option ca_file to its authority",
-    .authorities = "set the option ca_file to a PEM file of certificates",
-    .cache_folder = "set the option cache_folder to another folder, or to NULL"};
-
 /// Converts the options of the C API. @throws Error for an invalid option.
 stream::StreamOptions toStreamOptions(const lodestream_options& options) {
   const auto textOf = [](const char* text) { return text != nullptr ? std::string(text) : std::string(); };
   stream::StreamOptions of_stream;
-  of_stream.engine.session.remedies = kEmbeddedRemedies;
   of_stream.engine.session.token = textOf(options.token);
   of_stream.ca_file = textOf(options.ca_file);
   of_stream.cache_folder = textOf(options.cache_folder);
-  if (!of_stream.cache_folder.empty()) stream::prepareCacheFolder(of_stream.cache_folder, kEmbeddedRemedies);
+  if (!of_stream.cache_folder.empty()) stream::prepareCacheFolder(of_stream.cache_folder);
   if (options.memory_budget_bytes != 0) of_stream.engine.memory_budget_bytes = options.memory_budget_bytes;
   if (options.triangle_budget != 0) of_stream.engine.refine.triangle_budget = options.triangle_budget;
   if (options.connect_timeout_ms != 0)
@@ -94,9 +87,30 @@ lodestream_status toStatus(const stream::StreamStatus& status, const lodestream_
 
 }  // namespace
 
-void setLastError(const char* message) noexcept {
+const char* wordsFor(Remedy remedy) noexcept {
+  switch (remedy) {
+    case Remedy::kNone:
+      return "";
+    case Remedy::kModel:
+      return "name a model of this server";
+    case Remedy::kToken:
+      return "set the option token to a valid one";
+    case Remedy::kCertificate:
+      return "use the host name of the certificate, and set the option ca_file to its authority";
+    case Remedy::kAuthorities:
+      return "set the option ca_file to a PEM file of certificates";
+    case Remedy::kCacheFolder:
+      return "set the option cache_folder to another folder, or to NULL";
+    case Remedy::kForeignCacheFolder:
+      return "remove it, or set the option cache_folder to another folder, or to NULL";
+  }
+  return "";
+}
+
+void setLastError(const char* message, Remedy remedy) noexcept {
   try {
     lastError() = message;
+    if (remedy != Remedy::kNone) lastError().append("; ").append(wordsFor(remedy));
   } catch (const std::exception&) {
     lastError().clear();
   }
@@ -144,7 +158,7 @@ int lodestream_step(lodestream_stream* stream, uint32_t wait_ms, lodestream_stat
     if (now.cut != of.cut) ++of.cut_serial;
     of.cut = now.cut;
     *status = lode::embed::toStatus(now, of);
-    if (status->has_failed) lode::embed::setLastError(now.failure.c_str());
+    if (status->has_failed) lode::embed::setLastError(now.failure.c_str(), now.failure_remedy);
   });
 }
 

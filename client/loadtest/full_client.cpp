@@ -30,7 +30,7 @@ core::EngineOptions FullClient::engineOptions(uint64_t seed) {
   options.on_broken = [this](core::SessionRole role, const Error& why, bool is_last) {
     noteBroken(role, why, is_last);
   };
-  options.on_turned_away = [this](const std::string& why) {
+  options.on_turned_away = [this](const core::ServerLeaving& why) {
     ++counts_.turned_away;
     turned_away_ = why;
   };
@@ -60,7 +60,7 @@ void FullClient::noteBroken(core::SessionRole role, const Error& why, bool is_la
   const uint64_t open = engine_.openRequests(role);
   if ((role == core::SessionRole::kActive && engine_.staysConnected()) || open > 0) {
     ++counts_.lost;
-    if (!is_last) counts_.noteError(why.code(), why.what());
+    if (!is_last) counts_.noteError(why);
   }
   counts_.failed_requests += open;
   lose(role);
@@ -76,7 +76,7 @@ void FullClient::lose(core::SessionRole role) {
 void FullClient::noteRefused(const BlobRef& blob, const std::string& why) {
   ++counts_.failed_requests;
   for (RequestClock& clock : clocks_) clock.refused(blob.number);
-  counts_.noteError(ErrorCode::kIo, "the server says: " + why);
+  counts_.noteError(Error(ErrorCode::kIo, "the server says: " + why));
 }
 
 template <typename Action>

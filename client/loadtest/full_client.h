@@ -64,11 +64,11 @@ class FullClient final : public LoadClient {
   std::array<RequestClock, 2> clocks_;  ///< indexed by core::SessionRole
   RequestClock::Requests lost_;  ///< requests of broken connections that the client has not repeated yet
   core::Engine engine_;
-  core::CameraPath path_;        ///< path of the camera; has no keys until the model is known
-  core::TimePoint round_begin_;  ///< start of the current round of the path
-  double pause_s_ = 0;           ///< pause after the current round
-  uint64_t received_bytes_ = 0;  ///< received bytes that counts_ already includes
-  std::string turned_away_;      ///< last reason why the server turned the client away
+  core::CameraPath path_;            ///< path of the camera; has no keys until the model is known
+  core::TimePoint round_begin_;      ///< start of the current round of the path
+  double pause_s_ = 0;               ///< pause after the current round
+  uint64_t received_bytes_ = 0;      ///< received bytes that counts_ already includes
+  core::ServerLeaving turned_away_;  ///< last reason why the server turned the client away
   bool started_ = false, image_seen_ = false, converged_ = false, gone_ = false;
   Transports transports_;
   /// Transports of ended connections. The next step destroys them, because a callback of a transport must not

@@ -12,6 +12,7 @@
 
 #include <glm/glm.hpp>
 
+#include "client/core/session/session.h"
 #include "client/core/view/time_point.h"
 #include "client/loadtest/load_counts.h"
 #include "client/loadtest/request_trace.h"
@@ -86,18 +87,19 @@ bool survives(LoadCounts& counts, const Action& action) {
     action();
     return true;
   } catch (const Error& error) {
-    counts.noteError(error.code(), error.what());
+    counts.noteError(error);
   } catch (const std::exception& error) {
-    counts.noteError(ErrorCode::kInternal, error.what());
+    counts.noteError(Error(ErrorCode::kInternal, error.what()));
   }
   ++counts.gave_up;
   return false;
 }
 
 /// Counts an error for a client that no server accepted until the end of the test.
-/// @param why  last reason of the server; empty if the server did not turn the client away.
-inline void noteNeverLetIn(LoadCounts& counts, const std::string& why) {
-  if (!why.empty()) counts.noteError(ErrorCode::kNetwork, "no server accepted the client: " + why);
+/// @param why  last reason of the server; its text is empty if the server did not turn the client away.
+inline void noteNeverLetIn(LoadCounts& counts, const core::ServerLeaving& why) {
+  if (why.reason.empty()) return;
+  counts.noteError(Error(ErrorCode::kNetwork, "no server accepted the client: " + why.reason, why.remedy));
 }
 
 }  // namespace lode::app

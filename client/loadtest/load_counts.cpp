@@ -1,5 +1,7 @@
 #include "client/loadtest/load_counts.h"
 
+#include "client/app/cli/remedy_words.h"
+
 namespace lode::app {
 
 void LoadCounts::add(const LoadCounts& other) {
@@ -21,9 +23,9 @@ void LoadCounts::add(const LoadCounts& other) {
   if (first_error.empty()) first_error = other.first_error;
 }
 
-void LoadCounts::noteError(ErrorCode code, const std::string& what) {
-  if (first_error.empty()) first_error = what;
-  ++errors[code];
+void LoadCounts::noteError(const Error& error) {
+  if (first_error.empty()) first_error = messageOf(error);
+  ++errors[error.code()];
 }
 
 uint64_t LoadCounts::errorCount() const noexcept {

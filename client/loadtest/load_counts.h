@@ -33,7 +33,7 @@ struct LoadCounts {
   std::string first_error;
 
   void add(const LoadCounts& other);
-  void noteError(ErrorCode code, const std::string& what);
+  void noteError(const Error& error);
   uint64_t errorCount() const noexcept;
 };
 

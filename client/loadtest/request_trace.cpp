@@ -108,7 +108,8 @@ class Recorder {
     net::sendOutgoing(transport_, end);
     io_.run_one_for(std::chrono::milliseconds(10));
     net::exchange(transport_, end);
-    if (!engine_.trouble().empty()) throw Error(ErrorCode::kNetwork, engine_.trouble());
+    if (!engine_.trouble().empty())
+      throw Error(ErrorCode::kNetwork, engine_.trouble(), engine_.troubleRemedy());
     for (core::DecodeJob& job : engine_.takeDecodeJobs()) {
       engine_.finishDecode(core::runDecodeJob(job));
       const Digest name = digestOf(job.bytes);

@@ -112,7 +112,7 @@ void TraceClient::onSession(core::SessionRole role, core::TimePoint now, const A
       connection_.fail(error, now);
     else
       connection_.endDraining();
-    if (is_lost) counts_.noteError(error.code(), error.what());
+    if (is_lost) counts_.noteError(error);
     if (role == core::SessionRole::kDraining) sendRequests();
   }
 }
@@ -200,20 +200,20 @@ void TraceClient::handle(const core::SessionEvent& event, core::Session& session
     checkBuild(plan_.trace, opened->summary.build_id, plan_.model.model);
     connection_.succeeded();
     was_let_in_ = true;
-    turned_away_.clear();
+    turned_away_ = {};
     return sendRequests();
   }
   if (const auto* blob = std::get_if<core::BlobArrived>(&event)) return arrived(*blob, session, now);
   if (const auto* refused = std::get_if<core::BlobRefused>(&event)) {
     ++counts_.failed_requests;
     pending_.erase(refused->blob.number);
-    counts_.noteError(ErrorCode::kIo, "the server says: " + refused->message);
+    counts_.noteError(Error(ErrorCode::kIo, "the server says: " + refused->message));
   }
   if (const auto* leaving = std::get_if<core::ServerLeaving>(&event)) {
     counts_.moved += session.opened();
     counts_.turned_away += !session.opened();
-    if (!was_let_in_) turned_away_ = leaving->reason;
-    connection_.leave(leaving->reason, now);
+    if (!was_let_in_) turned_away_ = *leaving;
+    connection_.leave(leaving->reason, now, leaving->remedy);
   }
 }
 

@@ -74,7 +74,7 @@ class TraceClient final : public LoadClient {
   bool requests_wait_ = false;  ///< the session could not take the requests of the last sendRequests()
   bool started_ = false, was_let_in_ = false, image_seen_ = false, gone_ = false;
   /// Last reason why the server turned the client away; empty once the client is let in.
-  std::string turned_away_;
+  core::ServerLeaving turned_away_;
   uint32_t first_lod_ = 0;  ///< blob of the root's coarsest LOD
   Transport newest_, leaving_;
   Transport ended_;  ///< transport of an ended connection; destroyed in the next step, because its own

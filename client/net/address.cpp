@@ -63,11 +63,10 @@ std::string toString(const Address& address) {
 
 Error naming(const Address& server, const Error& error) {
   const std::string where = toString(server), what = error.what();
-  return {error.code(), what.find(where) == std::string::npos ? where + ": " + what : what};
+  return {error.code(), what.find(where) == std::string::npos ? where + ": " + what : what, error.remedy()};
 }
 
-std::shared_ptr<asio::ssl::context> trustAuthorities(const std::filesystem::path& ca_file,
-                                                     const core::Remedies& remedies) {
+std::shared_ptr<asio::ssl::context> trustAuthorities(const std::filesystem::path& ca_file) {
   const auto context = std::make_shared<asio::ssl::context>(asio::ssl::context::tls_client);
   SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_3_VERSION);
   SSL_CTX_set_mode(context->native_handle(), SSL_MODE_RELEASE_BUFFERS);
@@ -81,7 +80,8 @@ std::shared_ptr<asio::ssl::context> trustAuthorities(const std::filesystem::path
     throw Error(ErrorCode::kUsage,
                 "cannot use the authorities in " +
                     (ca_file.empty() ? std::string("the system's folder") : ca_file.string()) + ": " +
-                    error.message() + "; " + remedies.authorities);
+                    error.message(),
+                Remedy::kAuthorities);
   return context;
 }
 

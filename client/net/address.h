@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 
-#include "client/core/session/remedies.h"
 #include "common/error.h"
 
 namespace asio::ssl {
@@ -34,13 +33,11 @@ struct Route {
   Address address;
   std::chrono::milliseconds connect_timeout{20'000};  ///< until the server's first byte
   std::shared_ptr<asio::ssl::context> tls = nullptr;  ///< TLS context; null selects plain TCP
-  core::Remedies remedies = {};
 };
 
 /// Creates a TLS 1.3 client context that verifies server certificates.
 /// @param ca_file  trusted certificate authorities, in PEM; empty: the system's authorities.
-/// @throws Error kUsage if the file cannot be read or contains no certificate.
-std::shared_ptr<asio::ssl::context> trustAuthorities(const std::filesystem::path& ca_file,
-                                                     const core::Remedies& remedies = {});
+/// @throws Error kUsage, with Remedy::kAuthorities, if the file cannot be read or contains no certificate.
+std::shared_ptr<asio::ssl::context> trustAuthorities(const std::filesystem::path& ca_file);
 
 }  // namespace lode::net

@@ -77,7 +77,7 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   asio::awaitable<void> writeAll();
   bool endWrite();
   asio::awaitable<void> writeUntilClosed();
-  void fail(ErrorCode code, const std::string& message);
+  void fail(const Error& error);
 
   asio::io_context& io;
   const Route route;
@@ -102,11 +102,11 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   std::optional<Error> failure;
 };
 
-void TcpTransport::State::fail(ErrorCode code, const std::string& message) {
+void TcpTransport::State::fail(const Error& error) {
   {
     const std::lock_guard lock(mutex);
     if (failure) return;
-    failure.emplace(code, message);
+    failure = error;
   }
   wakeUp();
 }
@@ -160,10 +160,9 @@ asio::awaitable<void> TcpTransport::State::shakeHands() {
   try {
     co_await stream->connectHandshake(route.address.host);
   } catch (const Error& error) {
-    throw Error(ErrorCode::kNetwork,
-                toString(route.address) + ": " + error.what() +
-                    (stream->isPeerDoubted() ? std::string("; ") + route.remedies.certificate
-                                             : "; use lode:// if it serves no TLS"));
+    const std::string what = toString(route.address) + ": " + error.what();
+    if (stream->isPeerDoubted()) throw Error(ErrorCode::kNetwork, what, Remedy::kCertificate);
+    throw Error(ErrorCode::kNetwork, what + "; use lode:// if it serves no TLS");
   }
 }
 
@@ -187,11 +186,11 @@ asio::awaitable<void> TcpTransport::State::run() {
         io, [self = shared_from_this()] { return self->writeUntilClosed(); }, asio::detached);
     co_await readAll();
   } catch (const Error& error) {
-    fail(error.code(), error.what());
+    fail(error);
   } catch (const std::bad_alloc&) {
-    fail(ErrorCode::kIo, kOutOfMemory);
+    fail(Error(ErrorCode::kIo, kOutOfMemory));
   } catch (const std::exception& error) {
-    fail(ErrorCode::kInternal, error.what());
+    fail(Error(ErrorCode::kInternal, error.what()));
   }
   deadline.cancel();
 }

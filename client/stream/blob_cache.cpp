@@ -29,7 +29,8 @@ constexpr std::chrono::hours kUseGranularity{1};
 // A temporary file of this age is removed, because its writer is gone.
 constexpr std::chrono::hours kAbandoned{1};
 constexpr uint64_t kMaxSummaryBytes = sizeof(Digest) + proto::kFrameHeaderBytes + proto::kMaxFrameBodyBytes;
-constexpr FolderUse kCacheUse{"the cache", "choose another folder"};
+constexpr FolderUse kCacheUse{
+    .what = "the cache", .if_not_made = Remedy::kCacheFolder, .if_foreign = Remedy::kForeignCacheFolder};
 
 /// Reads a file. Returns nothing if there is no such file, and an empty vector if the file is empty or too
 /// large.
@@ -80,15 +81,15 @@ std::error_code triedToWriteTo(const fs::path& folder) {
 
 }  // namespace
 
-void prepareCacheFolder(const fs::path& folder, const core::Remedies& remedies) {
+void prepareCacheFolder(const fs::path& folder) {
   followLinks(folder);  // refuses a link of another user
   std::error_code failed;
-  const FolderUse use{"the cache", remedies.cache_folder};
-  if (!fs::is_directory(folder, failed)) makeOwnFolders(folder, use);
+  if (!fs::is_directory(folder, failed)) makeOwnFolders(folder, kCacheUse);
   failed = triedToWriteTo(folder);
   if (failed)
-    throw Error(ErrorCode::kIo, folder.string() + ": the cache folder is not writable (" + failed.message() +
-                                    "); " + remedies.cache_folder);
+    throw Error(ErrorCode::kIo,
+                folder.string() + ": the cache folder is not writable (" + failed.message() + ")",
+                Remedy::kCacheFolder);
 }
 
 BlobCache::BlobCache(fs::path folder, uint64_t max_bytes)

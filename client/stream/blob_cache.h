@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "client/core/session/remedies.h"
 #include "client/stream/served_model.h"
 #include "common/codec/blob.h"
 #include "common/codec/model_summary.h"
@@ -17,9 +16,9 @@ namespace lode::stream {
 constexpr uint64_t kDefaultCacheBytes = 4ull << 30;
 
 /// Creates a cache folder if it is missing (mode 0700) and checks that it is writable, because BlobCache
-/// ignores write errors. @throws Error kIo if the folder is not writable, or
-/// as followLinks().
-void prepareCacheFolder(const std::filesystem::path& folder, const core::Remedies& remedies);
+/// ignores write errors. @throws Error kIo, with Remedy::kCacheFolder or kForeignCacheFolder, if the folder
+/// is not writable, or as followLinks().
+void prepareCacheFolder(const std::filesystem::path& folder);
 
 /// Caches blobs on disk, one file per blob, named by digest. Also caches the last summary of each served
 /// model. The files and the folders below `folder` are for this user only. The cache writes and removes

@@ -74,7 +74,7 @@ struct Streamer::State {
   void askCache(core::Engine& engine, CacheThread& cache);
   void stepOnce(core::Engine& engine, Transports& transports, DecodePool& pool, CacheThread* cache);
   void publish(const core::Engine& engine, uint64_t view_number);
-  void end(ErrorCode code, const std::string& message);
+  void end(const Error& why);
   void notifyOfSameViews();
   bool waitForWork(std::chrono::milliseconds longest);
   void wakeUp();
@@ -112,8 +112,7 @@ struct Streamer::State {
 
 net::Route routeTo(const ServedModel& model, const StreamOptions& options) {
   return {model.address, options.connect_timeout,
-          model.encrypted ? net::trustAuthorities(options.ca_file, options.engine.session.remedies) : nullptr,
-          options.engine.session.remedies};
+          model.encrypted ? net::trustAuthorities(options.ca_file) : nullptr};
 }
 
 Streamer::Streamer(ServedModel model, StreamOptions options)
@@ -134,11 +133,11 @@ void Streamer::State::run() {
   try {
     stream();
   } catch (const Error& failed) {
-    end(failed.code(), failed.what());
+    end(failed);
   } catch (const std::bad_alloc&) {
-    end(ErrorCode::kIo, kOutOfMemory);
+    end(Error(ErrorCode::kIo, kOutOfMemory));
   } catch (const std::exception& failed) {
-    end(ErrorCode::kInternal, failed.what());
+    end(Error(ErrorCode::kInternal, failed.what()));
   }
 }
 
@@ -233,6 +232,7 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   now.failure = engine.failure();
   now.failure_may_pass = engine.failureMayPass();
   now.trouble = engine.trouble();
+  now.trouble_remedy = engine.troubleRemedy();
   now.exhausted = number != 0 && engine.exhausted() && !now.settled;
   if (now.exhausted && now.failure.empty())
     now.failure = "the cache lacks parts that the view needs: run without --offline";
@@ -245,12 +245,14 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
   news.notify_all();
 }
 
-void Streamer::State::end(ErrorCode code, const std::string& message) {
+void Streamer::State::end(const Error& why) {
   const std::lock_guard lock(mutex);
-  error.emplace(code, message);
-  status.failure = message;
+  error = why;
+  status.failure = why.what();
+  status.failure_remedy = why.remedy();
   status.failure_may_pass = false;
   status.trouble.clear();
+  status.trouble_remedy = Remedy::kNone;
   status.ended = has_news = true;
   news.notify_all();
 }
@@ -301,7 +303,8 @@ const ModelSummary& Streamer::waitForModel(std::chrono::milliseconds timeout, st
               "no answer from " + net::toString(state_->model.address) + " within " +
                   std::to_string(timeout.count()) + " ms" +
                   (state_->status.trouble.empty() ? ": check the server, or allow more time"
-                                                  : ": " + state_->status.trouble));
+                                                  : ": " + state_->status.trouble),
+              state_->status.trouble_remedy);
 }
 
 void Streamer::setViews(std::span<const core::View> views, float threshold_px) {

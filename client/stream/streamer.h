@@ -14,6 +14,7 @@
 #include "client/net/address.h"
 #include "client/stream/blob_cache.h"
 #include "client/stream/served_model.h"
+#include "common/error.h"
 
 namespace lode::stream {
 
@@ -43,10 +44,12 @@ struct StreamStatus {
   bool settled = false;    ///< the cut is final for the view and the budgets
   bool exhausted = false;  ///< the stream is offline, and the cache lacks blobs that the view needs
   std::string failure;     ///< reason why the stream has ended or a part cannot be loaded; empty otherwise
-  bool failure_may_pass = false;  ///< the stream will request the missing parts again
-  std::string trouble;   ///< reason for the missing connection while the stream reconnects; empty otherwise
-  bool ended = false;    ///< the stream has stopped for good
-  bool current = false;  ///< the status describes the view that was set last
+  Remedy failure_remedy = Remedy::kNone;  ///< remedy for the failure
+  bool failure_may_pass = false;          ///< the stream will request the missing parts again
+  std::string trouble;  ///< reason for the missing connection while the stream reconnects; empty otherwise
+  Remedy trouble_remedy = Remedy::kNone;  ///< remedy for the trouble
+  bool ended = false;                     ///< the stream has stopped for good
+  bool current = false;                   ///< the status describes the view that was set last
 };
 
 /// Streams a model from a server, with a core::Engine, a transport, a refinement thread and a decode pool.

@@ -21,14 +21,17 @@ namespace {
 constexpr mode_t kOwnerOnly = S_IRWXU;
 
 [[noreturn]] void failToMake(const std::filesystem::path& path, const FolderUse& use, int error) {
-  throw Error(ErrorCode::kIo, std::string("cannot make a folder for ") + use.what + " in " +
-                                  path.parent_path().string() + ": " + std::strerror(error) + "; " +
-                                  use.remedy);
+  throw Error(ErrorCode::kIo,
+              std::string("cannot make a folder for ") + use.what + " in " + path.parent_path().string() +
+                  ": " + std::strerror(error) + (use.remedy ? std::string("; ") + use.remedy : ""),
+              use.if_not_made);
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const FolderUse& use) {
   throw Error(ErrorCode::kIo,
-              path.string() + ": is not a folder that only you can write to; remove it, or " + use.remedy);
+              path.string() + ": is not a folder that only you can write to" +
+                  (use.remedy ? std::string("; remove it, or ") + use.remedy : ""),
+              use.if_foreign);
 }
 
 bool isOwn(const struct stat& status) noexcept {

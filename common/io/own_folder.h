@@ -4,11 +4,17 @@
 #include <filesystem>
 #include <span>
 
+#include "common/error.h"
+
 namespace lode {
 
-/// Words for an error message: the purpose of a folder, and the remedy if the folder cannot be used.
+/// Purpose of a folder for error messages, and the remedy if the folder cannot be used. The remedy is either
+/// text of the message, or a pair of codes that the program puts in words.
 struct FolderUse {
-  const char *what, *remedy;
+  const char* what;
+  const char* remedy = nullptr;        ///< text; null: the errors carry the codes below
+  Remedy if_not_made = Remedy::kNone;  ///< remedy if the system refuses to make the folder
+  Remedy if_foreign = Remedy::kNone;   ///< remedy if isOwnFolder() is false for an existing path
 };
 
 /// Returns true if a folder is at the path, this user owns it and no other user can write to it. Returns

@@ -69,7 +69,7 @@ ModelSummary openModel(stream::Streamer& streamer, const ResolvedTarget& target,
     return streamer.waitForModel(timeout, std::move(stop));
   } catch (const Error& failed) {
     if (target.file.empty()) throw;
-    throw Error(failed.code(), target.file.string() + ": " + failed.what());
+    throw Error(failed.code(), target.file.string() + ": " + failed.what(), failed.remedy());
   }
 }
 

@@ -63,15 +63,8 @@ std::string readToken(const std::string& file) {
   return checkedToken(std::move(token), file);
 }
 
-constexpr core::Remedies kCommandRemedies{
-    .model = "lodestream list shows what it has",
-    .token = "give a token with --token-file or LODESTREAM_TOKEN",
-    .certificate = "use the host name of the certificate, and give its authority with --ca-file",
-    .authorities = "give certificates in PEM with --ca-file",
-    .cache_folder = "give --cache a folder, or off"};
-
 std::filesystem::path chosenCache(const std::string& folder, bool offline) {
-  if (!offline) stream::prepareCacheFolder(folder, kCommandRemedies);
+  if (!offline) stream::prepareCacheFolder(folder);
   return folder;
 }
 
@@ -117,7 +110,6 @@ std::chrono::milliseconds CommonOptions::timeout() const {
 
 stream::StreamOptions CommonOptions::streamOptions() const {
   stream::StreamOptions options;
-  options.engine.session.remedies = kCommandRemedies;
   options.ca_file = ca_file;
   options.engine.session.token = readToken(token_file);
   if (!memory_text.empty()) options.engine.memory_budget_bytes = parseByteSize(memory_text);

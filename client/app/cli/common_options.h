@@ -66,7 +66,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes = T
 void addFadeOption(CLI::App& command, CommonOptions& options);
 
 // Each of these functions adds a subcommand. The callback of the subcommand does the work and can set the
-// exit status. If the callback throws an Error, runCommandLine() prints the message.
+// exit status. If the callback throws an Error, runCommandLine() prints the message and the remedy.
 void declareFetch(CLI::App& program, int& exit_status);
 void declareList(CLI::App& program, int& exit_status);
 

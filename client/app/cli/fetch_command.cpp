@@ -13,6 +13,7 @@
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/cut_export.h"
 #include "client/app/cli/opened_target.h"
+#include "client/app/cli/remedy_words.h"
 #include "client/app/cli/stream_report.h"
 #include "common/error.h"
 #include "common/io/mesh_file.h"
@@ -140,7 +141,7 @@ class Fetch {
           refuseUnconverged("key " + std::to_string(&key - keys_.data()), key.status, options_.common);
     } catch (const Error& failed) {
       if (left_out.empty()) throw;
-      throw Error(failed.code(), std::string(failed.what()) + "; " + left_out);
+      throw Error(failed.code(), messageOf(failed) + "; " + left_out);
     }
   }
 

@@ -64,7 +64,7 @@ class ListEnd {
     while (auto event = session_.nextEvent()) {
       if (auto* listed = std::get_if<core::ModelsListed>(&*event)) models_ = std::move(listed->models);
       if (const auto* leaving = std::get_if<core::ServerLeaving>(&*event))
-        throw Error(ErrorCode::kNetwork, leaving->reason);
+        throw Error(ErrorCode::kNetwork, leaving->reason, leaving->remedy);
     }
   }
   /// Returns the models; nothing until the server has listed them.

@@ -205,7 +205,8 @@ Scene sceneOf(const std::string& target) {
 Error ofSceneModel(const Error& error, std::string_view source, const Scene& scene, size_t model) {
   if (scene.is_single_model) return error;
   return Error(error.code(),
-               std::string(source) + ": models." + quoted(scene.models[model].name) + ": " + error.what());
+               std::string(source) + ": models." + quoted(scene.models[model].name) + ": " + error.what(),
+               error.remedy());
 }
 
 core::View viewFrom(const core::View& view, const Placement& placement, const glm::dvec3& origin) noexcept {

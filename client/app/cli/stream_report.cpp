@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 
+#include "client/app/cli/remedy_words.h"
 #include "common/error.h"
 
 namespace lode::app {
@@ -42,7 +43,7 @@ void reportLimits(Json& json, const core::EngineCounts& counts) {
 
 void reportGaps(Json& json, const stream::StreamStatus& status) {
   json["tiles_lost"] = status.cut ? status.cut->lost_tiles : 0;
-  json["failure"] = status.failure.empty() ? Json() : Json(status.failure);
+  json["failure"] = status.failure.empty() ? Json() : Json(withRemedy(status.failure, status.failure_remedy));
 }
 
 Json prefetchReport(const core::PrefetchCounts& counts) {
@@ -61,22 +62,24 @@ bool hasConverged(const stream::StreamStatus& status) {
 void refuseUnconverged(const std::string& where, const stream::StreamStatus& status,
                        const CommonOptions& options) {
   const std::string what = options.target + " did not converge at " + where;
-  if (status.cut && status.cut->lost_tiles > 0 && !status.failure.empty())
-    throw Error(ErrorCode::kNetwork, what + ": " + status.failure);
+  const Error failed(ErrorCode::kNetwork, what + ": " + status.failure, status.failure_remedy);
+  if (status.cut && status.cut->lost_tiles > 0 && !status.failure.empty()) throw failed;
   if (status.limited)
     throw Error(ErrorCode::kLimit,
                 what + ": the memory budget does not hold it; allow more with --memory-budget, or a larger " +
                     "error with --pixels");
-  if (!status.failure.empty()) throw Error(ErrorCode::kNetwork, what + ": " + status.failure);
+  if (!status.failure.empty()) throw failed;
   const std::string remedy = "; allow more with --timeout, or a larger error with --pixels";
-  throw Error(ErrorCode::kTimeout, what + " within " + std::to_string(options.timeout().count()) + " ms" +
-                                       (status.trouble.empty() ? remedy : ": " + status.trouble));
+  throw Error(ErrorCode::kTimeout,
+              what + " within " + std::to_string(options.timeout().count()) + " ms" +
+                  (status.trouble.empty() ? remedy : ": " + status.trouble),
+              status.trouble_remedy);
 }
 
 void warnOfGaps(const stream::StreamStatus& status, const CommonOptions& options) {
   if (!status.failure.empty() && !status.exhausted)
     std::fprintf(stderr, "lodestream: %s: shown without an unavailable part: %s\n", options.target.c_str(),
-                 status.failure.c_str());
+                 withRemedy(status.failure, status.failure_remedy).c_str());
   if (status.counts.tiles_left_out > 0)
     std::fprintf(
         stderr,

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "client/app/cli/opened_target.h"
+#include "client/app/cli/remedy_words.h"
 #include "client/app/cli/store_cache.h"
 #include "client/app/window/panel/notice.h"
 #include "common/error.h"
@@ -142,7 +143,7 @@ bool Viewer::isWorthWaiting() const {
 void Viewer::fail(const Error& error) {
   if (!isInteractive() || error.code() == ErrorCode::kUsage) throw error;
   failed_ = error;
-  printOnOneLine("lodestream", error.what());
+  printOnOneLine("lodestream", messageOf(error));
   content_.waiting.clear();
   content_.help = false;
 }

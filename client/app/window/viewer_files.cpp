@@ -1,5 +1,6 @@
 #include <exception>
 
+#include "client/app/cli/remedy_words.h"
 #include "client/app/cli/stream_report.h"
 #include "client/app/window/output/picture_file.h"
 #include "client/app/window/viewer.h"
@@ -26,7 +27,7 @@ void Viewer::saveRecording() {
       note("saved " + *file + ", for render --frames and replay");
   } catch (const Error& error) {
     if (isLeaving()) throw;
-    note(error.what());
+    note(messageOf(error));
   }
 }
 
@@ -62,7 +63,7 @@ void Viewer::noteWritten(const PictureWriter::Written& written) {
     note("saved " + written.file.string());
   } catch (const Error& error) {
     if (isLeaving()) throw;
-    note(error.what());
+    note(messageOf(error));
   }
 }
 

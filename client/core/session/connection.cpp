@@ -22,6 +22,7 @@ void Connection::succeeded() noexcept {
   longest_wait_ = kFirstRetry;
   ever_open_ = true;
   trouble_.clear();
+  trouble_remedy_ = Remedy::kNone;
 }
 
 void Connection::drop(std::optional<Session>& session) noexcept {
@@ -35,17 +36,18 @@ TimePoint Connection::withJitter(TimePoint now, std::chrono::milliseconds longes
   return now + std::chrono::milliseconds(wait_ms(random_));
 }
 
-void Connection::end(std::string why, TimePoint now) {
+void Connection::end(std::string why, TimePoint now, Remedy remedy) {
   drop(session_);
   is_draining_ = false;
   retry_at_ = withJitter(now, longest_wait_);
   longest_wait_ = std::min<std::chrono::milliseconds>(longest_wait_ * 3 / 2, kLastRetry);
   trouble_ = std::move(why);
+  trouble_remedy_ = remedy;
 }
 
-void Connection::leave(std::string why, TimePoint now) {
+void Connection::leave(std::string why, TimePoint now, Remedy remedy) {
   if (is_draining_) return;
-  if (!session_->opened()) return end(std::move(why), now);
+  if (!session_->opened()) return end(std::move(why), now, remedy);
   is_draining_ = true;
   retry_at_ = withJitter(now, kMoveOn);
 }
@@ -60,7 +62,7 @@ bool Connection::survives(const Error& error, TimePoint now) const noexcept {
 
 void Connection::fail(const Error& error, TimePoint now) {
   if (!survives(error, now)) throw error;
-  end(error.what(), now);
+  end(error.what(), now, error.remedy());
 }
 
 void Connection::restart(TimePoint now) {

@@ -53,7 +53,8 @@ class Connection {
   /// Notes that the model is open, and resets the retry interval.
   void succeeded() noexcept;
   /// Ends the active session and schedules a retry. @param why  reason as a text for users.
-  void end(std::string why, TimePoint now);
+  /// @param remedy  remedy that the text leaves to the program.
+  void end(std::string why, TimePoint now, Remedy remedy = Remedy::kNone);
   /// Returns true if a retry may succeed: the error is a network error or a timeout, and the model has been
   /// open before or SessionOptions::open_patience is not over.
   bool survives(const Error& error, TimePoint now) const noexcept;
@@ -62,7 +63,7 @@ class Connection {
   /// Notes that the server is shutting down. Schedules the next session soon and keeps the current session
   /// until it ends; repeated notices change nothing. If the model is not open, ends the current session at
   /// once.
-  void leave(std::string why, TimePoint now);
+  void leave(std::string why, TimePoint now, Remedy remedy = Remedy::kNone);
   /// Ends the draining session.
   void endDraining() noexcept;
   /// Ends the active session and makes the next session due: at once, or kFirstRetry after the last restart,
@@ -71,6 +72,8 @@ class Connection {
 
   /// Reason for the missing connection; empty while there is a connection.
   const std::string& trouble() const noexcept { return trouble_; }
+  /// Returns the remedy for the trouble; kNone while there is a connection.
+  Remedy troubleRemedy() const noexcept { return trouble_remedy_; }
   /// Returns the number of bytes that all sessions have received.
   uint64_t receivedBytes() const noexcept;
 
@@ -89,6 +92,7 @@ class Connection {
   bool ever_open_ = false;
   uint64_t received_before_bytes_ = 0;
   std::string trouble_;
+  Remedy trouble_remedy_ = Remedy::kNone;
 };
 
 }  // namespace lode::core

@@ -254,11 +254,11 @@ void Session::handleRefusal(const proto::ErrorMessage& error) {
     case proto::WireError::kInternal:
       throw Error(ErrorCode::kNetwork, message);
     case proto::WireError::kNoSuchModel:
-      if (!options_.awaits_model) throw Error(ErrorCode::kInput, message + "; " + options_.remedies.model);
-      event_ = ServerLeaving{message + "; " + options_.remedies.model};
+      if (!options_.awaits_model) throw Error(ErrorCode::kInput, message, Remedy::kModel);
+      event_ = ServerLeaving{message, Remedy::kModel};
       return;
     case proto::WireError::kUnauthorized:
-      throw Error(ErrorCode::kInput, message + "; " + options_.remedies.token);
+      throw Error(ErrorCode::kInput, message, Remedy::kToken);
     default:
       throw Error(ErrorCode::kInput, message);
   }

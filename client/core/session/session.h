@@ -14,9 +14,9 @@
 
 #include "client/core/lod/request.h"
 #include "client/core/session/credit_window.h"
-#include "client/core/session/remedies.h"
 #include "common/codec/blob.h"
 #include "common/codec/model_summary.h"
+#include "common/error.h"
 #include "proto/frame.h"
 #include "proto/limits.h"
 #include "proto/messages.h"
@@ -45,7 +45,6 @@ struct SessionOptions {
   Digest known_build_id;  ///< build of the model that the client has loaded; zeros for none
   std::string token;
   std::string program = "lodestream";
-  Remedies remedies;
   uint64_t max_requested_bytes = kMaxRequestedBytes;
   /// Time after the first attempt during which a connection retries even if the model has never been open. If
   /// zero, the first error is final.
@@ -82,7 +81,8 @@ struct RequestCancelled {
 };
 /// The server is shutting down or rejects the session for now: connect again later.
 struct ServerLeaving {
-  std::string reason;  ///< reason as a text for users
+  std::string reason;             ///< reason as a text for users
+  Remedy remedy = Remedy::kNone;  ///< remedy that the text leaves to the program
 };
 struct ModelChanged {};
 using SessionEvent = std::variant<ModelOpened, ModelsListed, BlobArrived, BlobRefused, RequestCancelled,

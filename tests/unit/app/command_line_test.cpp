@@ -11,7 +11,8 @@ namespace {
 /// A program with one command, `work`, which takes `--fast` and then does that.
 class ACommandLine : public testing::Test {
  protected:
-  void run(std::vector<const char*> words, const std::function<void(int& exit_status)>& work = {}) {
+  void run(std::vector<const char*> words, const std::function<void(int& exit_status)>& work = {},
+           std::string (*message_of)(const Error&) = command_line::plainMessage) {
     CLI::App program("what it is for", "tool");
     words.insert(words.begin(), "tool");
     const auto declare = [&](int& exit_status) {
@@ -22,7 +23,8 @@ class ACommandLine : public testing::Test {
       });
     };
     testing::internal::CaptureStderr();
-    status_ = runCommandLine(program, static_cast<int>(words.size()), words.data(), declare, "take less");
+    status_ = runCommandLine(program, static_cast<int>(words.size()), words.data(), declare, "take less",
+                             message_of);
     said_ = testing::internal::GetCapturedStderr();
   }
 
@@ -46,6 +48,13 @@ TEST_F(ACommandLine, whoseWorkFailsSaysSoOnOneLine) {
   run({"work"}, [](int&) { throw Error(ErrorCode::kIo, "the disk\nis full"); });
   EXPECT_EQ(said_, "tool: the disk is full\n");
   EXPECT_EQ(status_, 1);
+}
+
+TEST_F(ACommandLine, ofAProgramWithRemediesPutsThemInItsWords) {
+  run(
+      {"work"}, [](int&) { throw Error(ErrorCode::kIo, "no token", Remedy::kToken); },
+      [](const Error& error) { return error.what() + std::string("; ask for one"); });
+  EXPECT_EQ(said_, "tool: no token; ask for one\n");
 }
 
 TEST_F(ACommandLine, thatAsksForWhatCannotBeIsUsedWrongly) {

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "client/app/cli/opened_target.h"
+#include "client/app/cli/remedy_words.h"
 #include "client/core/view/camera_path.h"
 #include "common/error.h"
 #include "proto/limits.h"
@@ -92,7 +93,8 @@ TEST(CommonOptions, refuseACacheThatIsNoFolder) {
     options.streamOptions();
     ADD_FAILURE() << "taken";
   } catch (const Error& error) {
-    EXPECT_TRUE(std::string(error.what()).starts_with(options.cache_text + ": ")) << error.what();
+    EXPECT_EQ(messageOf(error), options.cache_text + ": is not a folder that only you can write to; remove " +
+                                    "it, or give --cache a folder, or off");
   }
 }
 

@@ -26,8 +26,10 @@ std::string refusalOf(const std::string& text) {
 TEST(SceneFile, saysInWhichOfItsModelsAnErrorIs) {
   Scene scene;
   scene.models = {{"tree", "tree.lode"}, {"rock", "gone.lode"}};
-  const Error error = ofSceneModel({ErrorCode::kIo, "gone.lode: no such file"}, "a.json", scene, 1);
+  const Error error =
+      ofSceneModel({ErrorCode::kIo, "gone.lode: no such file", Remedy::kModel}, "a.json", scene, 1);
   EXPECT_EQ(error.code(), ErrorCode::kIo);
+  EXPECT_EQ(error.remedy(), Remedy::kModel);
   EXPECT_EQ(error.what(), std::string("a.json: models.\"rock\": gone.lode: no such file"));
 }
 

@@ -80,8 +80,9 @@ TEST(Connection, triesAnewOnlyWhereTheModelWasOpenAndTheNetworkIsToBlame) {
   connection.begin({}, kLinkStart);
   EXPECT_THROW(connection.fail(Error(ErrorCode::kNetwork, "refused"), kLinkStart), Error);
   connection.succeeded();
-  connection.fail(Error(ErrorCode::kNetwork, "reset"), kLinkStart);
+  connection.fail(Error(ErrorCode::kNetwork, "reset", Remedy::kCertificate), kLinkStart);
   EXPECT_EQ(connection.trouble(), "reset");
+  EXPECT_EQ(connection.troubleRemedy(), Remedy::kCertificate);
   EXPECT_THROW(connection.fail(Error(ErrorCode::kProtocol, "nonsense"), kLinkStart), Error);
 }
 

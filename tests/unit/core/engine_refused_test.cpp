@@ -55,12 +55,14 @@ TEST_F(RefusedEngine, keepsThePictureAndTriesMoreAndMoreSeldomUntilTheModelIsThe
   const TimePoint before_last = now_;
   connect();
   EXPECT_GT(now_ - before_last, 4 * (second - first));
-  EXPECT_EQ(engine_->trouble(), "the server says: no model; name a model of this server");
+  EXPECT_EQ(engine_->trouble(), "the server says: no model");
+  EXPECT_EQ(engine_->troubleRemedy(), Remedy::kModel);
   EXPECT_EQ(engine_->failure(), "");
   EXPECT_TRUE(engine_->cut());
   server_.offer(true);
   connect();
   EXPECT_EQ(engine_->trouble(), "");
+  EXPECT_EQ(engine_->troubleRemedy(), Remedy::kNone);
   EXPECT_TRUE(engine_->staysConnected());
 }
 

@@ -137,12 +137,13 @@ class SessionTest : public testing::Test {
     for (; seconds > 0; --seconds) session_.tick(from += std::chrono::seconds(1));
     return from;
   }
-  void expectRefused(const Bytes& bytes, const std::string& part_of_message) {
+  void expectRefused(const Bytes& bytes, const std::string& part_of_message, Remedy remedy = Remedy::kNone) {
     try {
       give(bytes);
       FAIL() << "not refused";
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find(part_of_message), std::string::npos) << error.what();
+      EXPECT_EQ(error.remedy(), remedy);
     }
   }
 

@@ -72,7 +72,12 @@ TEST_F(SessionTest, saysThatAnotherProgramAnswers) {
 TEST_F(SessionTest, saysWhatTheServerSaysWhenThereIsNoSuchModel) {
   give(welcome());
   expectRefused(proto::encode(proto::ErrorMessage{proto::WireError::kNoSuchModel, 0, false, "no model x"}, 2),
-                "no model x; name a model of this server");
+                "the server says: no model x", Remedy::kModel);
+}
+
+TEST_F(SessionTest, leavesTheWordsForATokenToTheProgram) {
+  expectRefused(proto::encode(proto::ErrorMessage{proto::WireError::kUnauthorized, 0, true, "no token"}, 1),
+                "the server says: no token", Remedy::kToken);
 }
 
 TEST_F(SessionTest, takesAServerWithoutTheModelForOneThatIsLeavingIfItAwaitsThat) {
@@ -84,8 +89,8 @@ TEST_F(SessionTest, takesAServerWithoutTheModelForOneThatIsLeavingIfItAwaitsThat
   const auto events =
       give(proto::encode(proto::ErrorMessage{proto::WireError::kNoSuchModel, 0, false, "no model x"}, 2));
   ASSERT_EQ(events.size(), 1u);
-  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason,
-            "the server says: no model x; name a model of this server");
+  EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "the server says: no model x");
+  EXPECT_EQ(std::get<ServerLeaving>(events[0]).remedy, Remedy::kModel);
 }
 
 TEST_F(SessionTest, saysThatTheServerIsTooOld) {

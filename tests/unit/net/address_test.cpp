@@ -29,6 +29,8 @@ TEST(Address, standsBeforeAnErrorThatDoesNotNameIt) {
   };
   EXPECT_EQ(naming("it broke"), "example.org:81: it broke");
   EXPECT_EQ(naming("no answer from example.org:81"), "no answer from example.org:81");
+  const Error refused(ErrorCode::kInput, "no token", Remedy::kToken);
+  EXPECT_EQ(net::naming(server, refused).remedy(), Remedy::kToken);
 }
 
 TEST(Address, isWrittenAsItIsRead) {

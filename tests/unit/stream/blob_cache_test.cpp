@@ -153,11 +153,27 @@ TEST_F(BlobCacheTest, isNotPreparedBehindALinkOfAnotherUser) {
   const fs::path link = test::makeStickyFolder(folder_ / "sticky") / "link";
   fs::create_directory(folder_ / "mine");
   fs::create_directory_symlink(folder_ / "mine", link);
-  EXPECT_NO_THROW(prepareCacheFolder(link, {}));
+  EXPECT_NO_THROW(prepareCacheFolder(link));
   if (!test::giveToStranger(link)) GTEST_SKIP() << "needs root";
   for (const fs::path& name : {link, link / "", link / "below"})
-    EXPECT_THROW(prepareCacheFolder(name, {}), Error) << name;
+    EXPECT_THROW(prepareCacheFolder(name), Error) << name;
   EXPECT_TRUE(fs::is_empty(folder_ / "mine"));
+}
+
+TEST_F(BlobCacheTest, leavesTheWordsForAnotherFolderToTheProgram) {
+  const auto refusal = [](const fs::path& folder) {
+    try {
+      prepareCacheFolder(folder);
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find(';'), std::string::npos) << error.what();
+      return error.remedy();
+    }
+    return Remedy::kNone;
+  };
+  std::ofstream(folder_ / "file") << "not a folder";
+  EXPECT_EQ(refusal(folder_ / "file"), Remedy::kForeignCacheFolder);
+  EXPECT_EQ(refusal("/proc/nope"), Remedy::kCacheFolder);
+  EXPECT_EQ(refusal("/proc"), Remedy::kCacheFolder) << "not even root makes files there";
 }
 
 TEST_F(BlobCacheTest, keepsNothingInAFolderOfAnotherUser) {

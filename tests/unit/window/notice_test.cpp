@@ -28,6 +28,9 @@ TEST(Notice, saysOfALostConnectionWhyAndThatItComesBackByItself) {
   EXPECT_EQ(notice.kind, Notice::Kind::kTrouble);
   EXPECT_NE(notice.text.find(status.trouble), std::string::npos);
   EXPECT_NE(notice.text.find("reconnects automatically"), std::string::npos);
+  status.trouble_remedy = Remedy::kModel;
+  EXPECT_NE(noticeOf(status, false, OnGpu::kAll).text.find("; lodestream list shows what it has\n"),
+            std::string::npos);
 }
 
 TEST(Notice, saysOfAStreamThatHasEndedThatThePictureStaysIfThereIsOne) {
@@ -41,6 +44,8 @@ TEST(Notice, saysOfAStreamThatHasEndedThatThePictureStaysIfThereIsOne) {
   EXPECT_NE(with_picture.text.find("keeps what is loaded"), std::string::npos);
   status.cut.reset();
   EXPECT_EQ(noticeOf(status, false, OnGpu::kFull).text, "no such model");
+  status.failure_remedy = Remedy::kModel;
+  EXPECT_EQ(noticeOf(status, false, OnGpu::kFull).text, "no such model; lodestream list shows what it has");
 }
 
 TEST(Notice, saysOfAPartThatCannotBeHadThatThePictureDoesWithoutIt) {

@@ -80,10 +80,19 @@ TEST_F(SceneStatus, hasNoCutBeforeEachModelHasOne) {
 TEST_F(SceneStatus, hasNotEndedWhileOneModelGoesOn) {
   first_.ended = true;
   first_.failure = "the server has gone";
+  first_.failure_remedy = Remedy::kCertificate;
   EXPECT_FALSE(merged().ended);
   EXPECT_EQ(merged().failure, "the server has gone");
+  EXPECT_EQ(merged().failure_remedy, Remedy::kCertificate);
   second_.ended = true;
   EXPECT_TRUE(merged().ended);
+}
+
+TEST_F(SceneStatus, hasTheRemedyOfTheTroubleThatItNames) {
+  second_.trouble = "no such model";
+  second_.trouble_remedy = Remedy::kModel;
+  EXPECT_EQ(merged().trouble, "no such model");
+  EXPECT_EQ(merged().trouble_remedy, Remedy::kModel);
 }
 
 TEST_F(SceneStatus, hasNotEndedBeforeThereIsAModel) { EXPECT_FALSE(sceneStatus({}, scene_view_).ended); }

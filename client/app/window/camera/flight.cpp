@@ -54,9 +54,12 @@ std::vector<Lap> lapsOf(const std::vector<FlownFrame>& frames) {
 }
 
 [[noreturn]] void refuse(const std::string& target, const stream::StreamStatus& status) {
-  const std::string& why = status.failure.empty() ? status.trouble : status.failure;
-  throw Error(ErrorCode::kTimeout, target + " gave no first picture to start the flight from" +
-                                       (why.empty() ? "; allow more with --timeout" : ": " + why));
+  const bool has_failed = !status.failure.empty();
+  const std::string& why = has_failed ? status.failure : status.trouble;
+  throw Error(ErrorCode::kTimeout,
+              target + " gave no first picture to start the flight from" +
+                  (why.empty() ? "; allow more with --timeout" : ": " + why),
+              has_failed ? status.failure_remedy : status.trouble_remedy);
 }
 
 }  // namespace

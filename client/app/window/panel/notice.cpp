@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "client/app/cli/remedy_words.h"
+
 namespace lode::app {
 namespace {
 
@@ -30,12 +32,13 @@ constexpr std::array kStages{StageNumber{"scan", 1},        StageNumber{"texture
 constexpr float kDotPx = 8;
 
 std::string failureText(const stream::StreamStatus& status) {
+  const std::string failure = withRemedy(status.failure, status.failure_remedy);
   if (status.failure_may_pass)
-    return status.failure + (status.cut ? "\nThat part stays at lower detail meanwhile; the view tries again."
-                                        : "\nThe view tries again.");
-  if (!status.cut) return status.failure;
-  return status.failure + (status.ended ? "\nThe view keeps what is loaded; no more detail will load."
-                                        : "\nThat part stays at lower detail.");
+    return failure + (status.cut ? "\nThat part stays at lower detail meanwhile; the view tries again."
+                                 : "\nThe view tries again.");
+  if (!status.cut) return failure;
+  return failure + (status.ended ? "\nThe view keeps what is loaded; no more detail will load."
+                                 : "\nThat part stays at lower detail.");
 }
 
 }  // namespace
@@ -47,7 +50,7 @@ Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) 
             "offline: the cache has no finer detail of this view; start once without --offline to load more"};
   if (!status.failure.empty()) return {status.failure_may_pass ? kTrouble : kFailure, failureText(status)};
   if (!status.trouble.empty())
-    return {kTrouble, "no connection: " + status.trouble +
+    return {kTrouble, "no connection: " + withRemedy(status.trouble, status.trouble_remedy) +
                           "\nThe view keeps what is loaded and reconnects automatically."};
   if (on_gpu == OnGpu::kFull)
     return {kTrouble,
@@ -73,7 +76,7 @@ std::string missingText(std::span<const std::string> missing) {
 }
 
 Notice noticeOf(const Error& error) {
-  return {Notice::Kind::kFailure, std::string(error.what()) + "\nEsc or Q closes the window."};
+  return {Notice::Kind::kFailure, messageOf(error) + "\nEsc or Q closes the window."};
 }
 
 std::string describeStage(std::string_view stage) {

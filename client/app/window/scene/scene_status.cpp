@@ -21,9 +21,13 @@ stream::StreamStatus sceneStatus(std::span<const ModelStatus> models, const core
     all.ended = all.ended && one.ended;
     if (all.failure.empty() || (all.failure_may_pass && !one.failure.empty() && !one.failure_may_pass)) {
       all.failure = one.failure;
+      all.failure_remedy = one.failure_remedy;
       all.failure_may_pass = one.failure_may_pass;
     }
-    if (all.trouble.empty()) all.trouble = one.trouble;
+    if (all.trouble.empty()) {
+      all.trouble = one.trouble;
+      all.trouble_remedy = one.trouble_remedy;
+    }
     is_shown = is_shown && one.view_cuts;
     if (!one.view_cuts) continue;
     cut->threshold_px = std::max(cut->threshold_px, one.cut->threshold_px);

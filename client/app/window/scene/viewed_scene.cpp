@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "client/app/cli/opened_target.h"
+#include "client/app/cli/remedy_words.h"
 #include "client/app/window/camera/walk_camera.h"
 #include "client/app/window/memory_shares.h"
 #include "client/app/window/scene/scene_status.h"
@@ -137,7 +138,7 @@ std::vector<std::string> ViewedScene::missing() const {
   std::vector<std::string> missing;
   for (const auto& model : models_)
     if (const auto& error = model->opened.error)
-      missing.push_back(quoted(scene_.models[model->number].name) + " is missing: " + error->what() +
+      missing.push_back(quoted(scene_.models[model->number].name) + " is missing: " + messageOf(*error) +
                         (model->opener.retries() ? "; it is tried again every few seconds" : ""));
   return missing;
 }
