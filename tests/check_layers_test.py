@@ -56,11 +56,11 @@ class LayerCheck(unittest.TestCase):
                 self.assertEqual(complaints(home, library), [])
                 self.assertEqual(len(complaints(elsewhere, library)), 1)
 
-    def test_refuses_relative_names_and_tests_in_programs(self):
+    def test_refuses_relative_includes_and_includes_of_tests(self):
         self.assertEqual(len(complaints("server/store/reader.cpp", '"../ingest/build.h"')), 1)
         self.assertEqual(len(complaints("server/main.cpp", '"tests/support/mesh.h"')), 1)
 
-    def test_reads_includes_however_they_are_spaced_and_names_their_line(self):
+    def test_names_the_line_of_an_include_with_any_spacing(self):
         text = '#pragma once\n\n#  include   "client/core/view/view.h"\n// #include "client/net/a.h"\n'
         self.assertEqual(
             list(complaints_about("server/main.cpp", text)),

@@ -33,12 +33,12 @@ class TidyCommands(unittest.TestCase):
         (self.build / "compile_commands.json").write_text(json.dumps(self.entries))
         return read_commands(self.build)
 
-    def test_knows_a_file_that_is_compiled_by_itself(self):
+    def test_finds_the_command_of_a_file_that_compiles_alone(self):
         self.compiled("/s/a.cpp")
         entry = self.commands()[os.path.relpath("/s/a.cpp")]
         self.assertEqual(entry["command"], "g++ -O2 -o out.o -c /s/a.cpp")
 
-    def test_knows_each_of_the_files_that_are_compiled_as_one(self):
+    def test_finds_the_command_of_each_file_of_a_unity_source(self):
         self.compiled_as_one("/s/a.cpp", "/s/b.cpp")
         commands = self.commands()
         self.assertEqual(sorted(commands), [os.path.relpath("/s/a.cpp"), os.path.relpath("/s/b.cpp")])
@@ -47,7 +47,7 @@ class TidyCommands(unittest.TestCase):
             self.assertEqual(entry["file"], file)
             self.assertEqual(entry["command"], f"g++ -O2 -o out.o -c {file}")
 
-    def test_reads_those_of_a_folder_together_that_are_compiled_alike(self):
+    def test_groups_files_of_a_folder_with_equal_commands(self):
         self.compiled_as_one("/s/a.cpp", "/s/b.cpp")
         self.compiled("/s/c.cpp")
         self.compiled("/s/d.cpp", "-O1")

@@ -55,25 +55,25 @@ class InstallPackages(unittest.TestCase):
     def apt_calls(self):
         return [line for line in self.calls.read_text().splitlines() if line.startswith("apt-get")]
 
-    def test_does_not_touch_apt_when_all_is_there(self):
+    def test_does_not_call_apt_if_all_packages_are_installed(self):
         self.assertEqual(self.run_script("run", "build", "test").returncode, 0)
         self.assertEqual(self.apt_calls(), [])
 
-    def test_installs_only_what_is_missing_of_the_sections_named(self):
+    def test_installs_only_missing_packages_of_the_named_sections(self):
         self.installed("libone")
         self.assertEqual(self.run_script("run", "build").returncode, 0)
         update, install = self.apt_calls()
         self.assertIn("update", update)
         self.assertTrue(install.endswith("--no-install-recommends tool"), install)
 
-    def test_takes_the_first_of_several_names_that_apt_offers(self):
+    def test_installs_the_first_alternative_that_apt_offers(self):
         self.listed("[run]\nlibnine | libeight | libseven  # why\n")
         self.installed()
         self.offered("libeight", "libseven")
         self.assertEqual(self.run_script("run").returncode, 0)
         self.assertTrue(self.apt_calls()[1].endswith("--no-install-recommends libeight"), self.apt_calls())
 
-    def test_hears_out_what_apt_says_of_a_name(self):
+    def test_reads_long_output_of_apt_cache_to_its_end(self):
         self.listed("[run]\nlibnine | libeight\n")
         self.installed()
         self.fake("apt-cache", 'case "${!#}" in libeight) echo "  Candidate: 1.0"; for _ in {1..20000}; do '
@@ -81,19 +81,19 @@ class InstallPackages(unittest.TestCase):
         self.assertEqual(self.run_script("run").returncode, 0)
         self.assertTrue(self.apt_calls()[1].endswith("--no-install-recommends libeight"), self.apt_calls())
 
-    def test_is_content_with_any_of_several_names(self):
+    def test_accepts_any_installed_alternative(self):
         self.listed("[run]\nlibnine | libeight | libseven\n")
         self.installed("libseven")
         self.assertEqual(self.run_script("run").returncode, 0)
         self.assertEqual(self.apt_calls(), [])
 
-    def test_lets_apt_say_what_is_wrong_where_it_offers_none_of_the_names(self):
+    def test_passes_the_first_name_to_apt_if_apt_offers_no_alternative(self):
         self.listed("[run]\nlibnine | libeight\n")
         self.installed()
         self.fake("apt-get", f'echo "apt-get $*" >> {self.calls}; [[ $1 == update ]]')
         self.assert_one_line_failure(self.run_script("run"), "could not install all of: libnine", lines=2)
 
-    def test_goes_on_when_the_lists_cannot_be_updated(self):
+    def test_continues_if_apt_cannot_update_its_lists(self):
         self.installed()
         self.fake("apt-get", f'echo "apt-get $*" >> {self.calls}; [[ $1 != update ]]')
         self.assertEqual(self.run_script("test").returncode, 0)
@@ -104,7 +104,7 @@ class InstallPackages(unittest.TestCase):
         self.fake("apt-get", "[[ $1 == update ]]")
         self.assert_one_line_failure(self.run_script("test"), "could not install all of: other", lines=2)
 
-    def test_refuses_a_section_that_is_not_there(self):
+    def test_refuses_an_unknown_section(self):
         self.assert_one_line_failure(self.run_script("run", "bild"), "no section [bild]")
 
     def test_says_what_to_do_on_a_system_without_dpkg(self):
@@ -112,13 +112,13 @@ class InstallPackages(unittest.TestCase):
         self.assert_one_line_failure(self.run_script("run"), "LODESTREAM_PACKAGES=skip")
         self.assertEqual(self.run_script("run", LODESTREAM_PACKAGES="skip").returncode, 0)
 
-    def test_names_the_missing_packages_where_there_is_no_apt(self):
+    def test_names_the_missing_packages_without_apt(self):
         self.installed()
         (self.folder / "apt-get").unlink()
         self.assert_one_line_failure(self.run_script("run", "test"), "libone other")
 
     @unittest.skipIf(os.geteuid() == 0, "root needs no sudo")
-    def test_names_the_missing_packages_where_there_is_no_sudo(self):
+    def test_names_the_missing_packages_without_sudo(self):
         self.installed()
         (self.folder / "sudo").unlink()
         self.assert_one_line_failure(self.run_script("run"), "libone")

@@ -10,7 +10,7 @@ from processes import display, eventually
 
 
 class Flight(WindowTest):
-    def test_flies_the_path_so_often_says_what_frames_took_and_ends(self):
+    def test_flies_the_requested_laps_and_prints_their_frame_times(self):
         path = {"fov_y_deg": 45, "keys": [{"t": t, "eye": [8 - t / 4, 0, 3], "target": [0, 0, 0], "up": [0, 0, 1]} for t in (0, 4)]}
         with tempfile.TemporaryDirectory() as folder, display() as screen:
             camera = pathlib.Path(folder, "path.json")
@@ -26,13 +26,13 @@ class Flight(WindowTest):
         times = [(frame["lap"], frame["t"]) for frame in flown["frames"]]
         self.assertEqual(times, sorted(times))
 
-    def test_keeps_the_threshold_that_was_asked_for(self):
+    def test_keeps_the_requested_threshold(self):
         with tempfile.TemporaryDirectory() as folder, display() as screen:
             window = Window(screen, folder, STORE, "--pixels", "3", "--laps", "1", "--json")
             flown = json.loads(subprocess.run(window.command, env=window.environment, check=True, capture_output=True, timeout=120).stdout)
         self.assertEqual({frame["threshold_px"] for frame in flown["frames"]}, {3})
 
-    def test_that_is_cut_short_is_told_as_far_as_it_came_and_fails(self):
+    def test_prints_the_flown_frames_and_fails_if_interrupted(self):
         with self.window(STORE, "--laps", "1000", "--json", is_open=False, stdout=subprocess.PIPE) as window:
             eventually(lambda: len(window.recorded(lambda: None)) > 1)  # the camera moves without input
             window.key("Escape")
@@ -47,15 +47,15 @@ class Flight(WindowTest):
             window.leave()  # a key would close the help, and the cache would remember this
             self.assertEqual(list(window.folder.rglob("help-seen")), [])
 
-    def test_that_has_not_begun_fails(self):
+    def test_fails_if_closed_before_it_begins(self):
         with served_without_blobs() as target, self.window(target, "--laps", "1", is_open=False) as window:
             self.assertEqual(window.leave(), 1)
 
-    def test_fails_where_the_time_ends_before_the_first_picture(self):
+    def test_fails_if_the_timeout_ends_before_the_first_picture(self):
         with served_without_blobs() as target:
             self.refused(target, "--cache", "off", "--timeout", "3")
 
-    def test_fails_where_the_cache_has_no_first_picture(self):
+    def test_fails_if_the_cache_has_no_first_picture(self):
         with served_without_blobs() as target, tempfile.TemporaryDirectory() as cache:
             self.refused(target, "--cache", cache, "--timeout", "3")  # the cache now has the model's summary
             self.refused(target, "--cache", cache, "--offline")
@@ -69,10 +69,10 @@ class Flight(WindowTest):
 
 
 class Minimized(WindowTest):
-    def test_window_ends_a_flight_with_the_time(self):
+    def test_window_ends_a_flight_at_its_timeout(self):
         self.refused("--laps", "1")
 
-    def test_window_ends_with_the_time_that_its_picture_has(self):
+    def test_window_ends_at_the_timeout_of_its_screenshot(self):
         self.refused("--screenshot", "a.png")
 
     def refused(self, *options):

@@ -24,7 +24,7 @@ class Failure(WindowTest):
     """If the target cannot be opened, the window stays open and shows the reason. stderr has the reason at
     once."""
 
-    def test_stays_in_the_window_and_is_told_by_the_exit_status(self):
+    def test_stays_in_the_window_and_sets_the_exit_status(self):
         nobody = f"lode://127.0.0.1:{free_port()}/painted"
         with running([BIN / "lodestreamd", "serve", STORE, "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE,
                      stderr=subprocess.DEVNULL) as server, tempfile.TemporaryDirectory() as folder:
@@ -48,7 +48,7 @@ class Failure(WindowTest):
                         self.assertEqual(window.process.wait(timeout=120), 1)
                         self.assertEqual(list(lines), [])
 
-    def test_ends_at_once_what_nobody_looks_at(self):
+    def test_ends_screenshots_and_flights_at_once(self):
         for options in (["--screenshot", "a.png"], ["--laps", "1"]):
             with self.subTest(options), tempfile.TemporaryDirectory() as folder, display() as screen:
                 window = Window(screen, folder, f"lode://127.0.0.1:{free_port()}/painted", *options)
@@ -57,7 +57,7 @@ class Failure(WindowTest):
                 self.assertIn(b"cannot connect", ended.stderr)
 
 
-class LackingScenes(WindowTest):
+class IncompleteScene(WindowTest):
     """The window shows a scene without its missing model."""
 
     @contextlib.contextmanager
@@ -70,7 +70,7 @@ class LackingScenes(WindowTest):
             file.write_text(json.dumps({"models": {"here": str(STORE), **others}, "instances": instances}))
             yield file
 
-    def test_say_what_is_missing_and_show_the_rest(self):
+    def test_names_missing_models_and_shows_the_rest(self):
         with self.scene(gone="gone.ply", away=f"lode://127.0.0.1:{free_port()}/painted") as file, \
                 self.window(file, stderr=subprocess.PIPE) as window, window.process.stderr as stderr:
             for said in ('scene.json: "gone" is missing: ', 'scene.json: "away" is missing: cannot connect'):
@@ -79,7 +79,7 @@ class LackingScenes(WindowTest):
             self.assertGreater(reds_of(window.picture()), 100)
             self.assertEqual(window.leave(), 0)
 
-    def test_show_a_model_whose_server_comes_later(self):
+    def test_shows_a_model_once_its_server_starts(self):
         port = free_port()
         with self.scene(away=f"lode://127.0.0.1:{port}/painted") as file, self.window(file, "--cache", "off") as window:
             self.assertLess(place_of(self.picked(window, MIDDLE))[0], 2)
@@ -87,7 +87,7 @@ class LackingScenes(WindowTest):
                          stderr=subprocess.DEVNULL):
                 eventually(lambda: self.at_right(window) > 2)
 
-    def test_ask_all_their_servers_at_once(self):
+    def test_connects_to_all_its_servers_at_once(self):
         """The window waits for all servers that do not answer at the same time."""
         with socket.create_server(("127.0.0.1", 0)) as first, socket.create_server(("127.0.0.1", 0)) as second:
             silent = {f"silent{number}": f"lode://127.0.0.1:{server.getsockname()[1]}/painted"
@@ -98,7 +98,7 @@ class LackingScenes(WindowTest):
                 with first.accept()[0], second.accept()[0]:
                     pass
 
-    def test_are_refused_where_nobody_looks(self):
+    def test_is_refused_for_a_screenshot(self):
         with self.scene(gone="gone.ply") as file, tempfile.TemporaryDirectory() as folder, display() as screen:
             window = Window(screen, folder, file, "--screenshot", "a.png")
             ended = subprocess.run(window.command, env=window.environment, cwd=folder, capture_output=True, timeout=120)
@@ -119,7 +119,7 @@ class LackingScenes(WindowTest):
 
 
 class Connection(WindowTest):
-    def test_that_nobody_answers_does_not_keep_the_window(self):
+    def test_attempt_without_an_answer_does_not_delay_closing(self):
         with socket.create_server(("127.0.0.1", 0)) as silent:
             target = f"lode://127.0.0.1:{silent.getsockname()[1]}/painted"
             with self.window(target, "--timeout", "3600", is_open=False) as window:
@@ -127,7 +127,7 @@ class Connection(WindowTest):
                     window.picture()  # the key also closes the help of the first start
                     self.assertEqual(window.leave_at_once(), 0)
 
-    def test_is_made_anew_when_the_server_is_back(self):
+    def test_is_restored_once_the_server_is_back(self):
         ports = free_port(), free_port()
         command = [BIN / "lodestreamd", "serve", STORE, "--listen", f"127.0.0.1:{ports[0]}", "--metrics", f"127.0.0.1:{ports[1]}"]
 

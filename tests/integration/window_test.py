@@ -17,7 +17,7 @@ from processes import eventually
 
 
 class Camera(WindowTest):
-    def test_orbits_about_what_is_under_the_pointer(self):
+    def test_orbits_about_the_point_under_the_pointer(self):
         with self.window() as window:
             at = (WIDTH * 2 // 5, HEIGHT * 2 // 5)
             window.click(at)
@@ -27,7 +27,7 @@ class Camera(WindowTest):
             self.assertGreater(math.dist(keys[0]["eye"], keys[-1]["eye"]), 0.1 * reach[0])
             self.assertLess(max(reach) - min(reach), 0.001 * reach[0])
 
-    def test_comes_nearer_by_the_wheel_and_by_a_double_click(self):
+    def test_approaches_by_wheel_and_by_double_click(self):
         with self.window() as window:
             for act in (lambda: window.click(MIDDLE, button=4, times=3), lambda: window.click(MIDDLE, times=2)):
                 keys = window.recorded(act)
@@ -42,7 +42,7 @@ class Camera(WindowTest):
             self.assertGreater(sum(a * b for a, b in zip(moved(keys), direction(keys[0]))), 0.999 * math.hypot(*moved(keys)))
             self.assertGreater(math.hypot(*moved(keys)), 0)
 
-    def test_goes_back_to_the_first_view_and_to_bookmarks(self):
+    def test_returns_to_the_first_view_and_to_bookmarks(self):
         with self.window() as window:
             window.key("ctrl+1")
             start = window.recorded(lambda: window.drag(MIDDLE, (MIDDLE[0] + 120, MIDDLE[1] + 40)))[0]
@@ -72,7 +72,7 @@ class Walk(WindowTest):
             self.assertGreater(min(heights), 0)
             self.assertLess(max(heights), 0.1)  # the model has a width of 2
 
-    def test_begins_on_the_ground_of_a_scene_where_the_pointer_is_and_picks_it(self):
+    def test_begins_at_the_pointer_on_the_ground_of_a_scene(self):
         with tempfile.TemporaryDirectory() as folder:
             scene = pathlib.Path(folder, "scene")
             subprocess.run([BIN / "lodestreamd", "sample", "scene", "--triangles", "3000", "-o", scene], check=True,
@@ -122,7 +122,7 @@ class Picks(WindowTest):
             self.assertAlmostEqual(distance, math.dist(place_of(one), place_of(two)), delta=0.01 * distance)
             self.assertGreater(distance, 0)
 
-    def test_show_in_the_picture_until_the_panel_is_hidden(self):
+    def test_are_marked_in_the_picture_until_the_panel_is_hidden(self):
         with self.window() as window:
             window.click(MIDDLE, button=4, times=6)  # zoom until the model is visible beside the panel too
             window.picture()
@@ -139,7 +139,7 @@ class Picks(WindowTest):
             window.key("h")
             self.assertEqual(marked(), [False, False])
 
-    def test_stay_where_a_double_click_goes_elsewhere(self):
+    def test_are_not_replaced_by_a_double_click(self):
         for both_in in (Window.one_frame, contextlib.nullcontext):
             with self.subTest(both_in=both_in), self.window() as window:
                 window.click(MIDDLE)
@@ -154,7 +154,7 @@ class Picks(WindowTest):
 
 
 class Shown(WindowTest):
-    def test_panel_comes_and_goes(self):
+    def test_panel_is_hidden_and_shown_by_a_key(self):
         with self.window() as window:
             window.key("h")
             bare = lower_half(window.picture())
@@ -163,7 +163,7 @@ class Shown(WindowTest):
             window.key("h")
             self.assertTrue(lower_half(window.picture()) == bare)
 
-    def test_panel_leaves_half_of_a_small_window_and_its_lower_edge_to_the_model(self):
+    def test_panel_leaves_the_right_half_and_lower_edge_of_a_window_free(self):
         with self.window() as window:
             for size in ((WIDTH, HEIGHT), (420, 240)):
                 window.xdotool("windowsize", "--sync", window.id, *size)
@@ -179,7 +179,7 @@ class Shown(WindowTest):
                 window.xdotool("key", "--delay", "0", *["shift+v"] * 5)
 
     @unittest.skipUnless(pathlib.Path("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf").exists(), "needs fonts-dejavu-core")
-    def test_names_are_written_in_their_own_letters(self):
+    def test_names_are_drawn_in_cyrillic_and_greek(self):
         titles = set()
         with tempfile.TemporaryDirectory() as folder:
             for name in ("Жук", "Яма", "\u03a9\u03a3\u0394"):
@@ -201,20 +201,20 @@ class Shown(WindowTest):
                 pictures.append(lower_half(window.picture()))
             self.assertEqual(len(set(pictures)), len(pictures))
 
-    def test_picture_is_written_though_the_window_is_left_at_once(self):
+    def test_picture_is_written_even_if_the_window_closes_at_once(self):
         with self.window() as window:
             window.xdotool("key", "--delay", "0", "F12", "Escape")
             self.assertEqual(window.process.wait(timeout=120), 0)
             self.assertEqual(size_of(window.saved_picture()), (WIDTH, HEIGHT))
 
-    def test_picture_that_was_asked_for_and_is_not_there_when_the_window_is_closed_is_an_error(self):
+    def test_screenshot_fails_if_the_window_closes_before_it_is_taken(self):
         with served_without_blobs() as target, \
                 self.window(target, "--screenshot", "a.png", is_open=False, stderr=subprocess.PIPE) as window:
             self.assertEqual(window.leave(), 1)
             with window.process.stderr as said:
                 self.assertIn(b"closed before the picture a.png was saved", said.read())
 
-    def test_picture_is_as_large_as_the_window_and_survives_that_it_is_hidden(self):
+    def test_picture_has_the_window_size_and_survives_unmapping(self):
         with self.window() as window:
             self.assertEqual(size_of(window.picture()), (WIDTH, HEIGHT))
             window.xdotool("windowsize", "--sync", window.id, 400, 500)
@@ -231,7 +231,7 @@ class Settings(WindowTest):
     LEFT = WIDTH - 12 - 21 * 15 + 8  # x at which the letters begin; y of the middle of a row
     ROWS = [12 + 8 + 10 + 25 * row for row in range(8)]
 
-    def test_are_changed_by_the_mouse_which_then_does_not_move_the_camera(self):
+    def test_are_changed_by_the_mouse_without_moving_the_camera(self):
         with self.window() as window:
             window.key("h")
             window.key("v")
@@ -303,7 +303,7 @@ class Settings(WindowTest):
 
 
 class Scrolling(WindowTest):
-    def test_of_a_panel_that_is_too_high_leaves_the_camera(self):
+    def test_of_a_tall_panel_does_not_move_the_camera(self):
         with self.window() as window:
             over = (60, HEIGHT // 2)
             name = self.name_in(window)

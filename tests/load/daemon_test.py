@@ -40,7 +40,7 @@ class OpenFiles(unittest.TestCase):
         log.seek(0)
         return log.read()
 
-    def test_fewer_connections_than_asked_for_are_said_at_the_start_and_are_possible(self):
+    def test_limit_on_connections_is_announced_at_start_and_holds(self):
         with tempfile.TemporaryFile("w+") as log, contextlib.ExitStack() as clients:
             with self.start(log, "--max-connections", "1000") as daemon:
                 eventually(lambda: "allows fewer connections" in self.said(log))
@@ -51,7 +51,7 @@ class OpenFiles(unittest.TestCase):
                     self.assertEqual(refusal(daemon.address).Code(), LIMIT)
                 self.assertEqual(daemon.metric('lodestream_connections_refused_total{reason="descriptors"}'), 0)
 
-    def test_nothing_is_said_where_there_are_enough(self):
+    def test_limit_is_not_announced_if_it_suffices(self):
         with tempfile.TemporaryFile("w+") as log:
             with self.start(log, "--max-connections", "100"):
                 pass
@@ -59,7 +59,7 @@ class OpenFiles(unittest.TestCase):
 
 
 class ServiceManager(unittest.TestCase):
-    def test_hears_when_it_is_ready_reloads_and_stops(self):
+    def test_is_notified_of_ready_reload_and_stop(self):
         with tempfile.TemporaryDirectory() as folder:
             for name in (os.path.join(folder, "notify"), f"\0lodestream-test-{os.getpid()}"):
                 with self.subTest(name=name), socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
@@ -77,7 +77,7 @@ class ServiceManager(unittest.TestCase):
                     self.assertEqual(hear(), "STOPPING=1")
 
     @unittest.skipUnless(shutil.which("systemd-analyze"), "systemd-analyze comes with Debian's package systemd")
-    def test_finds_nothing_wrong_with_the_unit_of_the_operators_page(self):
+    def test_accepts_the_unit_of_the_operators_page(self):
         with open(os.path.join(SOURCE, "docs", "operations.md")) as page:
             unit = re.search(r"^```\n(\[Unit\].*?)^```", page.read(), re.M | re.S).group(1)
         unit = unit.replace("/usr/bin/lodestreamd", os.path.join(BIN, "lodestreamd"))
@@ -91,20 +91,20 @@ class ServiceManager(unittest.TestCase):
                                   capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
-    def test_hands_over_the_socket_that_it_listens_on(self):
+    def test_hands_over_the_listening_socket(self):
         with socket.create_server(("127.0.0.1", 0)) as listening:
             move = f"exec 3<&{listening.fileno()}; LISTEN_PID=$$ LISTEN_FDS=1"
             with Daemon(STORE, shell=move, pass_fds=[listening.fileno()]) as daemon:
                 self.assertEqual(daemon.address, "127.0.0.1:%d" % listening.getsockname()[1])
                 self.assertGreater(daemon.read_whole()["payloads"], 20)
 
-    def test_that_hands_a_socket_to_another_process_does_not_mean_this_one(self):
+    def test_socket_for_another_process_is_ignored(self):
         with socket.create_server(("127.0.0.1", 0)) as listening:
             move = f"exec 3<&{listening.fileno()}; LISTEN_PID=1 LISTEN_FDS=1"
             with Daemon(STORE, shell=move, pass_fds=[listening.fileno()]) as daemon:
                 self.assertNotEqual(daemon.address, "127.0.0.1:%d" % listening.getsockname()[1])
 
-    def test_is_told_what_is_wrong_with_what_it_hands_over(self):
+    def test_gets_one_line_about_a_bad_socket(self):
         udp, deaf = (socket.socket(socket.AF_INET, kind) for kind in (socket.SOCK_DGRAM, socket.SOCK_STREAM))
         with tempfile.TemporaryFile() as no_socket, udp, deaf:
             for given, count, named in ((no_socket, 1, "listen on TCP"), (udp, 1, "listen on TCP"), (deaf, 1, "listen on TCP"),
@@ -117,7 +117,7 @@ class ServiceManager(unittest.TestCase):
                     self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1))
                     self.assertIn(named, done.stderr)
 
-    def test_sees_it_not_ready_for_the_drain_delay_while_it_still_takes_connections(self):
+    def test_sees_not_ready_during_the_drain_delay_while_connections_work(self):
         with Daemon(STORE, "--drain-delay", "2") as daemon:
             self.assertEqual(daemon.ask("/readyz")[0], 200)
             daemon.process.send_signal(signal.SIGTERM)
@@ -126,7 +126,7 @@ class ServiceManager(unittest.TestCase):
             self.assertGreater(daemon.read_whole()["payloads"], 20)
             self.assertIsNone(daemon.process.poll())
 
-    def test_may_send_signals_until_it_has_ended(self):
+    def test_may_send_signals_until_the_server_has_ended(self):
         for again in (signal.SIGTERM, signal.SIGHUP):
             with self.subTest(again=again), Daemon(STORE, stderr=subprocess.DEVNULL) as daemon:
                 daemon.process.send_signal(signal.SIGTERM)
@@ -153,7 +153,7 @@ class ServiceManager(unittest.TestCase):
         eventually(opened)
         return os.fdopen(writers[0], "w")
 
-    def test_stops_it_while_a_reload_waits_for_the_disk(self):
+    def test_stops_the_server_while_a_reload_waits_for_the_disk(self):
         with tempfile.TemporaryDirectory() as folder:
             tokens = os.path.join(folder, "tokens")
             pathlib.Path(tokens).write_text("one never *\n")
@@ -164,7 +164,7 @@ class ServiceManager(unittest.TestCase):
                     daemon.process.send_signal(signal.SIGTERM)
                     self.assertEqual(daemon.process.wait(timeout=120), 0)
 
-    def test_sees_a_reload_done_that_it_asked_for_before_the_server_was_ready(self):
+    def test_gets_a_reload_that_it_requested_before_the_server_was_ready(self):
         with tempfile.TemporaryDirectory() as folder:
             shutil.copy(STORE, os.path.join(folder, "first.lode"))
             tokens, log = self.pipe_of_tokens(folder), os.path.join(folder, "log")
@@ -181,7 +181,7 @@ class ServiceManager(unittest.TestCase):
                 process.send_signal(signal.SIGTERM)
                 self.assertEqual(process.wait(timeout=120), 0)
 
-    def test_sees_nobody_let_in_after_the_drain_delay_while_requests_are_open(self):
+    def test_sees_connections_refused_after_the_drain_delay(self):
         with Daemon(STORE) as daemon, contextlib.closing(daemon.open()[0]) as connection:
             connection.send("Requests", 3, handle=1, changes=requests(4000))  # more than the window allows
             daemon.process.send_signal(signal.SIGTERM)
@@ -219,7 +219,7 @@ class Latency(unittest.TestCase):
             self.assertGreater(held, self.REQUESTS / 2 * self.HELD_S)
             return queue / held
 
-    def test_of_an_urgent_request_is_that_of_little_before_it_though_the_client_grants_all_and_takes_nothing(self):
+    def test_few_bytes_precede_an_urgent_request_if_the_client_reads_nothing(self):
         with Daemon(STORE) as daemon, contextlib.closing(daemon.open()[0]) as connection:
             connection.send("Credit", grantedBytes=1 << 40)
             connection.send("Requests", 3, handle=1, changes=requests(self.REQUESTS, request_class=2))
@@ -235,16 +235,16 @@ class Latency(unittest.TestCase):
                 before += HEADER.size + len(body)
             self.assertLess(before, 96 << 10)  # megabytes, if the server did not limit the kernel's buffer
 
-    def test_of_a_window_that_is_shut_is_told_from_the_servers(self):
+    def test_excludes_the_time_of_a_shut_window(self):
         self.assertLess(self.expect_told_from_the_servers(granted_at_first=0), 0.5)
 
-    def test_of_a_link_that_is_full_is_told_from_the_servers(self):
+    def test_excludes_the_time_of_a_full_link(self):
         self.assertLess(self.expect_told_from_the_servers(granted_at_first=1 << 40), 0.5)
 
 
 @unittest.skipUnless(shutil.which("promtool"), "promtool comes with Debian's package prometheus")
 class Metrics(unittest.TestCase):
-    def test_of_a_server_that_has_served_pass_promtool(self):
+    def test_pass_promtool_after_a_read(self):
         with Daemon(STORE) as daemon:
             daemon.read_whole()
             text = daemon.ask("/metrics")[1]
@@ -259,7 +259,7 @@ class Metrics(unittest.TestCase):
             eventually(lambda: daemon.metric("lodestream_connections") == 0)
             self.assertEqual((ended("client"), ended("broken")), (1, 0))
 
-    def test_tell_who_leaves_from_what_breaks_under_tls_too(self):
+    def test_distinguish_clean_ends_from_broken_connections(self):
         self.expect_told_as_gone_by_itself(Connection)
         with tempfile.TemporaryDirectory() as folder:
             self.expect_told_as_gone_by_itself(TlsConnection, *tls_options(folder))
@@ -285,13 +285,13 @@ class OperatorsPage(unittest.TestCase):
         self.assertEqual(named - self.options("serve") - self.options("build") - self.options("fetch", "lodestream"), set())
 
     @unittest.skipUnless(shutil.which("promtool"), "promtool comes with Debian's package prometheus")
-    def test_has_rules_beside_it_that_promtool_takes(self):
+    def test_has_alert_rules_that_promtool_accepts(self):
         done = subprocess.run(["promtool", "check", "rules", RULES], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertIn(f"{pathlib.Path(RULES).read_text().count('alert:')} rules", done.stdout)
 
     @unittest.skipUnless(shutil.which("promtool"), "promtool comes with Debian's package prometheus")
-    def test_has_rules_that_wake_for_servers_that_are_away_however_prometheus_finds_them(self):
+    def test_has_alert_rules_that_pass_their_promtool_tests(self):
         done = subprocess.run(["promtool", "test", "rules", os.path.join(SOURCE, "tests", "load", "rules_test.yml")], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
@@ -365,7 +365,7 @@ class UnderLoad(unittest.TestCase):
         except SystemExit as said:
             self.assertIn(f"(code {NO_SUCH_MODEL})", str(said))
 
-    def test_stores_are_replaced_and_removed_and_nobody_else_notices(self):
+    def test_replaced_and_removed_stores_disturb_no_other_readers(self):
         with Daemon(STORE, self.other) as daemon:
             at_first, other = daemon.read_whole("painted"), daemon.read_whole("gyroid")
         self.assertNotEqual(at_first, other)
@@ -383,7 +383,7 @@ class UnderLoad(unittest.TestCase):
                     eventually(lambda: self.content(daemon) == at_first)
             self.assertGreater(self.reads["changing"], 0)
 
-    def test_a_store_that_is_overwritten_in_place_is_damaged_to_its_readers_and_to_nobody_else(self):
+    def test_a_store_overwritten_in_place_is_damaged_only_for_its_readers(self):
         with Daemon(self.folder.name, stderr=subprocess.DEVNULL) as daemon:
             # A chunk that the server reads within the 20 ms between two checks of the file may be wrong. The digest shows this
             # to the client.
@@ -396,7 +396,7 @@ class UnderLoad(unittest.TestCase):
                 before = self.reads["steady"]
                 eventually(lambda: self.reads["steady"] >= before + 4 or self.mistakes)
 
-    def test_it_ends_with_0_within_its_deadline_though_a_client_never_takes_what_it_requested(self):
+    def test_server_stops_at_its_deadline_despite_a_client_that_never_reads(self):
         with Daemon(self.folder.name, "--drain-deadline", "1", stderr=subprocess.DEVNULL) as daemon:
             with self.readers(daemon), contextlib.closing(daemon.open("steady")[0]) as connection:
                 connection.send("Requests", 3, handle=1, changes=requests(4000))  # more than the window allows

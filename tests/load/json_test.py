@@ -73,7 +73,7 @@ class JsonPage(unittest.TestCase):
         self.assertEqual(keys - named, set(), f"{command} {' '.join(arguments)}")
         return keys
 
-    def test_has_a_section_for_each_command_that_has_the_option(self):
+    def test_has_a_section_for_each_command_with_json(self):
         programs = {}
         for program in ("lodestreamd", "lodestream"):
             help_of = lambda *of: subprocess.run([os.path.join(BIN, program), *of, "--help"], capture_output=True, text=True).stdout
@@ -82,7 +82,7 @@ class JsonPage(unittest.TestCase):
         self.assertGreater(len(programs), 8)
         self.assertEqual({command for command, has in programs.items() if has} - set(self.sections), set())
 
-    def test_names_what_the_servers_commands_print(self):
+    def test_names_all_fields_of_server_commands(self):
         self.expect_named("lodestreamd sample", "asteroid", "--triangles", "500", "-o", "b.ply")
         self.assertIn("instances", self.expect_named("lodestreamd sample", "scene", "--triangles", "3000", "-o", "scene"))
         self.expect_named("lodestreamd build", "b.ply", "-o", "b.lode")
@@ -92,12 +92,12 @@ class JsonPage(unittest.TestCase):
         self.expect_named("lodestreamd export", "b.lode", "--error", "0.01", "-o", "cut.ply")
         self.expect_named("lodestreamd info", "b.lode", "--nodes")
 
-    def test_names_what_they_print_of_a_model_that_lacks_its_image(self):
+    def test_names_all_fields_for_a_model_without_its_image(self):
         self.expect_named("lodestreamd doctor", "quad.ply", status=1)
         self.expect_named("lodestreamd build", "quad.ply", "-o", "quad.lode", "--skip-bad")
         self.assertIn("levels", self.expect_named("lodestreamd info", "quad.lode"))
 
-    def test_names_what_the_clients_commands_print(self):
+    def test_names_all_fields_of_client_commands(self):
         coarse = ("--pixels", "8", "--cache", "off")
         self.expect_named("lodestream fetch", "a.lode", *coarse)
         self.expect_named("lodestream replay", "a.lode", *coarse)

@@ -16,7 +16,7 @@ from read_model import HEADER, LIMIT, Connection
 class Limits(unittest.TestCase):
     PING = HEADER.pack(12, 14, 0, 0, 1) + bytes.fromhex("080000000400040004000000")  # a FlatBuffers table without fields
 
-    def test_of_open_models_is_what_was_asked_for(self):
+    def test_open_models_are_limited(self):
         with Daemon(STORE, "--max-open-models", "1") as daemon, contextlib.closing(daemon.open()[0]) as connection:
             connection.send("Open", 3, model="painted")
             self.assertIn(f"code {LIMIT}", self.last_word(connection))
@@ -32,18 +32,18 @@ class Limits(unittest.TestCase):
                     connection.socket.sendall(self.PING * 1000)
             return daemon.metric("lodestream_memory_bytes") - before
 
-    def test_of_answers_that_nobody_reads_is_kept(self):
+    def test_queued_answers_are_limited(self):
         held = self.held_by_a_client_that_pings_and_never_reads
         for limit, kept in ((4096, held("--max-queued-bytes", "4KiB")), (65536, held())):
             self.assertIn(kept // limit, (1, 2)) # one full queue, and perhaps a second one that is being sent
 
-    def test_of_bytes_a_second_is_kept(self):
+    def test_bytes_per_second_are_limited(self):
         with Daemon(STORE, "--max-rate", "400KB", "--max-rate-per-connection", "300KB") as daemon:
             start = time.monotonic()
             read = daemon.read_whole()["bytes"]
             self.assertAlmostEqual(read / (time.monotonic() - start), 300e3, delta=60e3)
 
-    def test_of_open_requests_is_what_was_asked_for(self):
+    def test_open_requests_are_limited(self):
         with Daemon(STORE, "--max-requests", "10") as daemon:
             connection, _, most = daemon.open()
             with contextlib.closing(connection):
@@ -51,12 +51,12 @@ class Limits(unittest.TestCase):
                 connection.send("Requests", 3, handle=1, changes=requests(11))
                 self.assertIn(f"code {LIMIT}", self.last_word(connection))
 
-    def test_of_connections_of_an_address_is_what_was_asked_for(self):
+    def test_connections_per_address_are_limited(self):
         with Daemon(STORE, "--max-connections-per-address", "1") as daemon:
             with contextlib.closing(daemon.open()[0]), contextlib.closing(Connection(daemon.address)) as second:
                 self.assertIn(f"code {LIMIT}", self.last_word(second))
 
-    def test_of_an_address_is_that_of_the_client_behind_a_balancer(self):
+    def test_connections_are_counted_per_client_behind_a_balancer(self):
         with Daemon(STORE, "--proxy-protocol", "--max-connections-per-address", "1") as daemon:
             with self.from_behind(daemon, "192.0.2.1") as first, self.from_behind(daemon, "192.0.2.2") as other:
                 for connection in (first, other):
@@ -71,13 +71,13 @@ class Limits(unittest.TestCase):
             eventually(lambda: daemon.metric(f'lodestream_connections_ended_total{{reason="{reason}"}}') == 1)
             self.assertLess(time.monotonic() - start, 8)
 
-    def test_to_hello_is_what_was_asked_for(self):
+    def test_the_handshake_deadline_is_enforced(self):
         self.expect_ended("handshake", "--handshake-deadline", lambda daemon: Connection(daemon.address))
 
-    def test_of_silence_is_what_was_asked_for(self):
+    def test_the_idle_deadline_is_enforced(self):
         self.expect_ended("idle", "--idle-deadline", lambda daemon: daemon.open()[0])
 
-    def test_of_a_write_is_what_was_asked_for(self):
+    def test_the_write_deadline_is_enforced(self):
         self.expect_ended("stalled", "--write-deadline", self.that_takes_nothing)
 
     def that_takes_nothing(self, daemon):

@@ -40,7 +40,7 @@ class Latency(unittest.TestCase):
             json.dump({**recorded, "duration_s": 1, "requests": requests}, file)
         return trace
 
-    def test_counts_from_when_a_request_was_meant_though_the_server_stands_still(self):
+    def test_is_measured_from_the_planned_time_of_a_request(self):
         with tempfile.TemporaryDirectory() as folder, Daemon(STORE) as daemon:
             url = f"lode://{daemon.address}/painted"
             test = lodestream("loadtest", url, "--trace", self.trace(url, folder), "--clients", 4, "--seconds", TEST_S,
@@ -64,7 +64,7 @@ def load(daemon, seconds, **options):
 
 
 class LiveLines(unittest.TestCase):
-    def test_tell_a_terminal_every_second_what_came_since_the_last(self):
+    def test_report_every_second_on_a_terminal(self):
         terminal, end = pty.openpty()
         with Daemon(STORE) as daemon, open(terminal, "rb", buffering=0) as terminal:
             test = load(daemon, TEST_S, stderr=end)
@@ -81,7 +81,7 @@ class LiveLines(unittest.TestCase):
         self.assertGreater(sum(int(line[3]) for line in lines), 0)
         self.assertLessEqual(sum(int(line[3]) for line in lines), told["blobs"])
 
-    def test_are_not_for_what_reads_a_pipe(self):
+    def test_are_not_written_to_a_pipe(self):
         with Daemon(STORE) as daemon:
             self.assertEqual(load(daemon, 2, stderr=subprocess.PIPE).communicate(timeout=300)[1], "")
 

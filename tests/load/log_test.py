@@ -41,14 +41,14 @@ class Log(LogTest):
         eventually(lambda: daemon.metric("lodestream_log_lines_dropped_total") >= 10)
         self.assertGreater(daemon.read_whole()["payloads"], 20)
 
-    def test_whose_reader_is_gone_costs_lines_and_nothing_else(self):
+    def test_loses_only_lines_if_its_reader_is_gone(self):
         for reader, writer in self.descriptors():
             with self.subTest(writer=writer), Daemon(STORE, stderr=writer) as daemon:
                 os.close(writer)
                 os.close(reader)
                 self.expect_served_and_counted(daemon)
 
-    def test_that_stands_still_costs_lines_and_nothing_else(self):
+    def test_loses_only_lines_if_its_reader_stalls(self):
         for reader, writer in self.descriptors():
             os.set_blocking(writer, False)
             with contextlib.suppress(BlockingIOError):
@@ -60,7 +60,7 @@ class Log(LogTest):
                 self.expect_served_and_counted(daemon)
             os.close(reader)
 
-    def test_tells_of_each_connection_why_it_ended_and_what_it_got(self):
+    def test_records_the_end_and_the_bytes_of_each_connection(self):
         with self.log() as (log, said), Daemon(STORE, "--log-json", "--max-connections", "1", stderr=log) as daemon:
             with contextlib.closing(Connection(daemon.address)) as connection:
                 self.assertEqual(refusal(daemon.address).Code(), 7)
@@ -70,7 +70,7 @@ class Log(LogTest):
             self.assertEqual(end["blobs"], read["blobs"])
             self.assertGreater(end["bytes"], read["bytes"])
 
-    def test_tells_a_wrong_token_from_another_mistake(self):
+    def test_distinguishes_a_wrong_token_from_other_mistakes(self):
         with self.log() as (log, said), tempfile.NamedTemporaryFile("w") as tokens:
             print("right never *", file=tokens, flush=True)
             with Daemon(STORE, "--log-json", "--token-file", tokens.name, stderr=log) as daemon:
@@ -137,7 +137,7 @@ class Secrets(LogTest):
                 for secret in self.HIDDEN:
                     self.assertNotIn(secret, line.replace("'../nowhere/changing'", ""))
 
-    def test_are_kept_in_text_and_in_json(self):
+    def test_appear_in_no_log_and_no_error(self):
         for arguments in ((), ("--log-json",)):
             with self.subTest(arguments=arguments):
                 self.expect_kept(*arguments)

@@ -134,18 +134,18 @@ class Budget(unittest.TestCase):
             print(f"{'all' if len(attacks) > 1 else attacks[0].__name__}: counted {peaks.counted / BUDGET:.2f} of the budget, "
                   f"resident {peaks.grown / BUDGET:.2f}, afterwards {(Peaks.resident(daemon) - peaks.rest) / BUDGET:.2f}")
 
-    def test_is_kept_whatever_they_do_and_who_is_polite_is_served(self):
+    def test_holds_under_each_attack_and_polite_clients_are_served(self):
         for one in ATTACKS:
             with self.subTest(one.__name__):
                 self.expect_kept([one])
 
-    def test_is_kept_whoever_does_what_at_the_same_time(self):
+    def test_holds_under_all_attacks_at_once(self):
         self.expect_kept(ATTACKS)
 
 
 @unittest.skipIf(SANITIZED, "a sanitizer takes more address space than there is")
 class System(unittest.TestCase):
-    def test_that_gives_no_memory_costs_connections_and_not_the_server(self):
+    def test_without_memory_costs_connections_and_not_the_server(self):
         with tempfile.TemporaryFile("w+") as log, Daemon(
                 STORE, "--memory-budget", "4GB", "--threads", "1", stderr=log, env=dict(os.environ, MALLOC_ARENA_MAX="1")) as daemon:
             daemon.read_whole()

@@ -82,7 +82,7 @@ class ReadModel(unittest.TestCase):
     def test_every_tile_of_a_textured_model_is_read(self):
         self.assertEqual(self.expect_whole("sheet")["tiles"], 3 + 2 + 1)
 
-    def test_a_model_that_is_not_there_is_said_to_be(self):
+    def test_an_unknown_model_is_reported(self):
         done = self.read("nothing")
         self.assertEqual(done.returncode, 1)
         self.assertIn(f"code {NO_SUCH_MODEL}", done.stderr)

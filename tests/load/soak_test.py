@@ -31,10 +31,10 @@ class Growth(unittest.TestCase):
         warming[:7] = [4e6 + 2e6 * number for number in range(7)]
         self.assertFalse(soak.grows(warming, soak.LEAST_ALLOCATED))
 
-    def test_growth_below_the_least_is_ignored(self):
+    def test_growth_below_the_minimum_is_ignored(self):
         self.assertFalse(soak.grows(self.run_that(leaks=0.25e6), soak.LEAST_ALLOCATED))
 
-    def test_random_changes_are_not_taken_for_growth(self):
+    def test_random_changes_are_no_growth(self):
         told = [soak.grows(self.run_that(wavers=1e6), soak.LEAST_ALLOCATED) for _ in range(1000)]
         self.assertLess(sum(told), 10)
 

@@ -75,19 +75,19 @@ class StoppedStorage(unittest.TestCase):
         self.assertGreater(daemon.metric('lodestream_model_unreadable_blobs_total{model="mounted"}'), 0)
         self.assertEqual(daemon.metric('lodestream_model_damaged_blobs_total{model="mounted"}'), 0)
 
-    def test_that_always_waits_serves_whole_models(self):
+    def test_with_slow_reads_serves_whole_models(self):
         with self.daemon("--idle-deadline", "20") as daemon:
             read = [daemon.read_whole("mounted") for _ in range(5)]
         self.assertEqual(read, read[:1] * 5)
 
-    def test_that_fails_is_named_and_the_store_is_served_again_afterwards(self):
+    def test_failure_is_logged_and_the_store_recovers(self):
         with self.daemon() as daemon:
             self.storage("eio")
             self.expect_honest(daemon, 20)
             self.assertEqual(self.fetch(daemon, "local").returncode, 0)
             self.expect_named_and_regained(daemon)
 
-    def test_that_hangs_ends_requests_at_the_deadline_and_delays_no_other_store(self):
+    def test_hang_ends_requests_at_the_deadline_and_delays_no_other_store(self):
         with self.daemon("--read-deadline", DEADLINE_S, "--threads", "1") as daemon:
             self.storage("hang")
             fetching = subprocess.Popen([os.path.join(BIN, "lodestream"), "fetch", f"lode://{daemon.address}/mounted", "--cache", "off",
@@ -100,7 +100,7 @@ class StoppedStorage(unittest.TestCase):
             self.expect_honest(daemon, 20)
             self.expect_named_and_regained(daemon)
 
-    def test_that_fails_at_the_start_skips_the_store_until_a_reload(self):
+    def test_failure_at_the_start_skips_the_store_until_a_reload(self):
         self.storage("eio")
         with self.daemon() as daemon:
             self.assertEqual(daemon.models, ["local"])
@@ -116,7 +116,7 @@ class StoppedStorage(unittest.TestCase):
             self.assertEqual(daemon.metric("lodestream_models_skipped"), 0)
             self.assertEqual(self.fetch(daemon, "mounted").returncode, 0)
 
-    def test_that_fails_is_no_damage_for_the_other_commands(self):
+    def test_failure_is_not_reported_as_damage_by_commands(self):
         self.storage("eio")
         for command in ("info", "verify", "export", "serve"):
             store = os.path.join(self.models, "mounted.lode")
@@ -126,7 +126,7 @@ class StoppedStorage(unittest.TestCase):
             self.assertEqual(ended.returncode, 1, command)
             self.assertIn("mounted.lode: cannot be read at byte 0: Input/output error\n", ended.stderr)
 
-    def test_that_hangs_does_not_keep_the_server_from_stopping(self):
+    def test_hang_does_not_keep_the_server_from_stopping(self):
         with self.daemon("--read-deadline", DEADLINE_S) as daemon:
             self.storage("hang")
             self.expect_honest(daemon, 20)
