@@ -45,7 +45,7 @@ class DrawnStreaming : public Streaming {
   std::unique_ptr<render::OffscreenContext> context_;
 };
 
-TEST_F(DrawnStreaming, drawsWholeCutsWhileTheCameraMovesAndEndsInThePictureOfAStreamThatBeganThere) {
+TEST_F(DrawnStreaming, drawsWholeCutsAndEndsInThePictureOfAFreshStream) {
   constexpr int kFrames = 60;
   Streamer streamer(served_, threads(2));
   const ModelSummary& model = streamer.waitForModel(kPatience);
@@ -160,7 +160,7 @@ TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhoseRegionsArriveOneByOn
 }
 
 /// The cut of each threshold arrives while parts of the previous cut are still missing.
-TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhoseNewerCutsKeepComing) {
+TEST_F(DrawnFading, neverShowsTheBackgroundInsideAModelWhileNewerCutsArrive) {
   constexpr unsigned kCameras = 12;
   std::mt19937 random(5);
   Streamer streamer(served_, threads(1));

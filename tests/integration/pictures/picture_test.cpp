@@ -23,7 +23,7 @@ class Pictures : public testing::TestWithParam<Model> {
   WorkFolder folder_;
 };
 
-TEST_P(Pictures, areRenderedOffScreenInTheSizeAskedForAndNotEmpty) {
+TEST_P(Pictures, areRenderedOffScreenInTheRequestedSize) {
   const auto file = folder_ / "a.png";
   const Outcome outcome = lodestream({"render", GetParam().store(), "--size", "320x200", "-o", file});
   if (cannotDraw(outcome, "cannot draw off-screen")) GTEST_SKIP() << outcome.err;
@@ -54,7 +54,7 @@ TEST(Render, drawsBackgroundAloneWithTheModelBehindTheCamera) {
   EXPECT_EQ(picture.covered(0, 0), 0);
 }
 
-TEST(Render, hasConvergedWithTheOriginalTrianglesThoughALatticeStepIsSeen) {
+TEST(Render, convergesOnTheOriginalTrianglesEvenIfALatticeStepIsVisible) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   const auto render = [&](const char* pixels) {
@@ -73,7 +73,7 @@ TEST(Render, hasConvergedWithTheOriginalTrianglesThoughALatticeStepIsSeen) {
   EXPECT_EQ(Json::parse(coarse.out, nullptr, false)["converged"], true);
 }
 
-TEST(Render, tellsWhatTheColoursMeanThatItWasAskedToShow) {
+TEST(Render, printsTheLegendOfTheShownColours) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   const Outcome outcome =
@@ -86,7 +86,7 @@ TEST(Render, tellsWhatTheColoursMeanThatItWasAskedToShow) {
   EXPECT_EQ(legend[0]["colour"].get<std::string>().substr(0, 1), "#");
 }
 
-TEST(Render, refusesWhatItCannotShow) {
+TEST(Render, refusesInvalidColourModesAndUpAxes) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--show", "nothing"},
@@ -102,7 +102,7 @@ TEST(Render, refusesWhatItCannotShow) {
   }
 }
 
-TEST(Render, looksFromAnotherSideWithAnotherAxisUp) {
+TEST(Render, framesAnotherViewForAnotherUpAxis) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   for (const char* up : {"y", "z"}) {
@@ -114,7 +114,7 @@ TEST(Render, looksFromAnotherSideWithAnotherAxisUp) {
   EXPECT_NE(Picture(folder / "y.png").pixels, Picture(folder / "z.png").pixels);
 }
 
-TEST(Render, lightsAModelAlikeWhateverAPathsCamerasHaveAsTheirUp) {
+TEST(Render, lightsAModelIndependentlyOfTheUpVectorOfCameras) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   const std::string looks = R"({"keys": [{"eye": [1, 2, 5], "target": [0, 0, 0], "up": )";
@@ -150,7 +150,7 @@ TEST(Window, showsAModelUnderAVirtualDisplay) {
   EXPECT_LT(picture.covered(500, 400), 0.9);
 }
 
-TEST(Window, takesNoScreenshotThatIsNotCalledAPicture) {
+TEST(Window, refusesAScreenshotWithoutThePngEnding) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   const Outcome outcome = lodestream({"view", store, "--screenshot", folder / "a.jpg"});
@@ -158,7 +158,7 @@ TEST(Window, takesNoScreenshotThatIsNotCalledAPicture) {
   EXPECT_NE(outcome.err.find("give it the ending .png"), std::string::npos) << outcome.err;
 }
 
-TEST(Window, takesNoScreenshotOverItsModel) {
+TEST(Window, refusesAScreenshotOverItsModel) {
   const WorkFolder folder;
   std::filesystem::rename(makeSmallStore(folder), folder / "model.png");
   const Outcome outcome =
@@ -167,7 +167,7 @@ TEST(Window, takesNoScreenshotOverItsModel) {
   EXPECT_NE(outcome.err.find("is the input"), std::string::npos) << outcome.err;
 }
 
-TEST(Window, takesNoScreenshotOfAFlight) {
+TEST(Window, refusesAScreenshotOfAFlight) {
   const WorkFolder folder;
   const Outcome outcome = lodestream(
       {"view", makeSmallStore(folder), "--laps", "1", "--screenshot", (folder / "a.png").string()});
@@ -175,7 +175,7 @@ TEST(Window, takesNoScreenshotOfAFlight) {
   EXPECT_NE(outcome.err.find("excludes"), std::string::npos) << outcome.err;
 }
 
-TEST(Render, writesPicturesThatAreCalledSoAndNeverOverItsModel) {
+TEST(Render, refusesOutputsWithoutThePngEndingAndOverItsModel) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   std::filesystem::copy_file(store, folder / "model.png");
@@ -191,7 +191,7 @@ TEST(Render, writesPicturesThatAreCalledSoAndNeverOverItsModel) {
   EXPECT_EQ(readBytes(folder / "model.png"), readBytes(store));
 }
 
-TEST(Render, writesAPictureThatIsCalledSoInCapitals) {
+TEST(Render, acceptsThePngEndingInCapitals) {
   const WorkFolder folder;
   const Outcome outcome =
       lodestream({"render", makeSmallStore(folder), "--size", "32x24", "-o", folder / "a.PNG"});

@@ -59,14 +59,14 @@ class DrawnScenes : public Scenes {
   }
 };
 
-TEST_F(DrawnScenes, ofOneModelInItsOwnPlaceAreThePictureOfTheModel) {
+TEST_F(DrawnScenes, equalThePictureOfTheirOnlyModel) {
   const Picture model = render("model", store_);
   const Picture scene = renderScene("scene", withInstances(R"({"model": "m"})"));
   EXPECT_GT(model.covered(0, 0), 0.1);
   EXPECT_EQ(difference(model, scene, 0), 0);
 }
 
-TEST_F(DrawnScenes, areShownToACameraAsNearAsTheModelWouldBe) {
+TEST_F(DrawnScenes, equalThePictureOfTheirOnlyModelFromCloseBy) {
   writeBytes(folder_ / "close.json",
              R"({"keys": [{"t": 0, "eye": [0, -1.5, 0.2], "target": [0, 0, 0], "up": [0, 0, 1]}]})");
   const Picture model = render("model", store_, "close.json");
@@ -74,7 +74,7 @@ TEST_F(DrawnScenes, areShownToACameraAsNearAsTheModelWouldBe) {
   EXPECT_EQ(difference(model, renderScene("scene", withInstances(R"({"model": "m"})"), "close.json"), 0), 0);
 }
 
-TEST_F(DrawnScenes, showAModelThatIsMovedTurnedAndScaledToACameraThatIsSoToo) {
+TEST_F(DrawnScenes, lookTheSameIfModelAndCameraAreTransformedTogether) {
   // The camera is turned by 90 degrees about z, scaled by 2 and moved aside.
   writeBytes(folder_ / "moved.json",
              R"({"keys": [{"t": 0, "eye": [18, 20, 32], "target": [10, 20, 30], "up": [0, 0, 1]}]})");
@@ -87,7 +87,7 @@ TEST_F(DrawnScenes, showAModelThatIsMovedTurnedAndScaledToACameraThatIsSoToo) {
   EXPECT_LE(difference(model, moved, 20), 6);
 }
 
-TEST_F(DrawnScenes, hideWhatIsBehindInWhateverOrderInstancesComeAndHoweverTheyAreScaled) {
+TEST_F(DrawnScenes, hideFartherInstancesInAnyOrderAndAtAnyScale) {
   const std::string near = R"({"model": "m", "position": [0, -1, 0], "scale": 0.5})";
   const std::string far = R"({"model": "m", "position": [0.5, 6, 0], "scale": 3})";
   const std::string near_first = near + "," + far, far_first = far + "," + near;
@@ -103,7 +103,7 @@ TEST_F(DrawnScenes, hideWhatIsBehindInWhateverOrderInstancesComeAndHoweverTheyAr
   }
 }
 
-TEST_F(DrawnScenes, darkenTheGroundWhereAModelStandsAndNotBelowOneThatIsHighAbove) {
+TEST_F(DrawnScenes, darkenTheGroundUnderAStandingModelOnly) {
   const auto on = [](const char* colour) {
     return std::string(R"(, "ground": {"height": -1, "colour": ")") + colour + R"("})";
   };
@@ -123,7 +123,7 @@ TEST_F(DrawnScenes, darkenTheGroundWhereAModelStandsAndNotBelowOneThatIsHighAbov
   EXPECT_GT(darker, 200);
 }
 
-TEST_F(DrawnScenes, areTheSamePictureInTheWindowFromSeveralServers) {
+TEST_F(DrawnScenes, lookTheSameInTheWindowWithSeveralServers) {
   ASSERT_EQ(lodestreamd({"sample", "scene", "--triangles", "3000", "-o", folder_ / "s"}).status, 0);
   const std::filesystem::path rock = folder_ / "s" / "rock.lode", file = folder_ / "s" / "scene.json";
   ASSERT_EQ(lodestreamd({"build", folder_ / "s" / "rock.ply", "-o", rock}).status, 0);
@@ -164,7 +164,7 @@ std::optional<uint64_t> trianglesOfLastFrame(const std::filesystem::path& scene,
   return nlohmann::json::parse(outcome.out)["frames"].back()["triangles"].get<uint64_t>();
 }
 
-TEST_F(DrawnScenes, doNotDrawInTheWindowWhatStandsBehind) {
+TEST_F(DrawnScenes, leaveOutOccludedInstancesInTheWindow) {
   writeBytes(folder_ / "flight.json",
              R"({"keys": [{"t": 0, "eye": [0, -4, 1], "target": [0, 0, 0], "up": [0, 0, 1]},
                           {"t": 1, "eye": [0.01, -4, 1], "target": [0, 0, 0], "up": [0, 0, 1]}]})");
@@ -193,7 +193,7 @@ TEST_F(DrawnScenes, areRefusedInOneLineWhereTheyAreWrong) {
             std::string::npos);
 }
 
-TEST_F(DrawnScenes, sayThemselvesWhichWayIsUp) {
+TEST_F(DrawnScenes, refuseTheOptionUp) {
   writeBytes(folder_ / "s.json", withInstances(R"({"model": "m"})"));
   const Outcome outcome = lodestream({"render", folder_ / "s.json", "--up", "y", "-o", folder_ / "a.png"});
   EXPECT_EQ(outcome.status, 2);
@@ -208,7 +208,7 @@ TEST_F(Scenes, areRefusedByCommandsThatTakeOneModel) {
   EXPECT_NE(fetched.err.find("is a scene"), std::string::npos) << fetched.err;
 }
 
-TEST_F(Scenes, ofTheSampleHaveAHundredInstancesOfThreeModelsAndAreTheSameForASeed) {
+TEST_F(Scenes, madeBySampleAreReproducibleWithAHundredInstances) {
   for (const char* name : {"a", "b"}) {
     const Outcome made = lodestreamd({"sample", "scene", "--triangles", "3000", "-o", folder_ / name});
     ASSERT_EQ(made.status, 0) << made.err;
@@ -220,7 +220,7 @@ TEST_F(Scenes, ofTheSampleHaveAHundredInstancesOfThreeModelsAndAreTheSameForASee
   EXPECT_NE(lodestreamd({"sample", "scene", "--triangles", "3000", "-o", folder_ / "a"}).status, 0);
 }
 
-TEST(HelpOfWhatDraws, saysThatATargetMayBeAScene) {
+TEST(HelpOfDrawingCommands, mentionsScenesAsTargets) {
   for (const char* command : {"view", "render"})
     EXPECT_NE(lodestream({command, "--help"}).out.find("a scene"), std::string::npos) << command;
 }

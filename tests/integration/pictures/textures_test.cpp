@@ -179,7 +179,7 @@ class DamagedSheet : public CheckeredSheet {
   }
 };
 
-TEST_F(DamagedSheet, isFetchedToItsEndAndHasNotConverged) {
+TEST_F(DamagedSheet, isFetchedWithoutItsTilesAndDoesNotConverge) {
   std::vector<std::string> fetch = arguments("fetch", cameraAbove(0.75, 0.9, 0.1));
   fetch.insert(fetch.end(), {"--json", "-o", folder_ / "cut.ply"});
   const Outcome outcome = lodestream(fetch);
@@ -202,13 +202,13 @@ TEST_F(DamagedSheet, isFetchedForEachKeyOfItsPath) {
   EXPECT_EQ(expectNotConverged(lodestream(fetch))["keys"].size(), 2u);
 }
 
-TEST_F(DamagedSheet, isReplayedToItsEndAndHasNotConverged) {
+TEST_F(DamagedSheet, isReplayedToTheEndAndDoesNotConverge) {
   std::vector<std::string> replay = arguments("replay", cameraAbove(0.75, 0.9, 0.1));
   replay.emplace_back("--json");
   expectNotConverged(lodestream(replay));
 }
 
-TEST_F(DamagedSheet, isDrawnAsFarAsItIsThereAndHasNotConverged) {
+TEST_F(DamagedSheet, isDrawnWithoutItsTilesAndDoesNotConverge) {
   std::vector<std::string> render = arguments("render", cameraAbove(0.75, 0.9, 0.1));
   render.insert(render.end(), {"--json", "-o", folder_ / "a.png"});
   const Outcome outcome = lodestream(render);
@@ -217,7 +217,7 @@ TEST_F(DamagedSheet, isDrawnAsFarAsItIsThereAndHasNotConverged) {
   EXPECT_EQ(Picture(folder_ / "a.png").width_px, kWidthPx);
 }
 
-TEST_F(DamagedSheet, isDrawnInASceneAndHasNotConverged) {
+TEST_F(DamagedSheet, isDrawnInASceneAndDoesNotConverge) {
   makeSmallStore(folder_);
   writeBytes(folder_ / "scene.json",
              R"({"models": {"sheet": "sheet.lode", "small": "small.lode"},

@@ -50,7 +50,7 @@ class Access : public testing::Test {
   const std::string model_url_ = server_url_ + "/small";
 };
 
-TEST_F(Access, isGivenToEveryCommand) {
+TEST_F(Access, isGrantedByATokenForEveryCommand) {
   const Outcome fetched = lodestream(with({"fetch", model_url_, "--json"}));
   EXPECT_EQ(fetched.status, 0) << fetched.err;
   EXPECT_EQ(Json::parse(fetched.out, nullptr, false).value("converged", false), true);
@@ -63,25 +63,25 @@ TEST_F(Access, isGivenToEveryCommand) {
   EXPECT_EQ(Json::parse(loaded.out)["errors"], 0);
 }
 
-TEST_F(Access, mayBeATokenOfTheEnvironment) {
+TEST_F(Access, isGrantedByATokenInTheEnvironment) {
   const Outcome fetched =
       lodestream(with({"fetch", model_url_, "--json"}, ""), {std::string("LODESTREAM_TOKEN=") + kToken});
   EXPECT_EQ(fetched.status, 0) << fetched.err;
 }
 
-TEST_F(Access, isRefusedWithoutTheTokenInWordsThatHelp) {
+TEST_F(Access, isRefusedWithAdviceWithoutTheToken) {
   expectFailure(lodestream(with({"fetch", model_url_}, "")), {"requires a token", "--token-file"});
   expectFailure(lodestream(with({"list", server_url_}, "wrong")), {"is unknown", "--token-file"});
 }
 
-TEST_F(Access, isNotTriedOnAServerThatNobodyVouchesFor) {
+TEST_F(Access, isRefusedIfTheServersCertificateIsNotTrusted) {
   expectFailure(lodestream(with({"fetch", model_url_}, "token", "other.crt")),
                 {"certificate is not trusted", "--ca-file"});
   const std::string by_number = "lodes://" + server_.address() + "/small";
   expectFailure(lodestream(with({"fetch", by_number})), {"mismatch", "--ca-file"});
 }
 
-TEST_F(Access, saysThatAServerWithTlsIsNotForPlainConnections) {
+TEST_F(Access, failsWithAdviceOverPlainTcpToATlsServer) {
   expectFailure(lodestream({"fetch", "lode" + model_url_.substr(5), "--token-file", folder_ / "token"}),
                 {"lodes://"});
 }

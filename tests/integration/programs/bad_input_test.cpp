@@ -76,7 +76,7 @@ TEST(BadInput, isNamedByBuildWhichLeavesNothingBehind) {
   }
 }
 
-TEST(BadInput, leavesTheStoreOfAnEarlierBuildAsItWas) {
+TEST(BadInput, keepsTheStoreOfAnEarlierBuild) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   const std::string before = readBytes(store);
@@ -96,7 +96,7 @@ TEST(BadInput, isCountedByDoctorAsFarAsItCanBeRead) {
   EXPECT_NE(outcome.out.find("faces             1 of 2, 1 triangle\n"), std::string::npos) << outcome.out;
 }
 
-TEST(BadInput, thatIsAStoreIsSaidToBeOne) {
+TEST(BadInput, isReportedAsAStoreIfItIsOne) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   expectFailure(lodestreamd({"build", store, "-o", folder / "b.lode", "--quiet"}),
@@ -138,7 +138,7 @@ TEST(BadInput, isNamedByFetchWhichLeavesNothingBehind) {
   EXPECT_EQ(processesNaming(folder.path().string()), Processes{});
 }
 
-TEST(BadInput, isNamedByFetchIfItsCutCannotBeWritten) {
+TEST(BadOutput, isNamedByFetchIfItCannotBeWritten) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   const auto before = folder.contents();
@@ -146,7 +146,7 @@ TEST(BadInput, isNamedByFetchIfItsCutCannotBeWritten) {
   EXPECT_EQ(folder.contents(), before);
 }
 
-TEST(BadInput, isNamedByFetchIfItsCameraIsNone) {
+TEST(BadInput, isNamedByFetchIfItIsNoCameraPath) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   writeBytes(folder / "empty.json", "");
@@ -189,7 +189,7 @@ TEST(BadAddress, isNamedByServeIfThePortIsInUse) {
                 {taken.address()});
 }
 
-TEST(BadAddress, isNamedByTheClientIfNoServerIsThere) {
+TEST(BadAddress, isNamedByTheClientIfNoServerListens) {
   const WorkFolder folder;
   const TakenPort closed(false);
   expectFailure(lodestream({"list", "lode://" + closed.address()}), {closed.address()});
@@ -198,14 +198,14 @@ TEST(BadAddress, isNamedByTheClientIfNoServerIsThere) {
   EXPECT_TRUE(folder.contents().empty());
 }
 
-TEST(BadAddress, isNamedByTheClientIfNobodyAnswersThere) {
+TEST(BadAddress, isNamedByTheClientIfTheServerIsSilent) {
   const TakenPort silent(true);
   expectFailure(lodestream({"list", "lode://" + silent.address(), "--timeout", "0.2"}), {silent.address()});
   expectFailure(lodestream({"fetch", "lode://" + silent.address() + "/a", "--timeout", "0.2"}),
                 {silent.address()});
 }
 
-TEST(BadAddress, isNamedByFetchIfTheModelIsNotThere) {
+TEST(BadAddress, isNamedByFetchIfTheServerLacksTheModel) {
   const WorkFolder folder;
   RunningServer server({makeSmallStore(folder)});
   expectFailure(lodestream({"fetch", server.url("another"), "-o", folder / "cut.ply"}),
@@ -214,7 +214,7 @@ TEST(BadAddress, isNamedByFetchIfTheModelIsNotThere) {
   EXPECT_EQ(server.stop().status, 0);
 }
 
-TEST(WrongUsageOfLodestream, endsWithTwoAndOneLine) {
+TEST(WrongUsageOfLodestream, exitsWithStatus2AndOneLine) {
   const std::vector<std::vector<std::string>> wrong{
       {},
       {"unknown"},
@@ -247,7 +247,7 @@ TEST(WrongUsageOfLodestream, endsWithTwoAndOneLine) {
   }
 }
 
-TEST(Lodestream, tellsItsVersionEverywhere) {
+TEST(Lodestream, printsItsVersionForEveryCommand) {
   for (const char* command : {"", "fetch", "list"}) {
     std::vector<std::string> arguments{"--version"};
     if (*command) arguments.insert(arguments.begin(), command);

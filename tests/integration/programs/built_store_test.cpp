@@ -43,7 +43,7 @@ class BuiltStore : public testing::Test {
   const std::vector<std::string> environment_{"XDG_CACHE_HOME=" + (folder_ / "cache").string()};
 };
 
-TEST_F(BuiltStore, isBuiltOnceByProgramsThatOpenTheSameFileAtOnce) {
+TEST_F(BuiltStore, isBuiltOnceIfTwoProgramsOpenTheFileAtOnce) {
   const fs::path ply = folder_ / "a.ply";
   ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "60000", "-o", ply}).status, 0);
   Program first("lodestream", fetchOf(ply), environment_), second("lodestream", fetchOf(ply), environment_);
@@ -57,7 +57,7 @@ TEST_F(BuiltStore, isBuiltOnceByProgramsThatOpenTheSameFileAtOnce) {
   EXPECT_EQ(built.size(), 1u);
 }
 
-TEST_F(BuiltStore, isBuiltAnewOfAFileThatChangesAndKeepsItsSizeAndTime) {
+TEST_F(BuiltStore, isRebuiltIfTheFileChangesButKeepsItsSizeAndTime) {
   const fs::path ply = folder_ / "a.ply", other = folder_ / "other.ply";
   ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "2000", "-o", ply}).status, 0);
   ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "2000", "--seed", "2", "-o", other}).status, 0);
@@ -78,7 +78,7 @@ void stop(pid_t process) {
   while (readBytes(status).find(") T ") == std::string::npos) std::this_thread::yield();
 }
 
-TEST_F(BuiltStore, isLockedUntilItsBuilderHasEndedThoughTheProgramIsKilled) {
+TEST_F(BuiltStore, staysLockedUntilItsBuilderEndsEvenIfTheClientIsKilled) {
   const fs::path ply = folder_ / "a.ply";
   ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "60000", "-o", ply}).status, 0);
   Program first("lodestream", fetchOf(ply), environment_);
@@ -112,7 +112,7 @@ TEST_F(BuiltStore, keepsWarningsOfAsManyImagesAsAPlyMayName) {
   }
 }
 
-TEST_F(BuiltStore, isBuiltAnewWhenTheFileHasChangedAndTheOneBeforeGoes) {
+TEST_F(BuiltStore, isReplacedIfTheFileChanges) {
   const fs::path ply = folder_ / "a.ply";
   ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "1000", "-o", ply}).status, 0);
   ASSERT_EQ(fetch(ply).status, 0);
@@ -140,7 +140,7 @@ void writeImage(const fs::path& file, std::string_view digits) {
   writeBytes(file, bytes);
 }
 
-TEST_F(BuiltStore, isBuiltAnewWhenAnImageComesOrChangesAndWarnsEachTimeWhileOneIsMissing) {
+TEST_F(BuiltStore, isRebuiltIfAnImageAppearsOrChanges) {
   const fs::path ply = folder_ / "a.ply", image = folder_ / "red.png";
   writeBytes(ply,
              "ply\nformat ascii 1.0\ncomment TextureFile red.png\nelement vertex 4\nproperty float x\n"
@@ -175,7 +175,7 @@ void writeSquareOfAnotherMachine(const fs::path& ply) {
              "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n4 0 1 2 3\n");
 }
 
-TEST_F(BuiltStore, isBuiltAnewWhenAnImageIsFoundElsewhereAndOnlyThen) {
+TEST_F(BuiltStore, isRebuiltOnlyIfAnImageIsFoundElsewhere) {
   const fs::path ply = folder_ / "a.ply", other = folder_ / "other";
   writeSquareOfAnotherMachine(ply);
   fs::create_directories(folder_ / "below");
@@ -200,7 +200,7 @@ TEST_F(BuiltStore, isBuiltAnewWhenAnImageIsFoundElsewhereAndOnlyThen) {
   EXPECT_NE(built({}), second);
 }
 
-TEST_F(BuiltStore, ofAFileWhoseImageIsMissingWarnsOfTheFolderThatWasNamedLast) {
+TEST_F(BuiltStore, namesTheLastTextureFolderInTheWarningOfAMissingImage) {
   const fs::path ply = folder_ / "a.ply";
   writeSquareOfAnotherMachine(ply);
   EXPECT_NE(fetch(ply).err.find("--textures"), std::string::npos);
@@ -213,7 +213,7 @@ TEST_F(BuiltStore, ofAFileWhoseImageIsMissingWarnsOfTheFolderThatWasNamedLast) {
   }
 }
 
-TEST_F(BuiltStore, isBuiltAnewAfterAnImageThatCameWhileItWasBuilt) {
+TEST_F(BuiltStore, isRebuiltIfAnImageAppearedDuringTheBuild) {
   const fs::path ply = folder_ / "a.ply";
   ASSERT_EQ(
       lodestreamd({"sample", "asteroid", "--triangles", "60000", "--attributes", "uv", "-o", ply}).status, 0);

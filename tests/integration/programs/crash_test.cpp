@@ -110,9 +110,9 @@ class KilledClient : public testing::Test {
   std::string expected_;
 };
 
-TEST_F(KilledClient, leavesACacheFromWhichTheNextOneShowsTheSame) { EXPECT_EQ(killMany(10, 1).all, 10); }
+TEST_F(KilledClient, leavesACacheThatGivesTheNextClientTheSameCut) { EXPECT_EQ(killMany(10, 1).all, 10); }
 
-TEST_F(KilledClient, withAFullDiskForItsCacheShowsTheSame) {
+TEST_F(KilledClient, fetchesTheSameCutIfTheDiskOfItsCacheIsFull) {
   if (Program("unshare", {"--mount", "true"}).wait().status != 0)
     GTEST_SKIP() << "no mount namespaces on this system";
   const std::string disk = folder_ / "disk", found = folder_ / "found.ply";

@@ -140,7 +140,7 @@ TEST_F(DamagedStore, givesNoWrongCut) {
   }
 }
 
-TEST_F(DamagedStore, isShownByWhatIsFinerWhereACoarserLevelIsDamaged) {
+TEST_F(DamagedStore, isShownInFinerLodsWhereACoarserLodIsDamaged) {
   bool has_met_damage = false;
   damagePayloads([&] {
     const Outcome outcome = lodestream({"fetch", damaged_, "--pixels", "8", "--timeout", "60", "-o", cut_});
@@ -150,7 +150,7 @@ TEST_F(DamagedStore, isShownByWhatIsFinerWhereACoarserLevelIsDamaged) {
   EXPECT_TRUE(has_met_damage);
 }
 
-TEST_F(DamagedStore, canBeLoadTestedWithoutWhatIsDamaged) {
+TEST_F(DamagedStore, canBeLoadTestedWithoutItsDamagedBlobs) {
   bool has_met_damage = false;
   damagePayloads([&] {
     if (has_met_damage) return;
@@ -163,7 +163,7 @@ TEST_F(DamagedStore, canBeLoadTestedWithoutWhatIsDamaged) {
   EXPECT_TRUE(has_met_damage);
 }
 
-TEST_F(DamagedStore, isRefusedIfItsEndIsMissing) {
+TEST_F(DamagedStore, isRefusedIfTruncated) {
   const std::string bytes = readBytes(sound_);
   for (const size_t length : {size_t{1}, size_t{187}, size_t{188}, bytes.size() / 2, bytes.size() - 25,
                               bytes.size() - 24, bytes.size() - 1}) {

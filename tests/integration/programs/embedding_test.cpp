@@ -92,7 +92,7 @@ int main(int count, char** arguments) {
 }
 )";
 
-TEST_F(Embedding, takesOptionsOfZerosForTheDefault) {
+TEST_F(Embedding, treatsZeroOptionsAsDefaults) {
   writeBytes(folder_ / "zeros.c", kZeroOptions);
   const fs::path program = compileInC(folder_ / "zeros.c");
   const RunningServer server({makeSmallStore(folder_)});
@@ -115,7 +115,7 @@ int main(int count, char** arguments) {
 }
 )";
 
-TEST_F(Embedding, takesNoAddressForAnErrorAndNoCutYetForNone) {
+TEST_F(Embedding, reportsANullUrlAndReturnsNoCutBeforeTheFirst) {
   writeBytes(folder_ / "nothing.c", kNothingYet);
   const RunningServer server({makeSmallStore(folder_)});
   EXPECT_EQ(run(compileInC(folder_ / "nothing.c"), {server.url("small")}),
@@ -148,7 +148,7 @@ TEST_F(Embedding, buildsAndRunsTheExampleInCWithPkgConfig) {
   EXPECT_NE(nobody.err.find("nobody"), std::string::npos) << nobody.err;
 }
 
-TEST_F(Embedding, showsOneHeaderThatNeedsNothingElseAndNoSymbolButItsOwn) {
+TEST_F(Embedding, installsOneSelfContainedHeaderAndExportsOnlyItsOwnSymbols) {
   std::vector<std::string> headers;
   for (const auto& entry : fs::recursive_directory_iterator(installed_ / "include"))
     if (entry.is_regular_file()) headers.push_back(entry.path().filename());

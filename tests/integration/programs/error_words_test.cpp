@@ -57,7 +57,7 @@ class ErrorWords : public testing::Test {
   std::optional<RunningServer> server_;
 };
 
-TEST_F(ErrorWords, ofAFullServerAreItsOwn) {
+TEST_F(ErrorWords, quoteAFullServer) {
   serve({"--max-connections", "1"});
   const SilentClient first(where());
   const std::string said =
@@ -68,7 +68,7 @@ TEST_F(ErrorWords, ofAFullServerAreItsOwn) {
   expectWords({"loadtest", server_->url("small"), "--clients", "1", "--seconds", "1"}, where() + ": " + said);
 }
 
-TEST_F(ErrorWords, ofAConnectionThatIsLostAreThoseOfTheLastTry) {
+TEST_F(ErrorWords, nameTheLastFailedAttemptAfterALostConnection) {
   serve({"--max-rate", "10K"});
   Program fetch("lodestream",
                 {"fetch", server_->url("small"), "--cache", folder_ / "cache", "--timeout", "5"});
@@ -80,21 +80,21 @@ TEST_F(ErrorWords, ofAConnectionThatIsLostAreThoseOfTheLastTry) {
                              " (Connection refused): check that lodestreamd serve runs there\n");
 }
 
-TEST_F(ErrorWords, ofAModelThatIsNotThereSayOnceHowToFindThoseThatAre) {
+TEST_F(ErrorWords, pointToListIfTheServerLacksTheModel) {
   serve();
   expectWords(
       {"fetch", server_->url("another")},
       where() + ": the server says: this server has no model 'another'; lodestream list shows what it has");
 }
 
-TEST_F(ErrorWords, ofAFolderThatIsNotThereSayWhatToDo) {
+TEST_F(ErrorWords, adviseOnAMissingOutputFolder) {
   const std::string cut = folder_ / "missing" / "cut.ply";
   expectWords(
       {"fetch", store_, "-o", cut},
       "cannot create " + cut + ": No such file or directory; name a folder that is there and can be written");
 }
 
-TEST_F(ErrorWords, ofACertificateThatIsNotBelievedDoNotDoubtThatThereIsTls) {
+TEST_F(ErrorWords, adviseOnAnUntrustedCertificate) {
   serveUnderTls();
   expectWords({"fetch", "lodes://" + where() + "/small"},
               where() +
@@ -102,13 +102,13 @@ TEST_F(ErrorWords, ofACertificateThatIsNotBelievedDoNotDoubtThatThereIsTls) {
                   "of the certificate, and give its authority with --ca-file");
 }
 
-TEST_F(ErrorWords, ofAServerWithoutTlsSayHowToReachIt) {
+TEST_F(ErrorWords, adviseOnAServerWithoutTls) {
   serve();
   expectWords({"fetch", "lodes://" + where() + "/small"},
               where() + ": the TLS handshake failed: wrong version number; use lode:// if it serves no TLS");
 }
 
-TEST_F(ErrorWords, ofATokenThatIsMissingNameTheServer) {
+TEST_F(ErrorWords, nameTheServerThatRequiresAToken) {
   writeBytes(folder_ / "tokens", "right never *\n");
   serve({"--token-file", folder_ / "tokens"});
   const std::string words =

@@ -160,7 +160,7 @@ TEST_P(Fetch, receivesAFiftiethAtMostOnASecondVisitAndNothingOffline) {
   EXPECT_TRUE(readBytes(folder_ / "a.ply") == readBytes(folder_ / "c.ply"));
 }
 
-TEST(FetchOffline, waitsForNothingThatTheCacheLacks) {
+TEST(FetchOffline, failsAtOnceIfTheCacheLacksBlobs) {
   const WorkFolder folder;
   RunningServer server({makeSmallStore(folder)});
   const std::string url = server.url("small"), kept = folder / "kept";
@@ -197,7 +197,7 @@ void writeCamera(const std::filesystem::path& file, glm::dvec3 eye, glm::dvec3 t
   writeBytes(file, Json{{"fov_y_deg", 45}, {"keys", {key}}}.dump());
 }
 
-TEST(FetchOfAFile, convergesWithTheOriginalTrianglesThoughALatticeStepIsSeen) {
+TEST(FetchOfAFile, convergesOnTheOriginalTrianglesEvenIfALatticeStepIsVisible) {
   const WorkFolder folder;
   const auto store = makeSmallStore(folder);
   const store::Reader reader(store);
@@ -259,7 +259,7 @@ TEST(FetchOfAFile, buildsAPlyIntoTheCacheOnce) {
   EXPECT_EQ(cut.openEdges(), 0u);
 }
 
-TEST(ClientCommands, failWhenStandardOutputTakesNoMore) {
+TEST(ClientCommands, failIfStandardOutputIsFull) {
   const WorkFolder folder;
   const std::string store = makeSmallStore(folder);
   RunningServer server({store});

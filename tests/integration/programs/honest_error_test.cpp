@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(Of, HonestError, testing::ValuesIn(models()), nameOf);
 // In this sample, the LOD of 8,689 triangles deviates most at the place where its source deviates most. This
 // place is inside a triangle of a leaf. Without a sample at this place, the stored error would be 0.91 times
 // the true error.
-TEST(HonestErrorOfSample, countsAWorstPlaceThatIsNoVertexInTheLodsAbove) {
+TEST(HonestErrorOfSample, coversAWorstPlaceThatIsNoVertexOfCoarserLods) {
   const WorkFolder folder;
   const std::string model = folder / "a.ply", store = folder / "a.lode";
   ASSERT_EQ(

@@ -55,7 +55,7 @@ TEST_F(InterruptedCommand, leavesNothingOfASampleScene) {
   expectNothingLeft({"sample", "scene", "--triangles", "100000000", "-o", folder_ / "scene"}, SIGTERM);
 }
 
-TEST_F(InterruptedCommand, leavesNothingOfASampleSceneOneOfWhoseModelsCannotBeMade) {
+TEST_F(InterruptedCommand, leavesNothingOfASampleSceneWithAnImpossibleModel) {
   const Strings before = folder_.contents();
   const Outcome outcome = lodestreamd({"sample", "scene", "--triangles", "1000", "-o", folder_ / "scene"});
   EXPECT_EQ(outcome.status, 2);
@@ -104,7 +104,7 @@ class InterruptedBuild : public testing::Test {
   WorkFolder folder_;
 };
 
-TEST_F(InterruptedBuild, endsAtOnceAndLeavesNothingWhateverItComputes) {
+TEST_F(InterruptedBuild, endsAtOnceAndLeavesNothing) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const Outcome outcome = interrupt({}, signal);
     EXPECT_NE(outcome.err.find("interrupted; nothing was written"), std::string::npos) << outcome.err;
@@ -119,7 +119,7 @@ TEST_F(InterruptedBuild, removesItsTemporaryFilesInAnotherFolderToo) {
   EXPECT_TRUE(folder_.contents().empty());
 }
 
-TEST_F(InterruptedBuild, endsAtOnceAndKeepsItsWorkIfItIsToBeResumed) {
+TEST_F(InterruptedBuild, endsAtOnceAndKeepsItsWorkWithResume) {
   const Outcome outcome = interrupt({"--resume"}, SIGTERM);
   EXPECT_NE(outcome.err.find("finished work is kept"), std::string::npos) << outcome.err;
   EXPECT_FALSE(folder_.contents().empty());

@@ -174,7 +174,7 @@ std::unordered_map<uint64_t, std::set<uint16_t>> originalNormals(const store::Re
 }
 
 /// Two nodes may each have one side of a crease. Then each has one of the original normals at the crease.
-TEST_P(Invariants, I5VerticesSharedByPartsOfACutHaveTheSameAttributesInAll) {
+TEST_P(Invariants, I5PartsOfACutHaveTheSameAttributesAtSharedVertices) {
   std::unordered_map<uint64_t, std::set<uint16_t>> original;
   if (reader_->summary().attributes.has(AttributeSet::kComputedNormal)) original = originalNormals(*reader_);
   uint64_t shared = 0;

@@ -108,7 +108,7 @@ TEST_F(Loadtest, endsInTimeWithManyClients) {
   EXPECT_EQ(told["first_image_ms"]["count"], 300);
 }
 
-TEST_F(Loadtest, ofFullClientsTellsWhenTheirPicturesHaveConverged) {
+TEST_F(Loadtest, reportsWhenThePicturesOfFullClientsConverge) {
   for (const char* path : {"orbit", "fly", "walk"}) {
     const Json told = run({"--full", "--clients", "5", "--seconds", "2", "--ramp", "0.5", "--path", path});
     EXPECT_EQ(told["errors"], 0) << told["first_error"];
@@ -123,7 +123,7 @@ TEST_F(Loadtest, ofFullClientsTellsWhenTheirPicturesHaveConverged) {
   }
 }
 
-TEST_F(Loadtest, takesSeveralModelsOfSeveralServersByTurns) {
+TEST_F(Loadtest, alternatesBetweenModelsOfSeveralServers) {
   const RunningServer other{{folder_ / "small.lode"}};
   for (const auto& kind : {std::vector<std::string>{"--full"}, {"--path", "walk"}}) {
     std::vector<std::string> arguments{other.url("small"), "--clients", "6", "--seconds", "2",
@@ -144,7 +144,7 @@ TEST_F(Loadtest, startsItsClientsWithinTheRamp) {
   EXPECT_EQ(run({"--clients", "10", "--seconds", "1", "--ramp", "0", "--decode-off"})["started"], 10);
 }
 
-TEST_F(Loadtest, requestsLessWhereClientsThink) {
+TEST_F(Loadtest, requestsLessWithThinkTime) {
   const std::vector<std::string> arguments{"--clients", "4", "--seconds", "3",
                                            "--ramp",    "0", "--camera",  shortPath()};
   std::vector<std::string> thinking = arguments;
@@ -165,7 +165,7 @@ TEST_F(Loadtest, sortsErrorsByKind) {
   EXPECT_EQ(told["errors_by_kind"], Json({{"network", told["errors"]}}));
 }
 
-TEST_F(Loadtest, thatIsInterruptedTellsWhatItHasSeen) {
+TEST_F(Loadtest, printsItsResultsWhenInterrupted) {
   const SilentServer silent;
   Program test("lodestream", {"loadtest", silent.url(), "--full", "--clients", "1", "--seconds", "600",
                               "--ramp", "0", "--json"});
@@ -193,12 +193,12 @@ class LoadtestOfAFile : public testing::Test {
       {"loadtest", store_, silent_.url(), "--full", "--clients", "2", "--seconds", "600", "--ramp", "0"}};
 };
 
-TEST_F(LoadtestOfAFile, hasAServerThatCtrlCInATerminalDoesNotReach) {
+TEST_F(LoadtestOfAFile, runsItsServerInAnotherProcessGroup) {
   ASSERT_EQ(servers().size(), 1u);
   EXPECT_NE(getpgid(servers().begin()->first), getpgrp()) << "terminals signal a process group";
 }
 
-TEST_F(LoadtestOfAFile, thatIsKilledLeavesNoServerBehind) {
+TEST_F(LoadtestOfAFile, leavesNoServerBehindWhenKilled) {
   ASSERT_EQ(servers().size(), 1u);
   test_.signal(SIGKILL);
   test_.wait();
@@ -208,7 +208,7 @@ TEST_F(LoadtestOfAFile, thatIsKilledLeavesNoServerBehind) {
   EXPECT_EQ(servers(), Processes{});
 }
 
-TEST_F(Loadtest, refusesWhatDoesNotGoTogether) {
+TEST_F(Loadtest, refusesIncompatibleOptions) {
   const std::string url = server_.url("small");
   for (const auto& more : {std::vector<std::string>{"--full", "--decode-off"},
                            {url, "--trace", shortPath()},
@@ -227,7 +227,7 @@ TEST_F(Loadtest, refusesWhatDoesNotGoTogether) {
   }
 }
 
-TEST_F(Loadtest, ofAnotherProgramsServerSaysThatItIsNone) {
+TEST_F(Loadtest, reportsAServerThatIsNotLodestreamd) {
   const SilentServer web;
   for (const char* kind : {"--full", "--decode-off"}) {
     Program test("lodestream", {"loadtest", web.url(), kind, "--clients", "1", "--seconds", "1"});
@@ -239,7 +239,7 @@ TEST_F(Loadtest, ofAnotherProgramsServerSaysThatItIsNone) {
   }
 }
 
-TEST_F(Loadtest, thatNobodyAnswersFailsWithOneLine) {
+TEST_F(Loadtest, failsWithOneLineIfTheServerLacksTheModel) {
   const std::string url = server_.url("nothing");
   expectFailure(lodestream({"loadtest", url, "--clients", "2", "--seconds", "1"}), {"nothing"});
 }

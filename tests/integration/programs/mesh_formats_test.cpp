@@ -69,7 +69,7 @@ class MeshFormats : public testing::Test {
   WorkFolder folder_;
 };
 
-TEST_F(MeshFormats, anExportHoldsTheSameTrianglesAndNormalsInEveryFormat) {
+TEST_F(MeshFormats, holdTheSameTrianglesAndNormalsAfterAnExport) {
   const std::string store = makeSmallStore(folder_);
   for (const char* name : {"cut.ply", "cut.obj", "cut.glb"})
     ASSERT_EQ(lodestreamd({"export", store, "--triangles", "2000", "-o", folder_ / name}).status, 0) << name;
@@ -77,7 +77,7 @@ TEST_F(MeshFormats, anExportHoldsTheSameTrianglesAndNormalsInEveryFormat) {
   expectWhatThePlyHolds("cut.glb");
 }
 
-TEST_F(MeshFormats, aFetchWritesTheSameTrianglesInEveryFormat) {
+TEST_F(MeshFormats, holdTheSameTrianglesAfterAFetch) {
   RunningServer server({makeSmallStore(folder_)});
   for (const char* name : {"cut.ply", "cut.obj", "cut.glb"})
     ASSERT_EQ(lodestream({"fetch", server.url("small"), "-o", folder_ / name}).status, 0) << name;
@@ -85,7 +85,7 @@ TEST_F(MeshFormats, aFetchWritesTheSameTrianglesInEveryFormat) {
   expectWhatThePlyHolds("cut.glb");
 }
 
-TEST(StandardOutput, takesAPlyFromExportAndFetchWhereItIsAFile) {
+TEST(StandardOutput, receivesAPlyFromExportAndFetchIfItIsAFile) {
   const WorkFolder folder;
   const std::string store = makeSmallStore(folder);
   for (const std::string& command :
@@ -105,7 +105,7 @@ TEST(StandardOutput, takesAPlyFromExportAndFetchWhereItIsAFile) {
 }
 
 /// Opening the file under this name would overwrite its content.
-TEST(StandardOutput, isLeftAloneWhereItHasSomethingInItOrIsAppendedTo) {
+TEST(StandardOutput, isRefusedIfItIsAppendedToOrNotEmpty) {
   const WorkFolder folder;
   const std::string store = makeSmallStore(folder), log = (folder / "log").string();
   const std::string program =

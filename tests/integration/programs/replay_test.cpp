@@ -55,7 +55,7 @@ TEST(Replay, reachesAnErrorWhileTheCameraMoves) {
   EXPECT_LT(Json::parse(outcome.out)["reached_px_ms"]["4"], 1000 * kPathSeconds);
 }
 
-TEST(Replay, asksForNothingAheadWhereThatIsNotWanted) {
+TEST(Replay, prefetchesNothingWithNoPrefetch) {
   const WorkFolder folder;
   const RunningServer server({makeSmallStore(folder)});
   const Outcome outcome = lodestream({"replay", server.url("small"), "--camera", writePath(folder),
@@ -100,7 +100,7 @@ class ReplayedTrace : public testing::Test {
   const std::string store_ = makeSmallStore(folder_), trace_ = folder_ / "trace.json";
 };
 
-TEST_F(ReplayedTrace, ofAnotherBuildOfTheModelIsRefused) {
+TEST_F(ReplayedTrace, isRefusedIfItIsOfAnotherBuild) {
   ASSERT_EQ(
       lodestreamd({"build", folder_ / "small.ply", "-o", store_, "--triangles-per-node", "512", "--quiet"})
           .status,
@@ -108,14 +108,14 @@ TEST_F(ReplayedTrace, ofAnotherBuildOfTheModelIsRefused) {
   expectFailure(loadtest(), {trace_, "another build of the model", "replay --record"});
 }
 
-TEST_F(ReplayedTrace, withoutARequestIsRefused) {
+TEST_F(ReplayedTrace, isRefusedWithoutRequests) {
   Json trace = Json::parse(readBytes(trace_));
   trace["requests"] = Json::array();
   writeBytes(trace_, trace.dump());
   expectFailure(loadtest(), {trace_, "nothing to replay"});
 }
 
-TEST(Replay, recordsNoTraceOverWhatItReads) {
+TEST(Replay, refusesToRecordATraceOverItsInput) {
   const WorkFolder folder;
   const std::string store = makeSmallStore(folder), path = writePath(folder);
   for (const std::string& input : {store, path}) {
@@ -126,7 +126,7 @@ TEST(Replay, recordsNoTraceOverWhatItReads) {
   }
 }
 
-TEST(Replay, saysBeforeTheWorkThatATraceCannotBeWritten) {
+TEST(Replay, failsBeforeAnyWorkIfTheTraceCannotBeWritten) {
   const WorkFolder folder;
   const std::string store = makeSmallStore(folder);
   const Outcome outcome =
@@ -135,7 +135,7 @@ TEST(Replay, saysBeforeTheWorkThatATraceCannotBeWritten) {
   expectOneLine(outcome.err);
 }
 
-TEST(Replay, leavesTheTraceThatThereWasWhenItIsInterrupted) {
+TEST(Replay, keepsTheOldTraceWhenInterrupted) {
   const WorkFolder folder;
   const std::string store = makeSmallStore(folder), trace = folder / "trace.json";
   writeBytes(trace, "an older one");

@@ -125,7 +125,7 @@ TEST_F(ResumedBuild, givesTheSameBytesAndLeavesNothingAfterFiftyKillsAtRandomMom
   EXPECT_GT(killMany(50, 1), 2) << "too few of them went on from something";
 }
 
-TEST_F(ResumedBuild, isRefusedAfterAChangeOfInputSimplifierOrNodesAndThenGoesOnWithTheOldOnes) {
+TEST_F(ResumedBuild, isRefusedAfterAChangeOfInputOrOptionsAndContinuesWithTheOld) {
   makeModel(60000, 1024);
   ASSERT_EQ(signalAfterScan({}, SIGKILL).status, kKilled);
   expectFailure(lodestreamd(with({"--resume", "--simplifier", "cluster"})), {"--simplifier collapse"});
@@ -149,7 +149,7 @@ TEST_F(ResumedBuild, isRefusedAfterAChangeOfInputSimplifierOrNodesAndThenGoesOnW
   expectDone();
 }
 
-TEST_F(ResumedBuild, keepsWhatItHasOnASignalOnlyIfItWasToBeResumed) {
+TEST_F(ResumedBuild, keepsItsWorkOnASignalOnlyWithResume) {
   makeModel(60000, 1024);
   const Outcome plain = signalAfterScan({}, SIGTERM);
   expectEndBySigterm(plain, "interrupted; nothing was written");
@@ -162,7 +162,7 @@ TEST_F(ResumedBuild, keepsWhatItHasOnASignalOnlyIfItWasToBeResumed) {
   expectDone();
 }
 
-TEST_F(ResumedBuild, goesOnWhereNobodyReadsItsProgressAnyMore) {
+TEST_F(ResumedBuild, finishesItsStoreIfTheReaderOfItsProgressIsGone) {
   makeModel(20000, 1024);
   Strings words{"-c", "set -o pipefail; \"$@\" --json-progress | head -c 1 > /dev/null", "bash",
                 LODE_BIN_DIR "/bin/lodestreamd"};
@@ -174,7 +174,7 @@ TEST_F(ResumedBuild, goesOnWhereNobodyReadsItsProgressAnyMore) {
   expectDone();
 }
 
-TEST_F(ResumedBuild, clearsAwayWhatAKilledOneLeftWhenItIsNotResumed) {
+TEST_F(ResumedBuild, removesTheRemainsOfAKilledBuildIfNotResumed) {
   makeModel(60000, 1024);
   ASSERT_EQ(signalAfterScan({}, SIGKILL).status, kKilled);
   EXPECT_NE(folder_.contents(), before_);
@@ -182,7 +182,7 @@ TEST_F(ResumedBuild, clearsAwayWhatAKilledOneLeftWhenItIsNotResumed) {
   expectDone();
 }
 
-TEST_F(ResumedBuild, goesOnWhenADiskThatWasFullHasRoomAgain) {
+TEST_F(ResumedBuild, continuesOnceAFullDiskHasRoomAgain) {
   if (Program("unshare", {"--mount", "true"}).wait().status != 0)
     GTEST_SKIP() << "no mount namespaces on this system";
   makeModel(60000, 1024);

@@ -12,7 +12,7 @@ namespace {
 // other failure is a defect. To find the difference, compare `lodestreamd info --nodes` of two stores.
 constexpr const char* kSha256 = "d5242e6414f1cf28537279ec8f44774f763d3714754acc0af9ea10d069ed639e";
 
-TEST(SameBytes, aSamplesStoreHasTheHashThatIsWrittenHere) {
+TEST(SameBytes, storesOfSamplesHaveTheirRecordedHashes) {
   const WorkFolder folder;
   const std::filesystem::path store = makeSmallStore(folder);
   const std::string said = Program("sha256sum", {store.string()}).wait().out;

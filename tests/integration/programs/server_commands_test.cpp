@@ -74,7 +74,7 @@ TEST_F(ServerCommands, printTheJsonThatScriptsRelyOn) {
   EXPECT_TRUE(Json::parse(run("verify a.lode --json").out)["sound"]);
 }
 
-TEST_F(ServerCommands, tellProgramsHowFarEachStageOfABuildIs) {
+TEST_F(ServerCommands, printTheProgressOfEachBuildStageAsJson) {
   std::istringstream lines(run("build a.ply -o a.lode --triangles-per-node 2000 --json-progress").out);
   std::vector<std::string> stages;
   double last = 0;
@@ -96,7 +96,7 @@ TEST_F(ServerCommands, tellProgramsHowFarEachStageOfABuildIs) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "a.lode"));
 }
 
-TEST_F(ServerCommands, doctorSaysWhatABuildWillCostWithinHalf) {
+TEST_F(ServerCommands, doctorForecastsTheCostOfABuildWithinHalf) {
   const Json doctor = Json::parse(run("doctor a.ply --json").out);
   expectKeys(doctor, {"buildable", "encoding", "elements", "vertices", "faces", "triangles", "attributes",
                       "textures", "box", "topology", "problems", "forecast"});
@@ -109,7 +109,7 @@ TEST_F(ServerCommands, doctorSaysWhatABuildWillCostWithinHalf) {
   expectWithinHalf(doctor["forecast"]["store_bytes"], built["bytes"]);
 }
 
-TEST_F(ServerCommands, doctorSaysWhatABuildWithTexturesWillCostWithinHalf) {
+TEST_F(ServerCommands, doctorForecastsTheCostOfATexturedBuildWithinHalf) {
   const char* const data = std::getenv("LODESTREAM_TEST_DATA");
   if (data == nullptr) GTEST_SKIP() << "set LODESTREAM_TEST_DATA to the folder with MANIFEST.tsv";
   for (const char* model : {"c_steampunk_3tex_le", "c_jungle_multitex_le", "c_fuze_spaces_le"}) {
@@ -122,7 +122,7 @@ TEST_F(ServerCommands, doctorSaysWhatABuildWithTexturesWillCostWithinHalf) {
   }
 }
 
-TEST_F(ServerCommands, doctorExitsWithOneForWhatCannotBeBuiltAndStillSaysWhatIsInIt) {
+TEST_F(ServerCommands, doctorFailsForAnUnbuildableFileButStillDescribesIt) {
   std::filesystem::copy(folder_ / "a.ply", folder_ / "cut.ply");
   std::filesystem::resize_file(folder_ / "cut.ply", 100000);
   const Outcome outcome = run("doctor cut.ply --json");
@@ -135,7 +135,7 @@ TEST_F(ServerCommands, doctorExitsWithOneForWhatCannotBeBuiltAndStillSaysWhatIsI
   EXPECT_EQ(run("doctor missing.ply").status, 1);
 }
 
-TEST_F(ServerCommands, infoPrintsAnObjectALineForEachNodeAndLodWhenAskedForJson) {
+TEST_F(ServerCommands, infoPrintsOneJsonObjectPerLineForEachLod) {
   build();
   const Json info = Json::parse(run("info a.lode --json").out);
   std::istringstream lines(run("info a.lode --nodes --json").out);
@@ -167,7 +167,7 @@ TEST_F(ServerCommands, infoPrintsATableOfNodesForPeople) {
   EXPECT_EQ(leaf_triangles, info["triangles"]);
 }
 
-TEST_F(ServerCommands, endWithTwoAndOneLineAtWrongUsage) {
+TEST_F(ServerCommands, exitWithStatus2AndOneLineOnWrongUsage) {
   build();
   for (const char* arguments :
        {"", "unknown", "info", "info a.lode --bogus", "build a.ply", "build a.ply -o b.lode --memory 1XB",
@@ -187,7 +187,7 @@ TEST_F(ServerCommands, listUnknownOptionsInTheOrderInWhichTheyWereGiven) {
   EXPECT_NE(run("doctor a.ply --one --two --three").err.find("--one --two --three"), std::string::npos);
 }
 
-TEST_F(ServerCommands, nameACommandThatThereIsNot) {
+TEST_F(ServerCommands, nameAnUnknownCommand) {
   EXPECT_EQ(run("biuld a.ply -o b.lode").err.rfind("lodestreamd: not known here: biuld", 0), 0u);
 }
 
@@ -199,7 +199,7 @@ TEST_F(ServerCommands, exportRefusesEndingsOfFormatsThatItDoesNotWrite) {
   EXPECT_EQ(folder_.contents(), (std::vector<std::string>{"a.lode", "a.ply"}));
 }
 
-TEST_F(ServerCommands, endWithOneAndOneLineWhenTheWorkFailsAndLeaveNothingBehind) {
+TEST_F(ServerCommands, exitWithStatus1AndOneLineOnFailureAndLeaveNothingBehind) {
   build();
   writeBytes(folder_ / "empty.ply", "");
   std::filesystem::copy(folder_ / "a.ply", folder_ / "cut.ply");
@@ -221,7 +221,7 @@ TEST_F(ServerCommands, endWithOneAndOneLineWhenTheWorkFailsAndLeaveNothingBehind
   EXPECT_EQ(folder_.contents(), before);
 }
 
-TEST_F(ServerCommands, exportAllThatThereIsForAnErrorOfNothing) {
+TEST_F(ServerCommands, exportTheFinestCutForAnErrorOfZero) {
   build();
   const Json info = Json::parse(run("info a.lode --json").out);
   const Outcome outcome = run("export a.lode -o b.ply --json --error 0");
@@ -235,7 +235,7 @@ TEST_F(ServerCommands, exportAllThatThereIsForAnErrorOfNothing) {
   EXPECT_NE(text.find("that of the lattice; the store has nothing finer"), std::string::npos) << text;
 }
 
-TEST_F(ServerCommands, exportTheOriginalTrianglesForAnErrorBelowTheLatticesAndFail) {
+TEST_F(ServerCommands, exportTheFinestCutButFailForAnErrorBelowTheLattice) {
   build();
   const Json info = Json::parse(run("info a.lode --json").out);
   const Outcome outcome = run("export a.lode -o b.ply --json --error 1e-12");
@@ -247,7 +247,7 @@ TEST_F(ServerCommands, exportTheOriginalTrianglesForAnErrorBelowTheLatticesAndFa
   EXPECT_TRUE(std::filesystem::exists(folder_ / "b.ply"));
 }
 
-TEST_F(ServerCommands, sayNothingOnStdoutBesideAMeshThatGoesThere) {
+TEST_F(ServerCommands, printOnlyTheMeshOnStdoutIfItGoesThere) {
   build();
   for (const char* arguments : {"export a.lode --error 0.01 -o ", "sample asteroid --triangles 1000 -o "}) {
     ASSERT_EQ(run(std::string(arguments) + "b.ply").status, 0);
@@ -259,7 +259,7 @@ TEST_F(ServerCommands, sayNothingOnStdoutBesideAMeshThatGoesThere) {
   }
 }
 
-TEST_F(ServerCommands, refuseOutputsThatCannotBeBeforeAnyWork) {
+TEST_F(ServerCommands, refuseAFolderAsOutputBeforeAnyWork) {
   std::filesystem::create_directory(folder_ / "folder");
   const std::vector<std::string> before = folder_.contents();
   for (const char* command :
@@ -273,7 +273,7 @@ TEST_F(ServerCommands, refuseOutputsThatCannotBeBeforeAnyWork) {
   EXPECT_EQ(folder_.contents(), before);
 }
 
-TEST_F(ServerCommands, buildBehindTheLinkThatTheOutputIs) {
+TEST_F(ServerCommands, buildIntoTheTargetOfAnOutputLink) {
   std::filesystem::create_directory(folder_ / "stores");
   std::filesystem::create_symlink("stores/first.lode", folder_ / "a.lode");
   build();
@@ -282,13 +282,13 @@ TEST_F(ServerCommands, buildBehindTheLinkThatTheOutputIs) {
   EXPECT_EQ(run("verify stores/first.lode --quiet").status, 0);
 }
 
-TEST_F(ServerCommands, warnOfAStoreThatAServerOfItsFolderWouldNotFind) {
+TEST_F(ServerCommands, warnOfAStoreWithoutTheEndingLode) {
   const Json built = Json::parse(run("build a.ply -o a.txt --json").out);
   ASSERT_EQ(built["warnings"].size(), 1u);
   EXPECT_NE(built["warnings"][0].get<std::string>().find("end in .lode"), std::string::npos);
 }
 
-TEST_F(ServerCommands, refuseEndingsOfWhatTheyDoNotWrite) {
+TEST_F(ServerCommands, refuseOutputsWithAMissingOrUnknownEnding) {
   build();
   for (const char* arguments :
        {"sample asteroid --triangles 100 -o b.obj", "export a.lode --error 0 -o cut"}) {
@@ -305,7 +305,7 @@ TEST_F(ServerCommands, pointToTheHelpOfTheCommandThatWasCalled) {
   EXPECT_NE(run("bogus").err.find("see lodestreamd --help"), std::string::npos);
 }
 
-TEST_F(ServerCommands, nameTheRemedyForNumbersThatAreNone) {
+TEST_F(ServerCommands, nameTheRemedyForInvalidNumbers) {
   const auto expectWords = [&](const char* arguments, const char* words) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << arguments;
@@ -326,7 +326,7 @@ TEST_F(ServerCommands, takeFractionsOfMegabytesEverywhere) {
   EXPECT_EQ(run("doctor a.ply --memory 100.5MiB").status, 0);
 }
 
-TEST_F(ServerCommands, countWhatABuildLeavesOutAndSaySo) {
+TEST_F(ServerCommands, reportHowManyBadValuesABuildSkips) {
   writeBytes(folder_ / "bad.ply",
              "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
              "element face 3\nproperty list uchar int vertex_indices\nend_header\n"
@@ -340,7 +340,7 @@ TEST_F(ServerCommands, countWhatABuildLeavesOutAndSaySo) {
   EXPECT_EQ(Json::parse(run("build bad.ply -o bad.lode --skip-bad --json").out)["warnings"].size(), 1u);
 }
 
-TEST_F(ServerCommands, sayThatNoFaceIsLeftWhereAllAreBad) {
+TEST_F(ServerCommands, reportThatNoFaceIsLeftIfAllAreBad) {
   writeBytes(folder_ / "bad.ply",
              "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
              "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
@@ -355,14 +355,14 @@ TEST_F(ServerCommands, warnOfTextureCoordinatesWithoutAnImageAsDoctorDoes) {
   EXPECT_NE(run("doctor uv.ply").out.find(words), std::string::npos);
 }
 
-TEST_F(ServerCommands, warnEvenWhereTheyAreToBeQuiet) {
+TEST_F(ServerCommands, warnEvenWithQuiet) {
   ASSERT_EQ(run("sample asteroid --triangles 100 --attributes uv -o uv.ply").status, 0);
   const Outcome outcome = run("build uv.ply -o uv.lode --quiet");
   EXPECT_NE(outcome.err.find("warning: "), std::string::npos) << outcome.err;
   EXPECT_EQ(outcome.out, "");
 }
 
-TEST_F(ServerCommands, adviseAnotherOutputWhereItsFolderCannotBeWritten) {
+TEST_F(ServerCommands, adviseAnotherOutputIfItsFolderCannotBeWritten) {
   const Outcome outcome = run("build a.ply -o nowhere/a.lode --tmp .");
   expectFailure(outcome, {"nowhere", "choose another output folder"});
   EXPECT_EQ(outcome.err.find("--tmp"), std::string::npos) << outcome.err;
@@ -386,7 +386,7 @@ TEST_F(ServerCommands, tellTheirVersionEverywhere) {
   }
 }
 
-TEST_F(ServerCommands, failWhenStandardOutputTakesNoMore) {
+TEST_F(ServerCommands, failIfStandardOutputIsFull) {
   build();
   for (const char* arguments :
        {"--help", "--version", "info --help", "info a.lode", "info a.lode --json", "info a.lode --nodes",

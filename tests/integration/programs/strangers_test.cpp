@@ -52,7 +52,7 @@ class Strangers : public testing::Test {
   const fs::path fallback_ = sticky_ / ("lodestream-" + std::to_string(::getuid()));
 };
 
-TEST_F(Strangers, doNotRedirectTheFallbackCacheByALink) {
+TEST_F(Strangers, cannotRedirectTheFallbackCacheByALink) {
   fs::create_directory(folder_ / "mine");
   std::ofstream(folder_ / "mine" / "thesis") << "precious";
   fs::create_directory_symlink(folder_ / "mine", fallback_);
@@ -61,7 +61,7 @@ TEST_F(Strangers, doNotRedirectTheFallbackCacheByALink) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "mine"), {}), 1);
 }
 
-TEST_F(Strangers, doNotOwnTheFallbackCache) {
+TEST_F(Strangers, cannotProvideTheFallbackCache) {
   fs::create_directory(fallback_);
   if (!giveToStranger(fallback_)) GTEST_SKIP() << "needs root";
   expectFailure(fetchWithoutHome(), {"is not a folder that only you can write to"});
@@ -80,7 +80,7 @@ TEST_F(Strangers, cannotReadCachedStores) {
   EXPECT_GE(files, 2u);
 }
 
-TEST_F(Strangers, doNotLeadTheRemovalOfStoresElsewhere) {
+TEST_F(Strangers, cannotRedirectTheRemovalOfStoresByALink) {
   ASSERT_EQ(fetchWithoutHome().status, 0);
   const fs::path of_source = fs::directory_iterator(fallback_ / "stores")->path();
   fs::remove_all(of_source);
@@ -91,7 +91,7 @@ TEST_F(Strangers, doNotLeadTheRemovalOfStoresElsewhere) {
   EXPECT_TRUE(fs::exists(folder_ / "mine" / "thesis"));
 }
 
-TEST_F(Strangers, doNotLeadOutputsThroughTheirLinks) {
+TEST_F(Strangers, cannotRedirectOutputsByTheirLinks) {
   std::ofstream(folder_ / "victim") << "precious";
   for (const char* name : {"out.ply", "out.lode", "out.png", "out.json"}) {
     fs::create_symlink(folder_ / "victim", sticky_ / name);
@@ -105,7 +105,7 @@ TEST_F(Strangers, doNotLeadOutputsThroughTheirLinks) {
   EXPECT_EQ(readBytes(folder_ / "victim"), "precious");
 }
 
-TEST_F(Strangers, cannotReadWhatATokenProtected) {
+TEST_F(Strangers, cannotReadFilesOfAModelBehindAToken) {
   ASSERT_EQ(lodestreamd({"build", ply_, "-o", folder_ / "a.lode", "--quiet"}).status, 0);
   writeBytes(folder_ / "tokens", "open-sesame never *\n");
   fs::permissions(folder_ / "tokens", fs::perms(0600));
@@ -123,7 +123,7 @@ TEST_F(Strangers, cannotReadWhatATokenProtected) {
   EXPECT_EQ(modeOf(folder_ / "open.ply"), 0644u) << "a local file is not protected by the token";
 }
 
-TEST_F(Strangers, areToldOfWithATokenFileThatTheyCanRead) {
+TEST_F(Strangers, causeAWarningIfTheyCanReadTheTokenFile) {
   writeBytes(folder_ / "token", "open-sesame\n");
   fs::permissions(folder_ / "token", fs::perms(0644));
   const Outcome open = lodestream({"fetch", ply_, "--pixels", "4", "--token-file", folder_ / "token"});
@@ -134,7 +134,7 @@ TEST_F(Strangers, areToldOfWithATokenFileThatTheyCanRead) {
   EXPECT_EQ(closed.err, "");
 }
 
-TEST_F(Strangers, SideFilesAreListedAndReplaceOwnRegularFilesOnly) {
+TEST_F(Strangers, sideFilesAreListedAndReplaceOnlyOwnRegularFiles) {
   const fs::path store = buildTextured(), out = folder_ / "cut.obj";
   const std::vector<std::string> beside{folder_ / "cut_red.png", folder_ / "cut.mtl"};
   for (int times = 0; times < 2; ++times) {  // the second time replaces the files

@@ -41,7 +41,7 @@ class Verify : public testing::Test {
   const std::filesystem::path store_ = folder_ / "a.lode";
 };
 
-TEST_F(Verify, againstFindsTheInputInTheStoreAndNoOther) {
+TEST_F(Verify, acceptsOnlyTheStoresOwnInputForAgainst) {
   const Json sound = Json::parse(against("a.ply").out);
   const Json info = Json::parse(lodestreamd({"info", store_, "--json"}).out);
   EXPECT_TRUE(sound["sound"]);
@@ -55,7 +55,7 @@ TEST_F(Verify, againstFindsTheInputInTheStoreAndNoOther) {
   EXPECT_FALSE(Json::parse(other.out)["sound"]);
 }
 
-TEST_F(Verify, saysNothingOfAStoreForWhatIsWrongElsewhere) {
+TEST_F(Verify, givesNoVerdictIfAFileCannotBeRead) {
   writeBytes(folder_ / "cut.ply", readBytes(folder_ / "a.ply").substr(0, 2000));
   for (const char* input : {"missing.ply", "cut.ply"}) {
     const Outcome outcome = against(input);
@@ -67,7 +67,7 @@ TEST_F(Verify, saysNothingOfAStoreForWhatIsWrongElsewhere) {
   EXPECT_EQ(nothing.out, "");
 }
 
-TEST_F(Verify, callsNoStoreSoundOfWhichAPartIsMissing) {
+TEST_F(Verify, callsATruncatedStoreUnsound) {
   writeBytes(store_, readBytes(store_).substr(0, 2000));
   EXPECT_FALSE(Json::parse(verify({"--json"}).out)["sound"]);
 }
@@ -81,7 +81,7 @@ TEST_F(Verify, hasNoRatiosWhereNothingWasMeasured) {
   EXPECT_TRUE(measured["median_ratio"].is_null());
 }
 
-TEST_F(Verify, measuresAsManyLodsAsItIsToldOrAll) {
+TEST_F(Verify, measuresTheRequestedNumberOfLodsOrAll) {
   const auto lods = [&](const std::string& count) {
     return Json::parse(verify({"--against", folder_ / "a.ply", "--lods", count, "--json"})
                            .out)["against"]["lods_sampled"]

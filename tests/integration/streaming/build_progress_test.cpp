@@ -11,7 +11,7 @@
 namespace lode::test {
 namespace {
 
-TEST(BuildOfATarget, tellsItsStagesAndHowFarTheyAreAndNothingWhereItWasDoneBefore) {
+TEST(BuildOfATarget, reportsItsStagesAndProgressUnlessTheStoreExists) {
   const std::filesystem::path ply = std::filesystem::path(LODE_BIN_DIR) / "test-models" / "painted.ply";
   const WorkFolder cache;
   setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
@@ -44,13 +44,13 @@ class StoresOfTargets : public testing::Test {
   const std::filesystem::path first_ = folder_ / "first.ply", second_ = folder_ / "second.ply";
 };
 
-TEST_F(StoresOfTargets, goWhereTheyAreNotUsedAndAnotherIsBuilt) {
+TEST_F(StoresOfTargets, areRemovedOnTheNextBuildIfUnused) {
   const std::filesystem::path first = app::builtStore({first_}, false, {}, {}).path;
   buildTheSecond();
   EXPECT_FALSE(std::filesystem::exists(first));
 }
 
-TEST_F(StoresOfTargets, stayAsLongAsTheTargetIsOpen) {
+TEST_F(StoresOfTargets, areKeptWhileTheTargetIsOpen) {
   const app::ResolvedTarget open = app::resolveTarget(app::PlyFile{first_}, {}, false);
   const std::filesystem::path first = app::builtStore({first_}, false, {}, {}).path;
   buildTheSecond();

@@ -75,7 +75,7 @@ class EmbeddedStream : public Streaming {
   }
 };
 
-TEST_F(EmbeddedStream, andItsCutAgreeOnWhetherTheyHaveConverged) {
+TEST_F(EmbeddedStream, agreesWithItsCutOnConvergence) {
   Stream stream = open();
   View view = viewOf(stream, 1.7);
   for (const float threshold_px : {1.0f, 100.0f, 1e-6f}) {
@@ -89,7 +89,7 @@ TEST_F(EmbeddedStream, andItsCutAgreeOnWhetherTheyHaveConverged) {
   }
 }
 
-TEST_F(EmbeddedStream, tellsThatThereIsNothingFinerFromThatItIsStuck) {
+TEST_F(EmbeddedStream, distinguishesTheFinestCutFromALimitedCut) {
   Stream stream = open();
   View view = viewOf(stream, 1.7);
   view.threshold_px = 1e-6f;
@@ -113,7 +113,7 @@ TEST_F(EmbeddedStream, tellsThatThereIsNothingFinerFromThatItIsStuck) {
   EXPECT_EQ(limited.takeCut()->is_finest, 0u);
 }
 
-TEST_F(EmbeddedStream, numbersItsCutsSoThatANewOneIsKnown) {
+TEST_F(EmbeddedStream, givesEachNewCutAHigherSerial) {
   Stream stream = open();
   View view = viewOf(stream, 1.7);
   const Status first = settle(stream, view);
@@ -127,7 +127,7 @@ TEST_F(EmbeddedStream, numbersItsCutsSoThatANewOneIsKnown) {
   EXPECT_EQ(stream.takeCut()->serial, second.cut_serial);
 }
 
-TEST_F(EmbeddedStream, waitsForNothingWhereAViewThatIsSetAgainHasSettled) {
+TEST_F(EmbeddedStream, returnsAtOnceIfTheSameViewHasSettled) {
   Stream stream = open();
   const View view = viewOf(stream, 1.7);
   settle(stream, view);
@@ -137,7 +137,7 @@ TEST_F(EmbeddedStream, waitsForNothingWhereAViewThatIsSetAgainHasSettled) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 5000ms);
 }
 
-TEST_F(EmbeddedStream, saysOfATokenThatIsMissingWhichOptionTakesIt) {
+TEST_F(EmbeddedStream, namesTheOptionForAMissingToken) {
   const app::ChildServer child(folder_ / "a.lode");
   try {
     Stream stream(stream::toString(child.served()));
@@ -170,7 +170,7 @@ TEST_F(EmbeddedStream, isNotReconnectingOnceItHasEnded) {
   EXPECT_NE(said.find("replaced the model by one of another size or position"), std::string::npos) << said;
 }
 
-TEST_F(EmbeddedStream, hasNoTexturesWhereAModelHasCoordinatesAndNoImages) {
+TEST_F(EmbeddedStream, hasNoTexturesForCoordinatesWithoutImages) {
   serveTextured({});
   Stream stream = open();
   EXPECT_EQ(stream.describe().has_textures, 0u);
@@ -182,7 +182,7 @@ TEST_F(EmbeddedStream, hasNoTexturesWhereAModelHasCoordinatesAndNoImages) {
   EXPECT_EQ(mesh->texture_of, nullptr);
 }
 
-TEST_F(EmbeddedStream, namesOnlyTexturesThatThereAreOrNone) {
+TEST_F(EmbeddedStream, givesVerticesAnExistingTextureOrNone) {
   serveTextured(missingImage());
   Stream stream = open();
   EXPECT_EQ(stream.describe().has_textures, 1u);
@@ -200,7 +200,7 @@ TEST_F(EmbeddedStream, namesOnlyTexturesThatThereAreOrNone) {
   EXPECT_GT(vertices_of[LODESTREAM_NO_TEXTURE], 0u);
 }
 
-TEST_F(EmbeddedStream, givesMeshesOfOneNameTheSameArrays) {
+TEST_F(EmbeddedStream, givesMeshesOfOneIdTheSameArrays) {
   serveTextured(missingImage());
   Stream stream = open();
   stream.setView(viewOf(stream, 1.7));

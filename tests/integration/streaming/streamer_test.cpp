@@ -26,7 +26,7 @@ using stream::StreamStatus;
 
 constexpr float kOnlyTheRootPx = 1e6f;  // threshold that the root's coarsest LOD meets
 
-TEST_F(Streaming, convergesForTheLastViewHoweverOftenItChanged) {
+TEST_F(Streaming, convergesForTheLastOfManyViews) {
   Streamer streamer(served_, threads(3));
   const ModelSummary& model = streamer.waitForModel(kPatience);
   std::vector<std::thread> watchers;
@@ -91,7 +91,7 @@ TEST_F(Streaming, leavesNoThreadAndNoConnectionBehindWheneverItEnds) {
   EXPECT_LE(ownEntriesOnceDownTo(descriptors_before, "fd"), descriptors_before);
 }
 
-TEST_F(Streaming, freesItsCutsOnItsOwnThreadAndNotWhereTheyWereShownLast) {
+TEST_F(Streaming, freesItsCutsOnItsOwnThread) {
   Streamer streamer(served_, threads(2));
   const ModelSummary& model = streamer.waitForModel(kPatience);
   streamer.setView(viewAt(1, model), 0.5f);
@@ -109,7 +109,7 @@ TEST_F(Streaming, freesItsCutsOnItsOwnThreadAndNotWhereTheyWereShownLast) {
   EXPECT_TRUE(shown.expired());
 }
 
-TEST_F(Streaming, freesOnItsOwnThreadWhatItIsGivenToKeep) {
+TEST_F(Streaming, freesKeptCutsOnItsOwnThread) {
   Streamer streamer(served_, threads(2));
   const ModelSummary& model = streamer.waitForModel(kPatience);
   auto cut = std::make_shared<const core::Cut>();
@@ -125,7 +125,7 @@ TEST_F(Streaming, freesOnItsOwnThreadWhatItIsGivenToKeep) {
   EXPECT_TRUE(kept.expired());
 }
 
-TEST_F(Streaming, goesOnWhenTheServerComesBack) {
+TEST_F(Streaming, continuesWhenTheServerComesBack) {
   Streamer streamer(served_, threads(2));
   const ModelSummary& model = streamer.waitForModel(kPatience);
   streamer.setView(viewAt(1, model), kOnlyTheRootPx);
@@ -139,7 +139,7 @@ TEST_F(Streaming, goesOnWhenTheServerComesBack) {
 }
 
 /// For a while, the server does not have the model.
-TEST_F(Streaming, goesOnWhenAServerHasTheModelAgainAndEndsWhereItIsNotToAwaitThat) {
+TEST_F(Streaming, awaitsARemovedModelOnlyIfAskedTo) {
   stream::StreamOptions options = threads(2);
   Streamer ends(served_, options);
   options.engine.session.awaits_model = true;
@@ -167,7 +167,7 @@ TEST_F(Streaming, goesOnWhenAServerHasTheModelAgainAndEndsWhereItIsNotToAwaitTha
   EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
 }
 
-TEST_F(Streaming, convergesOnTheNewBuildOfAModelThatIsReplacedAndNeverShowsAHole) {
+TEST_F(Streaming, convergesOnTheNewBuildOfAReplacedModelWithoutAHole) {
   Streamer streamer(served_, threads(2));
   const ModelSummary model = streamer.waitForModel(kPatience);
   streamer.setView(viewAt(1, model), 0.5f);
@@ -209,7 +209,7 @@ TEST_F(Streaming, keepsItsCutAndSaysWhyWhenTheServerGoes) {
   EXPECT_EQ(status.cut->triangles, before.cut->triangles);
 }
 
-TEST_F(Streaming, convergesWithoutAServerWhereAllIsThere) {
+TEST_F(Streaming, convergesWithoutAServerIfAllMeshesAreResident) {
   Streamer streamer(served_, {});
   const ModelSummary& model = streamer.waitForModel(kPatience);
   streamer.setView(viewAt(1, model), 5);
@@ -221,7 +221,7 @@ TEST_F(Streaming, convergesWithoutAServerWhereAllIsThere) {
   EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
 }
 
-TEST_F(Streaming, wakesWhoWaitsForNewsAndNobodyOnceItHasSettled) {
+TEST_F(Streaming, wakesWaitersForNewsOnlyUntilItHasSettled) {
   Streamer streamer(served_, {});
   while (!streamer.model()) streamer.waitForNews(kPatience);
   streamer.setView(viewAt(1, *streamer.model()), 0.5f);
@@ -249,7 +249,7 @@ TEST_F(Streaming, waitsForRoomWhereTheServerIsFull) {
   EXPECT_EQ(second.waitForModel(kPatience).name, "a");
 }
 
-TEST_F(Streaming, fromAChildServerNeedsTheTokenThatWasMadeForIt) {
+TEST_F(Streaming, needsTheTokenOfAChildServer) {
   const app::ChildServer child(folder_ / "a.lode");
   stream::StreamOptions options = threads(1);
   options.engine.session.token = child.token();
@@ -260,7 +260,7 @@ TEST_F(Streaming, fromAChildServerNeedsTheTokenThatWasMadeForIt) {
   EXPECT_THROW(stranger.waitForModel(kPatience), Error);
 }
 
-TEST_F(Streaming, saysThatNoServerIsThere) {
+TEST_F(Streaming, reportsANetworkErrorIfNoServerListens) {
   stopServer();
   Streamer streamer(served_, {});
   try {
