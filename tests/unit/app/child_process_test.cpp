@@ -25,20 +25,20 @@ TEST(ChildProcess, isReadLineByLine) {
   EXPECT_EQ(child.wait(), 0);
 }
 
-TEST(ChildProcess, readsWhatItIsGivenAndMayOpenItAnew) {
+TEST(ChildProcess, readsItsInputAndCanReopenIt) {
   ChildProcess child("/bin/sh", {"-c", "cat; cat /proc/self/fd/0"}, ChildProcess::Messages::kKeep,
                      {.input = "text\n"});
   EXPECT_EQ(child.readLine(300s), "text");
   EXPECT_EQ(child.readLine(300s), "text");
 }
 
-TEST(ChildProcess, readsALineOfAnyLengthThatABuildMayHave) {
+TEST(ChildProcess, isReadLineByLineEvenIfALineIsLong) {
   ChildProcess child = shell("head -c 3000000 /dev/zero | tr '\\0' x; echo; echo next");
   EXPECT_EQ(child.readLine(300s).size(), 3'000'000u);
   EXPECT_EQ(child.readLine(300s), "next");
 }
 
-TEST(ChildProcess, isNotWaitedForInVainWhileItSaysMoreThanIsRead) {
+TEST(ChildProcess, endsWhenWaitedForEvenIfItsOutputIsUnread) {
   ChildProcess child = shell("yes");
   EXPECT_EQ(child.readLine(300s), "y");
   EXPECT_EQ(child.wait(), 128 + SIGPIPE);
@@ -56,7 +56,7 @@ TEST(ChildProcess, keepsADescriptorOpenThatItInherits) {
   close(ends[0]);
 }
 
-TEST(ChildProcess, tellsHowItEnded) {
+TEST(ChildProcess, reportsItsExitStatus) {
   EXPECT_EQ(shell("exit 3").wait(), 3);
   EXPECT_EQ(shell("kill -9 $$").wait(), 128 + SIGKILL);
 }
@@ -73,7 +73,7 @@ TEST(ChildProcess, keepsNoMoreOfItsMessagesThanTheLimit) {
   EXPECT_EQ(child.lastMessage(), std::string(kMaxMessageBytes, 'x'));
 }
 
-TEST(ChildProcess, isNotWaitedForLongerThanAsked) {
+TEST(ChildProcess, isReadNoLongerThanTheTimeout) {
   ChildProcess child = shell("exec sleep 1000");
   EXPECT_EQ(child.readLine(10ms), "");
 }
@@ -84,7 +84,7 @@ TEST(ChildProcess, endsWhenAsked) {
   EXPECT_EQ(child.wait(), 128 + SIGTERM);
 }
 
-TEST(ChildProcess, endsWithItsObject) {
+TEST(ChildProcess, endsWhenItsObjectIsDestroyed) {
   pid_t process = 0;
   {
     ChildProcess child = shell("echo $$; exec sleep 1000");
@@ -94,7 +94,7 @@ TEST(ChildProcess, endsWithItsObject) {
   EXPECT_EQ(kill(process, 0), -1);
 }
 
-TEST(ChildProcess, sharesTheTerminalsKeysUnlessItIsToIgnoreThem) {
+TEST(ChildProcess, leavesTheProcessGroupOnlyIfItIgnoresTheTerminalsKeys) {
   for (const bool heeds_keys : {true, false}) {
     ChildSetup setup;
     setup.heeds_keys = heeds_keys;
@@ -104,7 +104,7 @@ TEST(ChildProcess, sharesTheTerminalsKeysUnlessItIsToIgnoreThem) {
   }
 }
 
-TEST(ChildProcess, thatIsNoProgramEndsWithAStatus) {
+TEST(ChildProcess, endsWithStatus127IfItsProgramIsMissing) {
   ChildProcess child("/nowhere/program", {}, ChildProcess::Messages::kKeep);
   EXPECT_EQ(child.wait(), 127);
 }

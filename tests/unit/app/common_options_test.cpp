@@ -26,7 +26,7 @@ TEST(PictureSize, isWidthTimesHeight) {
   EXPECT_EQ(parseSize("1x" + most).height_px, core::kMaxPictureSidePx);
 }
 
-TEST(PictureSize, isRefusedIfItIsNoneOrTooLarge) {
+TEST(PictureSize, isRefusedIfInvalidOrTooLarge) {
   const std::string too_much = std::to_string(core::kMaxPictureSidePx + 1);
   for (const std::string& text :
        {std::string(), std::string("1280"), std::string("1280x"), std::string("x720"), std::string("0x720"),
@@ -45,7 +45,7 @@ TEST(CommonOptions, giveTheStreamItsBudget) {
   EXPECT_THROW(options.streamOptions(), Error);
 }
 
-TEST(CommonOptions, waitForTheConnectionNoLongerThanForAll) {
+TEST(CommonOptions, limitTheConnectTimeoutToTheTimeout) {
   CommonOptions options;
   options.timeout_s = 0.0101;
   EXPECT_EQ(options.timeout().count(), 11);
@@ -122,7 +122,7 @@ TEST(CommonOptions, takeATokenWithSpaces) {
   EXPECT_EQ(options.streamOptions().engine.session.token, "correct horse never tires");
 }
 
-TEST(CommonOptions, sayWhatTheFirstCameraFrames) {
+TEST(CommonOptions, setAspectAndUpOfTheFirstCamera) {
   CommonOptions options;
   options.size_text = "800x400";
   EXPECT_EQ(wantedFraming(options).aspect, 2);

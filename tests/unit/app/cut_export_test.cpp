@@ -46,7 +46,7 @@ std::vector<PositionCode> corners(const Mesh& mesh) {
   return codes;
 }
 
-TEST(WeldCut, makesOneVertexOfThoseThatPartsShare) {
+TEST(WeldCut, mergesVerticesThatPartsShare) {
   for (const AttributeSet attributes : {AttributeSet{}, kColoured}) {
     const auto left = square(0, attributes), right = square(1, attributes);
     const Mesh whole = weldCut(cutOf({left, right}), attributes);
@@ -107,7 +107,7 @@ std::vector<glm::u8vec4> rowOf(const ResidentImage& image, uint32_t y) {
   return row;
 }
 
-TEST(ResidentImage, isNotThereWithoutItsCoarsestLevel) {
+TEST(ResidentImage, isIncompleteWithoutItsCoarsestLevel) {
   const test::TextureImages images = gradient();
   EXPECT_FALSE(ResidentImage(images.texture(), 0, tilesOf(images, {{0, 1, 0}})).isComplete());
 }
@@ -123,7 +123,7 @@ TEST(ResidentImage, hasTheSizeOfTheFinestLevelThatHasATile) {
   EXPECT_EQ(ResidentImage(images.texture(), 0, coarse).size(), glm::uvec2(550, 260));
 }
 
-TEST(ResidentImage, isTheOriginalWhereAllIsThere) {
+TEST(ResidentImage, isTheOriginalIfAllTilesAreResident) {
   const test::TextureImages images = gradient();
   std::vector<Key> keys = allOfLevel(images.texture(), 0);
   keys.emplace_back(2, 0, 0);

@@ -11,7 +11,7 @@ BlobRef refTo(std::span<const std::byte> bytes) {
   return {1, static_cast<uint32_t>(bytes.size()), digestOf(bytes)};
 }
 
-TEST(KnownDigests, areThoseOfTheirBytesHoweverOftenTheyCome) {
+TEST(KnownDigests, matchTheirBytesOnEveryCheck) {
   KnownDigests names;
   const std::vector<std::byte> bytes(1000, std::byte{1}), others(1000, std::byte{2});
   for (int i = 0; i < 3; ++i) {
@@ -20,7 +20,7 @@ TEST(KnownDigests, areThoseOfTheirBytesHoweverOftenTheyCome) {
   }
 }
 
-TEST(KnownDigests, areNotThoseOfOtherBytesWhetherTheFirstOrNot) {
+TEST(KnownDigests, neverMatchOtherBytes) {
   KnownDigests names;
   const std::vector<std::byte> bytes(1000, std::byte{1});
   std::vector<std::byte> changed = bytes;

@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(LatencyHistogram, withoutADurationIsZero) {
+TEST(LatencyHistogram, isZeroWithoutADuration) {
   const LatencyHistogram histogram;
   EXPECT_EQ(histogram.count(), 0u);
   EXPECT_EQ(histogram.percentileMs(0.99), 0);
@@ -37,7 +37,7 @@ TEST(LatencyHistogram, knowsEveryPercentileToAThirtySecond) {
   EXPECT_EQ(histogram.maxMs(), all_ms.back());
 }
 
-TEST(LatencyHistogram, takesWhatIsBeyondItsEndsAsItsEnds) {
+TEST(LatencyHistogram, clampsDurationsToItsRange) {
   LatencyHistogram histogram;
   histogram.add(-5ms);
   EXPECT_EQ(histogram.maxMs(), 0);
@@ -46,7 +46,7 @@ TEST(LatencyHistogram, takesWhatIsBeyondItsEndsAsItsEnds) {
   EXPECT_NEAR(histogram.maxMs(), 4294967.295, 1e-3);
 }
 
-TEST(LatencyHistogram, ofManyThreadsIsTheirSum) {
+TEST(LatencyHistogram, addsUpHistograms) {
   LatencyHistogram one, other;
   one.add(1ms);
   other.add(3ms);
@@ -57,7 +57,7 @@ TEST(LatencyHistogram, ofManyThreadsIsTheirSum) {
   EXPECT_EQ(one.maxMs(), 9);
 }
 
-TEST(LatencyHistogram, sinceAnEarlierOneHasWhatCameAfterIt) {
+TEST(LatencyHistogram, givesTheDurationsSinceAnEarlierState) {
   LatencyHistogram histogram;
   for (int i = 0; i < 9; ++i) histogram.add(100ms);
   const LatencyHistogram earlier = histogram;

@@ -112,7 +112,7 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
   std::unique_ptr<LoadClient> client_;
 };
 
-TEST_P(EveryLoadClient, countsWhatIsOpenWhereAServerBreaksOff) {
+TEST_P(EveryLoadClient, countsOpenRequestsAsFailedWhenTheServerBreaksOff) {
   server_->holdBack(true);
   runUntilRequested(0);
   const size_t open = server_->openRequests(0);
@@ -131,7 +131,7 @@ TEST_P(EveryLoadClient, countsAConnectionThatBreaksAsAnErrorOfTheNetwork) {
   EXPECT_EQ(counts_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kNetwork, 1}}));
 }
 
-TEST_P(EveryLoadClient, countsATryToConnectThatNobodyTakesAsAnErrorOfTheNetwork) {
+TEST_P(EveryLoadClient, countsARefusedConnectionAttemptAsANetworkError) {
   runUntilOpened(1);
   server_->closeToTheNext(2);
   server_->breakOff(0);
@@ -139,21 +139,21 @@ TEST_P(EveryLoadClient, countsATryToConnectThatNobodyTakesAsAnErrorOfTheNetwork)
   EXPECT_EQ(counts_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kNetwork, 3}}));
 }
 
-TEST_P(EveryLoadClient, hasNotGivenUpWhereItComesAgain) {
+TEST_P(EveryLoadClient, doesNotGiveUpIfItReconnects) {
   runUntilOpened(1);
   server_->breakOff(0);
   runUntilOpened(2);
   EXPECT_EQ(counts_.gave_up, 0u);
 }
 
-TEST_P(EveryLoadClient, givesUpWithOneErrorWhereNobodyIsThereAtFirst) {
+TEST_P(EveryLoadClient, givesUpWithOneErrorIfTheFirstConnectionFails) {
   server_->closeToTheNext(1);
   while (client_->due() != kNever) turn();
   EXPECT_EQ(counts_.gave_up, 1u);
   EXPECT_EQ(counts_.errorCount(), 1u);
 }
 
-TEST_P(EveryLoadClient, comesAgainWithinItsPatienceThoughNobodyIsThereAtFirst) {
+TEST_P(EveryLoadClient, retriesTheFirstConnectionWithinItsPatience) {
   patient(60s);
   server_->closeToTheNext(2);
   runUntilOpened(1);
@@ -161,14 +161,14 @@ TEST_P(EveryLoadClient, comesAgainWithinItsPatienceThoughNobodyIsThereAtFirst) {
   EXPECT_EQ(counts_.errors, (std::map<ErrorCode, uint64_t>{{ErrorCode::kNetwork, 2}}));
 }
 
-TEST_P(EveryLoadClient, givesUpWhereNobodyIsThereUntilItsPatienceEnds) {
+TEST_P(EveryLoadClient, givesUpWhenItsPatienceEndsWithoutAConnection) {
   patient(1ms);
   server_->closeToTheNext(1000);
   while (client_->due() != kNever) turn();
   EXPECT_EQ(counts_.gave_up, 1u);
 }
 
-TEST_P(EveryLoadClient, thatGaveUpCountsAsLateAsTheEnd) {
+TEST_P(EveryLoadClient, countsTheFirstPictureAtTheEndIfItGaveUp) {
   server_->closeToTheNext(1);
   while (client_->due() != kNever) turn();
   client_->finish(start_ + 9s);
@@ -177,7 +177,7 @@ TEST_P(EveryLoadClient, thatGaveUpCountsAsLateAsTheEnd) {
   EXPECT_EQ(counts_.errorCount(), 1u) << "and once as an error";
 }
 
-TEST_P(EveryLoadClient, hasNoErrorWhereAServerGoesAway) {
+TEST_P(EveryLoadClient, countsNoErrorWhenAServerGoesAway) {
   runUntilOpened(1);
   settle();
   server_->goAway(0);
@@ -187,7 +187,7 @@ TEST_P(EveryLoadClient, hasNoErrorWhereAServerGoesAway) {
   EXPECT_EQ(counts_.errorCount(), 0u);
 }
 
-TEST_P(EveryLoadClient, leavesUnansweredWhatABrokenConnectionOwed) {
+TEST_P(EveryLoadClient, countsRequestsOfABrokenConnectionAsUnanswered) {
   server_->holdBack(true);
   runUntilRequested(0);
   const size_t open = server_->openRequests(0);
@@ -197,7 +197,7 @@ TEST_P(EveryLoadClient, leavesUnansweredWhatABrokenConnectionOwed) {
   EXPECT_EQ(counts_.unanswered, open);
 }
 
-TEST_P(EveryLoadClient, countsWhatIsOpenWhereAServerThatIsGoingAwayBreaksOff) {
+TEST_P(EveryLoadClient, countsOpenRequestsWhenAServerThatGoesAwayBreaksOff) {
   server_->holdBack(true);
   runUntilRequested(0);
   const size_t open = server_->openRequests(0);
@@ -211,7 +211,7 @@ TEST_P(EveryLoadClient, countsWhatIsOpenWhereAServerThatIsGoingAwayBreaksOff) {
   EXPECT_EQ(server_->openRequests(1), open) << "requested again";
 }
 
-TEST_P(EveryLoadClient, countsWhatIsOpenWhereTwoServersGoAwayOneSoonAfterTheOther) {
+TEST_P(EveryLoadClient, countsOpenRequestsWhenTwoServersGoAwayInARow) {
   server_->holdBack(true);
   runUntilRequested(0);
   const size_t open = server_->openRequests(0);
@@ -223,7 +223,7 @@ TEST_P(EveryLoadClient, countsWhatIsOpenWhereTwoServersGoAwayOneSoonAfterTheOthe
   EXPECT_EQ(counts_.moved, 2u);
 }
 
-TEST_P(EveryLoadClient, takesWhatItWasPromisedBeforeTheNextServerHasSaidAnything) {
+TEST_P(EveryLoadClient, receivesOpenRequestsWhileTheNextServerIsSilent) {
   server_->holdBack(true);
   runUntilRequested(0);
   server_->saysNothing();
@@ -238,7 +238,7 @@ TEST_P(EveryLoadClient, takesWhatItWasPromisedBeforeTheNextServerHasSaidAnything
   EXPECT_NE(client_->due(), kNever) << counts_.first_error;
 }
 
-TEST_P(EveryLoadClient, losesNothingWhereAServerThatIsGoingAwayHasGivenAll) {
+TEST_P(EveryLoadClient, losesNothingIfAServerThatGoesAwayHasAnsweredAll) {
   runUntilOpened(1);
   settle();
   ASSERT_GT(counts_.blobs, plan_.trace.requests.size() / 2);
@@ -251,7 +251,7 @@ TEST_P(EveryLoadClient, losesNothingWhereAServerThatIsGoingAwayHasGivenAll) {
   EXPECT_EQ(counts_.moved, 1u);
 }
 
-TEST_P(EveryLoadClient, hasMovedThoughTheServerIsGoneBeforeItComesAgain) {
+TEST_P(EveryLoadClient, countsAMoveIfTheServerEndsBeforeItReconnects) {
   runUntilOpened(1);
   settle();
   server_->goAway(0);
@@ -261,13 +261,13 @@ TEST_P(EveryLoadClient, hasMovedThoughTheServerIsGoneBeforeItComesAgain) {
   EXPECT_EQ(counts_.lost, 0u);
 }
 
-TEST_P(EveryLoadClient, hasNotMovedWhereItIsTurnedAwayAtTheDoor) {
+TEST_P(EveryLoadClient, countsNoMoveIfTheFirstServerTurnsItAway) {
   server_->turnOneAway();
   runUntilOpened(1);
   EXPECT_EQ(counts_.moved, 0u);
 }
 
-TEST_P(EveryLoadClient, losesNothingOfWhoLeavesWhereTheNextTurnsItAway) {
+TEST_P(EveryLoadClient, losesNoRequestsIfTheNextServerTurnsItAway) {
   server_->holdBack(true);
   runUntilRequested(0);
   server_->turnOneAway();
@@ -280,7 +280,7 @@ TEST_P(EveryLoadClient, losesNothingOfWhoLeavesWhereTheNextTurnsItAway) {
   EXPECT_EQ(counts_.failed_requests, 0u);
 }
 
-TEST_P(EveryLoadClient, countsWhereItIsTurnedAwayAndHasNoErrorIfItIsLetInLater) {
+TEST_P(EveryLoadClient, countsNoErrorIfItIsTurnedAwayAndAdmittedLater) {
   server_->turnOneAway();
   runUntilOpened(1);
   settle();
@@ -289,7 +289,7 @@ TEST_P(EveryLoadClient, countsWhereItIsTurnedAwayAndHasNoErrorIfItIsLetInLater) 
   EXPECT_EQ(counts_.errorCount(), 0u) << counts_.first_error;
 }
 
-TEST_P(EveryLoadClient, isAnErrorWhereItIsNeverLetIn) {
+TEST_P(EveryLoadClient, countsAnErrorIfItIsNeverAdmitted) {
   server_->turnOneAway();
   run([&] { return counts_.turned_away == 1; });
   client_->finish(Clock::now());
@@ -297,7 +297,7 @@ TEST_P(EveryLoadClient, isAnErrorWhereItIsNeverLetIn) {
   EXPECT_NE(counts_.first_error.find("maintenance"), std::string::npos) << counts_.first_error;
 }
 
-TEST_P(EveryLoadClient, timesARequestThatIsMadeAgainOnceAndFromItsBeginning) {
+TEST_P(EveryLoadClient, timesARepeatedRequestOnceFromItsFirstSending) {
   server_->holdBack(true);
   runUntilRequested(0);
   server_->breakOff(0);
@@ -316,7 +316,7 @@ TEST_P(EveryLoadClient, timesARequestThatIsMadeAgainOnceAndFromItsBeginning) {
   EXPECT_GE(longest_ms, until_opened.count());
 }
 
-TEST_P(EveryLoadClient, leavesNothingUnansweredThatIsNotRequestedAgain) {
+TEST_P(EveryLoadClient, countsNoUnansweredRequestsIfTheyAreNoLongerWanted) {
   server_->holdBack(true);
   runUntilRequested(0);
   server_->breakOff(0);
@@ -330,7 +330,7 @@ TEST_P(EveryLoadClient, leavesNothingUnansweredThatIsNotRequestedAgain) {
   EXPECT_EQ(timed(), server_->granted());
 }
 
-TEST_P(EveryLoadClient, thatNeverSeesAPictureCountsAsOneThatIsAsLateAsTheEnd) {
+TEST_P(EveryLoadClient, countsTheFirstPictureAtTheEndIfNoneArrived) {
   server_->saysNothing();
   for (int turns = 0; turns < 20; ++turns) turn();
   client_->finish(start_ + 9s);
@@ -338,7 +338,7 @@ TEST_P(EveryLoadClient, thatNeverSeesAPictureCountsAsOneThatIsAsLateAsTheEnd) {
   EXPECT_GE(counts_.first_image.maxMs(), 9000);
 }
 
-TEST_P(EveryLoadClient, countsARequestThatIsRefusedAndGoesOn) {
+TEST_P(EveryLoadClient, countsARefusedRequestAndContinues) {
   server_->refuseOne();
   run([&] { return counts_.failed_requests > 0; });
   settle();
@@ -351,7 +351,7 @@ TEST_P(EveryLoadClient, countsARequestThatIsRefusedAndGoesOn) {
   EXPECT_GT(counts_.blobs, 2u);
 }
 
-TEST_P(EveryLoadClient, countsWhatIsOpenWhereTheServerFallsSilent) {
+TEST_P(EveryLoadClient, countsOpenRequestsWhenTheServerFallsSilent) {
   server_->holdBack(true);
   runUntilRequested(0);
   const core::TimePoint since = Clock::now();
@@ -362,13 +362,13 @@ TEST_P(EveryLoadClient, countsWhatIsOpenWhereTheServerFallsSilent) {
 
 using AFullClient = EveryLoadClient;
 
-TEST_P(AFullClient, hasItsFirstPictureWhenItComesAndNotAtTheNextFrame) {
+TEST_P(AFullClient, timesItsFirstPictureWhenItArrivesNotAtTheNextFrame) {
   plan_.fps = 0.01;
   run([&] { return counts_.first_image.count() > 0; });
   EXPECT_LT(counts_.first_image.maxMs(), 60'000);
 }
 
-TEST_P(AFullClient, looksFromItsBeginningToTheEndWhateverItsFramesTake) {
+TEST_P(AFullClient, countsItsWholeTimeAsLookingWhateverTheFrameRate) {
   plan_.fps = 0.01;
   plan_.pixels = 1;
   run([&] { return counts_.converged.count() > 0; });
@@ -379,7 +379,7 @@ TEST_P(AFullClient, looksFromItsBeginningToTheEndWhateverItsFramesTake) {
   EXPECT_LE(counts_.far_off_s, counts_.looked_s - 5);
 }
 
-TEST_P(AFullClient, isNotFarOffWhereNothingFinerIsToCome) {
+TEST_P(AFullClient, isNotFarOffAtTheFinestLod) {
   run([&] { return counts_.converged.count() > 0; });
   settle();
   client_->step(Clock::now());
@@ -403,7 +403,7 @@ class AFullClientOfADamagedModel : public EveryLoadClient {
   }
 };
 
-TEST_P(AFullClientOfADamagedModel, countsTheConnectionThatBreaksAsWellAsWhatItBroughtAndCannotBeDecoded) {
+TEST_P(AFullClientOfADamagedModel, countsBothTheBrokenConnectionAndTheUndecodableMesh) {
   server_->holdBack(true);
   runUntilRequested(0);
   server_->grantAMeshAndFail(0);

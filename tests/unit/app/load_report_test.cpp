@@ -26,21 +26,19 @@ class LoadReport : public testing::Test {
   LoadResult result_;
 };
 
-TEST_F(LoadReport, saysHowManyClientsHadBegunWhereNotAllHad) {
+TEST_F(LoadReport, printsHowManyClientsHadStartedIfNotAll) {
   result_.counts.started = 4;
   EXPECT_TRUE(says("4 of 30 clients had begun")) << text();
 }
 
-TEST_F(LoadReport, saysHowManyClientsThereWereWhereAllHadBegun) {
+TEST_F(LoadReport, printsTheNumberOfClientsIfAllHadStarted) {
   result_.counts.started = 30;
   EXPECT_TRUE(says(" 30 clients,")) << text();
 }
 
-TEST_F(LoadReport, givesNoTimeOfRequestsThatNobodyMade) {
-  EXPECT_TRUE(says("visible requests: none")) << text();
-}
+TEST_F(LoadReport, printsNoTimesWithoutRequests) { EXPECT_TRUE(says("visible requests: none")) << text(); }
 
-TEST_F(LoadReport, hasNoPercentilesOfRequestsThatNobodyMade) {
+TEST_F(LoadReport, hasNullPercentilesWithoutRequests) {
   const Json nothing{{"count", 0}, {"p50", nullptr}, {"p90", nullptr}, {"p99", nullptr}, {"max", nullptr}};
   EXPECT_EQ(json()["latency_ms"]["visible"], nothing);
 }

@@ -49,14 +49,14 @@ LoadOptions optionsOf(uint32_t clients, unsigned threads, double seconds) {
   return options;
 }
 
-TEST(LoadTest, restsWhileNoClientHasAConnection) {
+TEST(LoadTest, usesLittleCpuWhileNoClientIsConnected) {
   std::vector<LoadPlan> plans{planAt(closedPort())};
   const double before_s = processSeconds();
   runLoadTest(plans, optionsOf(1, 4, 1));
   EXPECT_LT(processSeconds() - before_s, 0.5) << "of four threads in a second";
 }
 
-TEST(LoadTest, addsUpWhatTheClientsOfAllThreadsHaveSeen) {
+TEST(LoadTest, addsUpTheCountsOfAllThreads) {
   const lode::test::WorkFolder folder;
   lode::test::SyntheticModel model = lode::test::makeModel(lode::test::makeSphere(24, 16));
   lode::test::writeStore(folder / "a.lode", model);

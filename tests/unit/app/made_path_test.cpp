@@ -31,7 +31,7 @@ TEST(MadePath, isTheSameForTheSameSeedAndAnotherForAnother) {
   }
 }
 
-TEST(MadePath, hasRisingTimesAndEyesThatLookSomewhere) {
+TEST(MadePath, hasRisingTimesAndValidCameras) {
   for (const MadePath kind : kKinds) {
     for (uint64_t seed = 0; seed < 50; ++seed) {
       const core::CameraPath path = makePath(kind, makeModel(), seed);
@@ -44,14 +44,14 @@ TEST(MadePath, hasRisingTimesAndEyesThatLookSomewhere) {
   }
 }
 
-TEST(MadePath, ofSeedNoughtOrbitsFromTheFramingCamera) {
+TEST(MadePath, orbitsFromTheFramingCameraForSeed0) {
   const core::CameraKey framing = core::framingCamera(makeModel()).keys.front();
   const core::CameraPath path = makePath(MadePath::kOrbit, makeModel(), 0);
   EXPECT_EQ(path.keys.front().eye, framing.eye);
   EXPECT_NEAR(fromMiddle(path.keys.back().eye), fromMiddle(framing.eye) / 2, 1e-6);
 }
 
-TEST(MadePath, fliesThroughTheModelFromOneSideToTheOther) {
+TEST(MadePath, fliesThroughTheModel) {
   for (uint64_t seed = 0; seed < 50; ++seed) {
     const core::CameraPath path = makePath(MadePath::kFly, makeModel(), seed);
     const glm::dvec3 first = path.keys.front().eye, last = path.keys.back().eye;
@@ -74,7 +74,7 @@ TEST(MadePath, walksNearAndFar) {
   EXPECT_GT(farthest, 0.8 * framing);
 }
 
-TEST(MadePath, isThereForAModelWithoutTriangles) {
+TEST(MadePath, existsForAModelWithoutTriangles) {
   for (const MadePath kind : kKinds) EXPECT_FALSE(makePath(kind, ModelSummary(), 1).keys.empty());
 }
 

@@ -27,7 +27,7 @@ RequestTrace someTrace() {
   return trace;
 }
 
-TEST(RequestTraceFile, givesBackTheTraceThatWasWritten) {
+TEST(RequestTraceFile, readsBackAWrittenTrace) {
   const RequestTrace trace = someTrace();
   const RequestTrace read = parseRequestTrace(toJson(trace), "t");
   EXPECT_EQ(read.build_id, trace.build_id);
@@ -52,7 +52,7 @@ TEST(RequestTraceFile, givesBackTheTraceThatWasWritten) {
   EXPECT_EQ(read.requests[1].decode->expected.box.max, glm::uvec3(4, 5, 6));
 }
 
-TEST(RequestTraceFile, refusesWhatIsNoTraceAndSaysWhere) {
+TEST(RequestTraceFile, refusesAnInvalidTraceAndNamesThePlace) {
   const std::string good = toJson(someTrace());
   const auto expectRefused = [](const std::string& text, const std::string& part) {
     try {

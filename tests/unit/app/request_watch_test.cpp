@@ -19,7 +19,7 @@ void say(RequestClock& clock, RequestAction action, uint32_t request, uint32_t b
              now, lost);
 }
 
-TEST(RequestClock, tellsWhenABlobsRequestWasSent) {
+TEST(RequestClock, givesTheSendingTimeOfABlobsRequest) {
   RequestClock clock;
   say(clock, RequestAction::kAdd, 9, 20);
   const auto request = clock.arrived(20);
@@ -29,9 +29,9 @@ TEST(RequestClock, tellsWhenABlobsRequestWasSent) {
   EXPECT_TRUE(clock.open().empty());
 }
 
-TEST(RequestClock, knowsNothingOfBlobsThatComeUnasked) { EXPECT_FALSE(RequestClock().arrived(20)); }
+TEST(RequestClock, hasNoTimeForUnrequestedBlobs) { EXPECT_FALSE(RequestClock().arrived(20)); }
 
-TEST(RequestClock, forgetsWhatIsTakenBack) {
+TEST(RequestClock, forgetsCancelledRequests) {
   RequestClock clock;
   say(clock, RequestAction::kAdd, 9, 20);
   say(clock, RequestAction::kAdd, 10, 21);
@@ -40,7 +40,7 @@ TEST(RequestClock, forgetsWhatIsTakenBack) {
   EXPECT_TRUE(clock.arrived(21));
 }
 
-TEST(RequestClock, countsARequestThatIsMadeAgainFromThen) {
+TEST(RequestClock, timesARepeatedRequestFromItsRepetition) {
   RequestClock clock;
   say(clock, RequestAction::kAdd, 9, 20);
   say(clock, RequestAction::kCancel, 9, 0);
@@ -49,7 +49,7 @@ TEST(RequestClock, countsARequestThatIsMadeAgainFromThen) {
   EXPECT_EQ(clock.arrived(20)->sent, kThen + 1s);
 }
 
-TEST(RequestClock, countsARequestThatWasLostElsewhereFromWhenItWasSentThere) {
+TEST(RequestClock, timesALostRequestFromItsFirstSending) {
   RequestClock::Requests lost{{20, {5, RequestClass::kVisible, kThen}},
                               {21, {6, RequestClass::kVisible, kThen}}};
   RequestClock clock;
@@ -73,7 +73,7 @@ TEST(LostRequests, areRememberedUpToALimit) {
   EXPECT_EQ(lost.size(), kMaxLostRequests);
 }
 
-TEST(RequestClock, letsANewPriorityChangeNothing) {
+TEST(RequestClock, keepsTheSendingTimeOnANewPriority) {
   RequestClock clock;
   say(clock, RequestAction::kAdd, 9, 20);
   say(clock, RequestAction::kReprioritise, 9, 0, kThen + 1s);
@@ -115,7 +115,7 @@ class OverheardRequestsTest : public testing::Test {
   const std::vector<std::byte> blob_ = std::vector<std::byte>(300, std::byte{7});
 };
 
-TEST_F(OverheardRequestsTest, tellsOfARequestWhenItsBlobIsWhole) {
+TEST_F(OverheardRequestsTest, reportsARequestWhenItsBlobIsComplete) {
   ask(9, 20, 1.5);
   overheard_.received(blobFrame(9, blob_, 0, 200));
   EXPECT_TRUE(told_.empty());
@@ -127,7 +127,7 @@ TEST_F(OverheardRequestsTest, tellsOfARequestWhenItsBlobIsWhole) {
   EXPECT_EQ(told_[0].asked_at, 1.5);
 }
 
-TEST_F(OverheardRequestsTest, bearsFramesCutAnywhere) {
+TEST_F(OverheardRequestsTest, readsFramesSplitAnywhere) {
   ask(1, 20, 0);
   proto::Bytes bytes = proto::encode(proto::Welcome{}, 1);
   for (const std::byte byte : blobFrame(1, blob_, 0, 300)) bytes.push_back(byte);
@@ -135,7 +135,7 @@ TEST_F(OverheardRequestsTest, bearsFramesCutAnywhere) {
   EXPECT_EQ(told_.size(), 1u);
 }
 
-TEST_F(OverheardRequestsTest, passesByWhatNobodyAskedFor) {
+TEST_F(OverheardRequestsTest, ignoresUnrequestedBlobs) {
   overheard_.sent(proto::encode(proto::Credit{1}, 0), 0);
   overheard_.received(blobFrame(0, blob_, 0, 300));
   EXPECT_TRUE(told_.empty());

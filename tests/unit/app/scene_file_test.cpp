@@ -23,7 +23,7 @@ std::string refusalOf(const std::string& text) {
 }
 
 /// A scene may have dozens.
-TEST(SceneFile, saysInWhichOfItsModelsAnErrorIs) {
+TEST(SceneFile, namesTheModelOfAnError) {
   Scene scene;
   scene.models = {{"tree", "tree.lode"}, {"rock", "gone.lode"}};
   const Error error =
@@ -42,7 +42,7 @@ TEST(SceneFile, quotesANameInOneShortLineOfAscii) {
   EXPECT_EQ(quoted(std::string(63, 'a') + "\u00e9 and more"), '"' + std::string(63, 'a') + "...\"");
 }
 
-TEST(SceneFile, placesModelsByNameAndLeavesWhatIsNotSaidAsItIs) {
+TEST(SceneFile, placesModelsByNameWithDefaultsForOmittedFields) {
   const Scene scene = parse(R"({"model": "tree"}, {"model": "rock", "position": [1, 2, 3], "scale": 2})");
   ASSERT_EQ(scene.models.size(), 2u);
   EXPECT_EQ(scene.models[0].name, "rock");
@@ -68,7 +68,7 @@ TEST(SceneFile, hasAGroundASkyAndAnAxisThatIsUp) {
   EXPECT_EQ(scene.sky->bottom_srgb, SceneSky().bottom_srgb);
 }
 
-TEST(SceneFile, refusesWhatIsNotOneAndNamesWhere) {
+TEST(SceneFile, refusesInvalidScenesAndNamesThePlace) {
   const std::pair<std::string, std::string> cases[] = {
       {"", "not JSON"},
       {"{\n]", "not JSON at line 2, column 1"},
@@ -117,7 +117,7 @@ TEST(SceneFile, hasNoMoreBytesModelsAndInstancesThanTheLimits) {
             std::string::npos);
 }
 
-TEST(SceneFile, showsAPlacedPointToTheModelWhereTheSceneHasIt) {
+TEST(SceneFile, transformsTheViewIntoTheFrameOfAPlacedModel) {
   const Scene scene =
       parse(R"({"model": "rock", "position": [10, -4, 2], "axis": [0, 0, 1], "degrees": 90, "scale": 2})");
   const Placement& placement = scene.instances[0].placement;
@@ -137,7 +137,7 @@ TEST(SceneFile, showsAPlacedPointToTheModelWhereTheSceneHasIt) {
   EXPECT_NEAR(glm::dot(seen.up, glm::dvec3(0, 0, 1)), 1, 1e-12);
 }
 
-TEST(SceneFile, makesASceneOfOneOfAModel) {
+TEST(SceneFile, wrapsASingleModelInAScene) {
   const Scene scene = sceneOf("lode://127.0.0.1/rock");
   EXPECT_TRUE(scene.is_single_model);
   ASSERT_EQ(scene.models.size(), 1u);
@@ -148,7 +148,7 @@ TEST(SceneFile, makesASceneOfOneOfAModel) {
 }
 
 /// Pictures of a single model must not depend on rounding, wherever its lattice lies.
-TEST(SceneFile, showsASingleModelExactlyAsItsOwnCameraDoes) {
+TEST(SceneFile, keepsTheViewOfASingleModelExactly) {
   const glm::dvec3 origin(4'512'345.1, -312'345.7, 33.3), eye_model(0.1, 7.3, -2.7);
   core::View view;
   view.forward = glm::normalize(glm::dvec3(1, -2, 0.3));

@@ -44,25 +44,25 @@ class StoreCache : public testing::Test {
   const lode::test::WorkFolder folder_;
 };
 
-TEST_F(StoreCache, mayTakeATenthOfTheDiskOr20GBButNotMoreThanHalfOfIt) {
+TEST_F(StoreCache, isLimitedToATenthOfTheDiskOr20GBAndToHalfOfIt) {
   constexpr uint64_t kGB = 1'000'000'000;
   EXPECT_EQ(storeCacheBytes(1000 * kGB), 100 * kGB);
   EXPECT_EQ(storeCacheBytes(100 * kGB), 20 * kGB);
   EXPECT_EQ(storeCacheBytes(30 * kGB), 15 * kGB);
 }
 
-TEST_F(StoreCache, withinTheLimitIsLeftAlone) {
+TEST_F(StoreCache, isUnchangedWithinTheLimit) {
   trimStores(folder_.path(), 3 * kStoreBytes);
   EXPECT_EQ(kept(), "abc");
 }
 
-TEST_F(StoreCache, beyondTheLimitLosesWhatWasNotUsedForTheLongestTime) {
+TEST_F(StoreCache, evictsTheLeastRecentlyUsedStoreAboveTheLimit) {
   trimStores(folder_.path(), 2 * kStoreBytes);
   EXPECT_EQ(kept(), "bc");
   EXPECT_FALSE(fs::exists(folder_ / "a"));
 }
 
-TEST_F(StoreCache, isOrderedByTheLastUse) {
+TEST_F(StoreCache, keepsAStoreThatWasJustUsed) {
   useStore(storeOf("a"));
   trimStores(folder_.path(), 2 * kStoreBytes);
   EXPECT_EQ(kept(), "ac");
@@ -82,19 +82,19 @@ TEST_F(StoreCache, removesNothingThroughALink) {
   EXPECT_TRUE(fs::exists(elsewhere / "source"));
 }
 
-TEST_F(StoreCache, keepsWhatIsInUse) {
+TEST_F(StoreCache, keepsStoresInUse) {
   const FileLock in_use = useStore(storeOf("b")), in_use_twice = useStore(storeOf("b"));
   trimStores(folder_.path(), 0);
   EXPECT_EQ(kept(), "b");
 }
 
-TEST_F(StoreCache, keepsWhatIsBeingBuilt) {
+TEST_F(StoreCache, keepsStoresBeingBuilt) {
   const auto builds = FileLock::tryTake(folder_ / "a" / kStoreBuildLock, FileLock::Kind::kExclusive, true);
   trimStores(folder_.path(), 0);
   EXPECT_EQ(kept(), "a");
 }
 
-TEST_F(StoreCache, losesWhatAKilledBuildHasLeft) {
+TEST_F(StoreCache, removesTheRemainsOfAKilledBuild) {
   fs::remove(storeOf("a"));
   const fs::path left = storeOf("a").parent_path() / ".a.lode.building";
   std::ofstream(left) << std::string(kStoreBytes, 'x');
@@ -103,7 +103,7 @@ TEST_F(StoreCache, losesWhatAKilledBuildHasLeft) {
   EXPECT_FALSE(fs::exists(left));
 }
 
-TEST_F(StoreCache, mayTakeATenthOfTheDiskOr20Gb) {
+TEST_F(StoreCache, isLimitedByTheCapacityOfItsDisk) {
   const uint64_t tenth = fs::space(folder_.path()).capacity / 10;
   EXPECT_EQ(storeCacheBytes(folder_.path()), std::max<uint64_t>(tenth, 20'000'000'000));
 }

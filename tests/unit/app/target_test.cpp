@@ -37,7 +37,7 @@ TEST(Target, isAModelOfAServer) {
   EXPECT_EQ(std::get<stream::ServedModel>(parseTarget("lode://h/" + longest)).model, longest);
 }
 
-TEST(Target, isRefusedIfItIsAUrlOfSomethingElse) {
+TEST(Target, isRefusedIfItIsAUrlOfAnotherScheme) {
   for (const std::string text : {"lode://h", "lode://h/", "lode:///a", "lode://h:0/a", "lode://h/a/b",
                                  "lodes://h", "http://h/a", "://h/a"})
     EXPECT_EQ(codeOf([&] { parseTarget(text); }), ErrorCode::kUsage) << text;
@@ -66,7 +66,7 @@ TEST_F(TargetFile, isAPlyByItsContentWhateverItsName) {
   EXPECT_EQ(std::get<PlyFile>(parseTarget(path)).path, path);
 }
 
-TEST_F(TargetFile, isAPlyByItsNameSoThatTheBuildSaysWhatIsWrongWithIt) {
+TEST_F(TargetFile, isAPlyByItsNameEvenIfItsContentIsNot) {
   EXPECT_TRUE(std::holds_alternative<PlyFile>(parseTarget(write("a.ply", ""))));
 }
 
@@ -76,7 +76,7 @@ TEST_F(TargetFile, isAStoreOtherwise) {
   EXPECT_TRUE(std::holds_alternative<StoreFile>(parseTarget(write("a", ""))));
 }
 
-TEST_F(TargetFile, isRefusedIfItIsNotThereOrADirectory) {
+TEST_F(TargetFile, isRefusedIfMissingOrADirectory) {
   EXPECT_EQ(codeOf([&] { parseTarget((folder_ / "none.ply").string()); }), ErrorCode::kIo);
   EXPECT_EQ(codeOf([&] { parseTarget(folder_.path().string()); }), ErrorCode::kInput);
   EXPECT_EQ(codeOf([] { parseTarget(""); }), ErrorCode::kIo);

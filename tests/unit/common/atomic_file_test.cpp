@@ -78,7 +78,7 @@ TEST_F(AtomicFileTest, keepsTheOrderOfSmallAndLargeWrites) {
   EXPECT_TRUE(content() == expected);
 }
 
-TEST_F(AtomicFileTest, writesOverWhatWasWrittenBefore) {
+TEST_F(AtomicFileTest, overwritesEarlierBytes) {
   AtomicFile file(target_);
   file.write(bytesOf("0123456789"));
   file.writeAt(3, bytesOf("abc"));
@@ -105,7 +105,7 @@ TEST_F(AtomicFileTest, twoWritersOfOneTargetDoNotMix) {
   EXPECT_EQ(content(), "second");
 }
 
-TEST_F(AtomicFileTest, moveHandsTheFileOver) {
+TEST_F(AtomicFileTest, transfersTheFileWhenMoved) {
   AtomicFile file(target_);
   file.write(bytesOf("a"));
   AtomicFile moved(std::move(file));
@@ -133,7 +133,7 @@ TEST_F(AtomicFileTest, leavesNothingBehindWhenTheRenameFails) {
   EXPECT_EQ(filesInFolder(), 1u);
 }
 
-TEST_F(AtomicFileTest, namesTheFileThatWasAskedForAndNotTheTemporary) {
+TEST_F(AtomicFileTest, namesTheTargetNotTheTemporaryFileInErrors) {
   const std::string name(250, 'x');  // with its own ending the temporary's is too long
   try {
     AtomicFile file(folder_ / name);
@@ -143,7 +143,7 @@ TEST_F(AtomicFileTest, namesTheFileThatWasAskedForAndNotTheTemporary) {
   }
 }
 
-TEST_F(AtomicFileTest, replacesWhatALinkLeadsToAndNotTheLink) {
+TEST_F(AtomicFileTest, replacesTheTargetOfALinkNotTheLink) {
   fs::create_directory(folder_ / "there");
   std::ofstream(folder_ / "there/file") << "old";
   fs::create_symlink("there/second", target_);
@@ -155,7 +155,7 @@ TEST_F(AtomicFileTest, replacesWhatALinkLeadsToAndNotTheLink) {
   EXPECT_EQ(test::readBytes(folder_ / "there/file"), "new");
 }
 
-TEST_F(AtomicFileTest, makesWhatALinkLeadsToThatIsNotThereYet) {
+TEST_F(AtomicFileTest, createsTheMissingTargetOfALink) {
   fs::create_symlink("later", target_);
   AtomicFile file(target_);
   file.write(bytesOf("new"));
@@ -198,7 +198,7 @@ TEST_F(AtomicFileTest, followsAnOwnLinkInAStickyFolderAndAForeignOneElsewhere) {
   }
 }
 
-TEST_F(AtomicFileTest, ofADerivedNameReplacesOwnRegularFilesOnly) {
+TEST_F(AtomicFileTest, replacesOnlyOwnRegularFilesUnderADerivedName) {
   const auto write = [this](const fs::path& name) {
     AtomicFile file(name, {}, OutputName::kDerived);
     file.write(bytesOf("new"));
@@ -221,7 +221,7 @@ TEST_F(AtomicFileTest, ofADerivedNameReplacesOwnRegularFilesOnly) {
   EXPECT_THROW(write(folder_ / "victim"), Error);
 }
 
-TEST_F(AtomicFileTest, writesIntoAPipeThatIsThere) {
+TEST_F(AtomicFileTest, writesIntoAnExistingPipe) {
   ASSERT_EQ(::mkfifo(target_.c_str(), 0600), 0);
   const int reader = ::open(target_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   AtomicFile file(target_);
@@ -244,7 +244,7 @@ TEST_F(AtomicFileTest, writesIntoADeviceBehindALink) {
   EXPECT_TRUE(fs::is_symlink(target_));
 }
 
-TEST_F(AtomicFileTest, isNoFileOfAPipeInWhichSomethingIsWrittenOver) {
+TEST_F(AtomicFileTest, refusesToOverwriteBytesOfAPipe) {
   ASSERT_EQ(::mkfifo(target_.c_str(), 0600), 0);
   const int reader = ::open(target_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   AtomicFile file(target_);
@@ -253,7 +253,7 @@ TEST_F(AtomicFileTest, isNoFileOfAPipeInWhichSomethingIsWrittenOver) {
   ::close(reader);
 }
 
-TEST_F(AtomicFileTest, isRefusedAtOnceWhereNoFileCanBe) {
+TEST_F(AtomicFileTest, refusesAnImpossibleTargetAtOnce) {
   fs::create_directory(target_);
   fs::create_symlink("circle", folder_ / "circle");
   for (const fs::path& name : {target_, fs::path(), folder_ / "missing/", folder_ / "circle"}) {

@@ -35,7 +35,7 @@ TEST(Blob, checksumSeesEveryBit) {
     }
 }
 
-TEST(Blob, numberZeroIsNoBlob) {
+TEST(Blob, isAbsentIfItsNumberIsZero) {
   EXPECT_FALSE(BlobRef());
   EXPECT_TRUE((BlobRef{1, 10, {}}));
 }

@@ -28,7 +28,7 @@ TEST(BoundedQueue, tryPopOfAnEmptyQueueGivesNothing) {
   EXPECT_EQ(BoundedQueue<int>(1).tryPop(), std::nullopt);
 }
 
-TEST(BoundedQueue, closedQueueGivesWhatIsInsideAndThenNothing) {
+TEST(BoundedQueue, givesItsRemainingItemsAfterClosing) {
   BoundedQueue<int> queue(2);
   queue.push(1);
   queue.close();

@@ -39,7 +39,7 @@ TEST(ByteSize, takesFractionsOfAUnit) {
   EXPECT_EQ(parseByteSize(".25KiB"), 256u);
 }
 
-TEST(ByteSize, isSaidInThreeDigitsThatAreNoLess) {
+TEST(ByteSize, isPrintedInThreeDigitsRoundedUp) {
   EXPECT_EQ(byteSizeAtLeast(999), "999");
   EXPECT_EQ(byteSizeAtLeast(180355072), "181MB");
   EXPECT_EQ(byteSizeAtLeast(68719476736), "68.8GB");
@@ -50,7 +50,7 @@ TEST(ByteSize, isSaidInThreeDigitsThatAreNoLess) {
     EXPECT_GE(parseByteSize(byteSizeAtLeast(bytes)), bytes);
 }
 
-TEST(ByteSize, saysHowToWriteWhatItDoesNotUnderstand) {
+TEST(ByteSize, refusesOtherTextsWithExamples) {
   for (const char* text :
        {"", "M", "MB", "-1", "+1", "1XB", "1MBs", "0.5", "1.2.3GB", ".GB", "1e9", "0x10", "1,5GB", "512MB ",
         " 512MB", "18446744073709551616", "16777216T", "99999999.5TB"}) {

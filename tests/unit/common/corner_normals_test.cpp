@@ -64,7 +64,7 @@ Mesh partAll(const Mesh& mesh) {
   return parted;
 }
 
-TEST(CornerNormals, areFoundWhereVerticesAreParted) {
+TEST(CornerNormals, areFoundForSplitVertices) {
   const Mesh mesh = makeThreeVerticesAtAPlace();
   Mesh parted = partAll(mesh);
   const std::optional<std::vector<uint16_t>> normals = CornerNormals(mesh).ofVertices(parted);
@@ -84,7 +84,7 @@ TEST(CornerNormals, areUnknownWhereEqualTrianglesHaveDifferentOnes) {
   EXPECT_FALSE(CornerNormals(mesh).ofVertices(partAll(mesh)));
 }
 
-TEST(CornerNormals, ofAVertexThatDracoPartsAmongOthersComeBack) {
+TEST(CornerNormals, surviveDracosSplitOfAVertexAmongOthers) {
   Mesh mesh = makeThreeVerticesAtAPlace();
   const std::vector<uint16_t> surface = surfaceNormals(mesh);
   for (size_t v = 0; v < surface.size(); ++v) mesh.vertex_attributes[v].normal = surface[v];

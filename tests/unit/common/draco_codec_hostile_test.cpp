@@ -90,7 +90,7 @@ TEST(DracoCodecHostile, everyChangedByteIsRefusedOrDecodesWithinTheGuards) {
   }
 }
 
-TEST(DracoCodecHostile, isShownAListOfNormals) {
+TEST(DracoCodecHostile, decodesAListOfNormals) {
   const size_t of_file_bytes = makeSample(AttributeSet::kNormal).payload.bytes.size();
   const size_t bare_bytes = makeSample(0).payload.bytes.size();
   const size_t listed_bytes =

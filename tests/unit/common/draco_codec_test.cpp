@@ -192,7 +192,7 @@ TEST(DracoCodec, opaqueAlphaCostsNothing) {
   expectRoundTrip(mesh);
 }
 
-TEST(DracoCodec, predictsTheMeshesOfFilesAndOfFarLodsMoreClosely) {
+TEST(DracoCodec, compressesOriginalsAndFarLodsMoreThanOtherLods) {
   const Mesh mesh = test::makeGrid(60, 60, {.attributes = {}, .seed = 2, .bump = 0.2});
   const size_t simplified = encodePayload(mesh, kStep, MeshSource::kSimplified).bytes.size();
   for (const MeshSource source : {MeshSource::kFile, MeshSource::kFarLod}) {
@@ -203,7 +203,7 @@ TEST(DracoCodec, predictsTheMeshesOfFilesAndOfFarLodsMoreClosely) {
   }
 }
 
-TEST(DracoCodec, goesThroughTheFilesPositionsInTheOrderThatPredictsThemBest) {
+TEST(DracoCodec, traversesOriginalsInTheBestPredictedOrder) {
   Mesh mesh = test::makeGrid(60, 60, {.attributes = {}, .seed = 2, .bump = 0.2});
   const size_t alone = encodePayload(mesh, kStep, MeshSource::kFile).bytes.size();
   mesh.attributes.bits = AttributeSet::kMaterial;

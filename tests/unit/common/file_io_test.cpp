@@ -43,7 +43,7 @@ TEST(FileIo, refusesFoldersPipesAndDevicesWhereAFileIsWanted) {
     EXPECT_NO_THROW(refuseUnlessFile(folder / name, "a file")) << name;
 }
 
-TEST(FileIo, readsWhatWasWrittenAtAPlace) {
+TEST(FileIo, readsBackBytesAtAnOffset) {
   const OpenFile file;
   ASSERT_TRUE(writeAt(file.get(), 10, kBytes));
   std::array<std::byte, 4> bytes{};
@@ -51,7 +51,7 @@ TEST(FileIo, readsWhatWasWrittenAtAPlace) {
   EXPECT_EQ(bytes, kBytes);
 }
 
-TEST(FileIo, saysHowMuchThereWasBeforeTheEnd) {
+TEST(FileIo, returnsTheBytesReadBeforeTheEnd) {
   const OpenFile file;
   ASSERT_TRUE(writeAt(file.get(), 0, kBytes));
   std::array<std::byte, 4> bytes{};

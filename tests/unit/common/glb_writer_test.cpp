@@ -117,7 +117,7 @@ TEST_F(GlbWriter, blendsWhereAVertexIsNotOpaqueAndNotForTheChannelAlone) {
   EXPECT_EQ(json_["materials"][0]["alphaMode"], "BLEND");
 }
 
-TEST_F(GlbWriter, takesAnAlphaThatIsZeroEverywhereForAChannelThatNobodyFilled) {
+TEST_F(GlbWriter, treatsAnAllZeroAlphaAsOpaque) {
   Mesh mesh = wideTriangle(AttributeSet::kColour | AttributeSet::kAlpha);
   for (VertexAttributes& vertex : mesh.vertex_attributes) vertex.colour = {255, 255, 255, 0};
   const auto alphas = [this] {
@@ -143,7 +143,7 @@ TEST_F(GlbWriter, blendsNoMaterialForAVertexOfAnother) {
   EXPECT_EQ(json_["materials"][1]["alphaMode"], "BLEND");
 }
 
-TEST_F(GlbWriter, cutsOutWhatClearTexelsOfAnImageHide) {
+TEST_F(GlbWriter, masksClearTexelsOfAnImage) {
   test::MeshOptions options;
   options.attributes.bits = AttributeSet::kTexture | AttributeSet::kMaterial;
   TextureSet textures;

@@ -24,7 +24,7 @@ void expectRoundTrip(const PageOptions& options) {
   EXPECT_EQ(decodePage(encodePage(page), options.owner, options.is_root_page), page);
 }
 
-TEST(HierarchyPage, comesBackAsItWas) {
+TEST(HierarchyPage, decodesToTheEncodedPage) {
   for (const bool is_root_page : {false, true})
     for (unsigned children = is_root_page ? 0 : 1; children <= 8; ++children)
       for (const bool deeper_pages : {false, true}) {
@@ -34,18 +34,18 @@ TEST(HierarchyPage, comesBackAsItWas) {
       }
 }
 
-TEST(HierarchyPage, ofTheDeepestLevelsComesBack) {
+TEST(HierarchyPage, decodesWithTheDeepestLevels) {
   NodeKey owner = kRootKey;
   while (owner.depth() < kMaxDepth - 2) owner = owner.child(7);
   expectRoundTrip({owner, false, 1, 8, 1, true});
 }
 
-TEST(HierarchyPage, withFarLodsWhoseErrorsAreAboveTheParentsComesBack) {
+TEST(HierarchyPage, decodesWithFarLodErrorsAboveTheParents) {
   expectRoundTrip({.far_lods = 2});
   expectRoundTrip({.owner = kOwner, .is_root_page = false, .far_lods = 1, .deeper_pages = true});
 }
 
-TEST(HierarchyPage, withEmptyLodsComesBack) {
+TEST(HierarchyPage, decodesWithEmptyLods) {
   HierarchyPage page = makePage({.children = 2});
   for (Node& node : page.nodes) {
     node.box = {};
@@ -59,7 +59,7 @@ TEST(HierarchyPage, takesAboutAHundredBytesANode) {
   EXPECT_LT(encodePage(page).size(), 125 * page.nodes.size());
 }
 
-TEST(HierarchyPage, everyChangedByteIsRefusedOrSeen) {
+TEST(HierarchyPage, refusesOrRevealsEveryChangedByte) {
   const HierarchyPage page = makePage({.children = 3, .deeper_pages = true});
   std::vector<std::byte> bytes = encodePage(page);
   for (std::byte& byte : bytes) {
@@ -108,7 +108,7 @@ TEST(HierarchyPage, refusesKeysOutOfOrder) {
   expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[4] = nodes[3]; });
 }
 
-TEST(HierarchyPage, refusesKeysThatCannotBe) {
+TEST(HierarchyPage, refusesInvalidKeys) {
   for (const uint64_t key : {uint64_t{0}, uint64_t{2}, ~uint64_t{0}})
     expectRefused(ErrorCode::kFormat, [&](auto& nodes) { nodes[0].key.value = key; });
 }
@@ -141,7 +141,7 @@ TEST(HierarchyPage, refusesOwnersThatOwnNoPage) {
   EXPECT_THROW(decodePage(encodePage(makePage({})), kOwner, true), Error);
 }
 
-TEST(HierarchyPage, refusesAChildThatIsMissing) {
+TEST(HierarchyPage, refusesAMissingChild) {
   expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes.pop_back(); });
 }
 
@@ -156,7 +156,7 @@ TEST(HierarchyPage, refusesNodesWithoutTheirParent) {
   });
 }
 
-TEST(HierarchyPage, refusesAPageOfChildrenThatStandHere) {
+TEST(HierarchyPage, refusesAChildPageForChildrenInThisPage) {
   expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[1].child_page = {1, 100, {}}; });
 }
 
@@ -184,7 +184,7 @@ TEST(HierarchyPage, refusesABoxThatTheParentsDoesNotHold) {
   expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes.back().box.max.z = kMaxLattice; });
 }
 
-TEST(HierarchyPage, refusesABoxInsideOut) {
+TEST(HierarchyPage, refusesAnInvertedBox) {
   expectRefused(ErrorCode::kFormat,
                 [](auto& nodes) { std::swap(nodes.back().box.min.x, nodes.back().box.max.x); });
 }
@@ -203,17 +203,17 @@ TEST(HierarchyPage, refusesErrorsThatFallToTheParent) {
   expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[2].lods.back().appearance_error_model = 51; });
 }
 
-TEST(HierarchyPage, refusesErrorsThatFallFromTheLodThatTheParentIsMadeOf) {
+TEST(HierarchyPage, refusesErrorsThatFallFromTheSourceLodToTheParent) {
   expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[1].far_lods = 1; }, {.far_lods = 2});
 }
 
-TEST(HierarchyPage, refusesFarLodsWhereThereIsNoParentOrNothingWasReduced) {
+TEST(HierarchyPage, refusesFarLodsWithoutAParentOrAReduction) {
   expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes[0].far_lods = 1; });
   expectRefused(ErrorCode::kFormat, [](auto& nodes) { nodes.back().far_lods = 1; });
   expectRefused(ErrorCode::kLimit, [](auto& nodes) { nodes[1].far_lods = 2; });
 }
 
-TEST(HierarchyPage, refusesErrorsThatAreNoLengths) {
+TEST(HierarchyPage, refusesInvalidErrors) {
   for (const float error : {-1.0f, -0.0f, std::numeric_limits<float>::infinity(), std::nanf("")})
     expectRefused(ErrorCode::kFormat, [&](auto& nodes) { nodes[0].lods[1].error_model = error; });
 }

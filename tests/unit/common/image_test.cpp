@@ -64,7 +64,7 @@ TEST(CutOut, repeatsThePictureBeyondItsBoundaries) {
     for (uint32_t x = 0; x < 6; ++x) EXPECT_EQ(part.at(x, y), glm::u8vec4((x + 1) % 2, y % 2, 0, 1));
 }
 
-TEST(Srgb, comesBackFromLinearLightAsItWas) {
+TEST(Srgb, survivesTheConversionToLinearLight) {
   for (int byte = 0; byte < 256; ++byte) {
     const auto srgb = static_cast<uint8_t>(byte);
     EXPECT_EQ(srgbOf(linearOf(srgb)), srgb);

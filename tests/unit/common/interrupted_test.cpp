@@ -29,7 +29,7 @@ class Interrupted : public testing::Test {
   const testing::KilledBySignal by_sigterm_{SIGTERM};
 };
 
-TEST_F(Interrupted, processesSaySoInALineAndEndByTheSignal) {
+TEST_F(Interrupted, processesPrintALineAndEndByTheSignal) {
   EXPECT_EXIT(
       {
         endCleanlyWhenInterrupted();
@@ -70,7 +70,7 @@ TEST_F(Interrupted, processesRemoveAFolderWithAllThatIsInIt) {
   EXPECT_TRUE(folder_.contents().empty());
 }
 
-TEST_F(Interrupted, processesKeepWhatIsFinished) {
+TEST_F(Interrupted, processesKeepFinishedFiles) {
   EXPECT_EXIT(
       {
         AtomicFile file(folder_ / "a");
@@ -85,7 +85,7 @@ TEST_F(Interrupted, processesKeepWhatIsFinished) {
   EXPECT_EQ(folder_.contents().size(), 2u);
 }
 
-TEST_F(Interrupted, processesThatIgnoreASignalGoOnIgnoringIt) {
+TEST_F(Interrupted, processesKeepIgnoringAnIgnoredSignal) {
   EXPECT_EXIT(
       {
         std::signal(SIGHUP, SIG_IGN);

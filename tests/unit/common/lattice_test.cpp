@@ -30,7 +30,7 @@ TEST(Lattice, snapClampsToTheGrid) {
   EXPECT_EQ(lattice.snap({-5, 1e30, kMaxLattice + 0.4}), glm::uvec3(0, kMaxLattice, kMaxLattice));
 }
 
-TEST(Lattice, snapUndoesToWorldFarFromTheOrigin) {
+TEST(Lattice, snapsWorldPositionsBackFarFromTheOrigin) {
   const Lattice lattice{{5000000, 400000, -2048}, 1.0 / 1024};
   std::mt19937 random(2);
   for (int i = 0; i < 10000; ++i) {

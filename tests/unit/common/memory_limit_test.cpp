@@ -25,22 +25,22 @@ class ControlGroups : public testing::Test {
   test::WorkFolder root_;
 };
 
-TEST_F(ControlGroups, limitNothingOnASystemWithoutThem) { EXPECT_EQ(limit(), kNoLimit); }
+TEST_F(ControlGroups, setNoLimitOnASystemWithoutThem) { EXPECT_EQ(limit(), kNoLimit); }
 
-TEST_F(ControlGroups, ofVersion2LimitByMemoryMax) {
+TEST_F(ControlGroups, limitByMemoryMaxInVersion2) {
   write("proc/self/cgroup", "0::/user.slice/job");
   write("sys/fs/cgroup/user.slice/job/memory.max", "536870912");
   EXPECT_EQ(limit(), 536870912u);
 }
 
-TEST_F(ControlGroups, ofVersion2LimitByMemoryHighWhereThatIsLess) {
+TEST_F(ControlGroups, limitByALowerMemoryHighInVersion2) {
   write("proc/self/cgroup", "0::/job");
   write("sys/fs/cgroup/job/memory.max", "536870912");
   write("sys/fs/cgroup/job/memory.high", "400000000");
   EXPECT_EQ(limit(), 400000000u);
 }
 
-TEST_F(ControlGroups, limitNothingWhereTheySayMax) {
+TEST_F(ControlGroups, setNoLimitForTheValueMax) {
   write("proc/self/cgroup", "0::/job");
   write("sys/fs/cgroup/job/memory.max", "max");
   write("sys/fs/cgroup/job/memory.high", "max");
@@ -56,47 +56,47 @@ TEST_F(ControlGroups, limitByTheLeastOfTheirAncestors) {
   EXPECT_EQ(limit(), 200000000u);
 }
 
-TEST_F(ControlGroups, ofAContainerWithATreeOfItsOwnLimitByItsTop) {
+TEST_F(ControlGroups, limitAContainerWithItsOwnTreeByItsRoot) {
   write("proc/self/cgroup", "0::/");
   write("sys/fs/cgroup/memory.max", "123456789");
   EXPECT_EQ(limit(), 123456789u);
 }
 
-TEST_F(ControlGroups, ofVersion1LimitByTheControllerOfMemory) {
+TEST_F(ControlGroups, limitByTheMemoryControllerInVersion1) {
   write("proc/self/cgroup", "12:cpu,cpuacct:/x\n5:memory:/x\n1:name=systemd:/x\n");
   write("sys/fs/cgroup/memory/x/memory.limit_in_bytes", "1073741824");
   write("sys/fs/cgroup/cpu,cpuacct/x/memory.limit_in_bytes", "1");
   EXPECT_EQ(limit(), 1073741824u);
 }
 
-TEST_F(ControlGroups, ofVersion1LimitByTheirAncestorsToo) {
+TEST_F(ControlGroups, limitByTheirAncestorsInVersion1) {
   write("proc/self/cgroup", "5:hugetlb,memory:/kubepods/pod");
   write("sys/fs/cgroup/memory/kubepods/pod/memory.limit_in_bytes", "9223372036854771712");
   write("sys/fs/cgroup/memory/kubepods/memory.limit_in_bytes", "700000000");
   EXPECT_EQ(limit(), 700000000u);
 }
 
-TEST_F(ControlGroups, ofAContainerThatIsToldItsPathOutsideLimitByTheTopThatItSees) {
+TEST_F(ControlGroups, limitAContainerWithItsOuterPathByTheVisibleRoot) {
   write("proc/self/cgroup", "5:memory:/docker/0123abcd\n0::/system.slice/docker.service\n");
   write("sys/fs/cgroup/memory/memory.limit_in_bytes", "268435456");
   EXPECT_EQ(limit(), 268435456u);
 }
 
-TEST_F(ControlGroups, ofBothVersionsLimitByTheLess) {
+TEST_F(ControlGroups, limitByTheLowerLimitOfBothVersions) {
   write("proc/self/cgroup", "5:memory:/x\n0::/y\n");
   write("sys/fs/cgroup/memory/x/memory.limit_in_bytes", "900000000");
   write("sys/fs/cgroup/unified/y/memory.max", "800000000");
   EXPECT_EQ(limit(), 800000000u);
 }
 
-TEST_F(ControlGroups, areNotLookedForAboveTheTreeThatIsSeen) {
+TEST_F(ControlGroups, areNotReadAboveTheVisibleTree) {
   write("proc/self/cgroup", "0::/../../other");
   write("sys/other/memory.max", "1000");
   write("other/memory.max", "1000");
   EXPECT_EQ(limit(), kNoLimit);
 }
 
-TEST_F(ControlGroups, limitNothingByWhatIsNoNumber) {
+TEST_F(ControlGroups, setNoLimitForInvalidValues) {
   write("proc/self/cgroup", "0::/job\nno line of a group\n::\n:\n");
   write("sys/fs/cgroup/job/memory.max", "-1");
   write("sys/fs/cgroup/job/memory.high", "12bytes");

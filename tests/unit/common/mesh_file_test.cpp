@@ -22,7 +22,7 @@ TEST(MeshFile, hasTheFormatThatItsEndingNames) {
 
 TEST(MeshFile, isAPlyInADeviceWithoutAnEnding) { EXPECT_EQ(meshFormatOf("/dev/null"), MeshFormat::kPly); }
 
-TEST(MeshFile, isRefusedUnderAnotherEndingAndSaysWhichThereAre) {
+TEST(MeshFile, isRefusedUnderAnotherEndingWithTheKnownEndings) {
   const test::WorkFolder folder;
   for (const char* name : {"cut.stl", "cut.gltf", "cut.ply.gz", "cut", "a.obj/cut"}) {
     try {
@@ -36,7 +36,7 @@ TEST(MeshFile, isRefusedUnderAnotherEndingAndSaysWhichThereAre) {
   EXPECT_TRUE(folder.contents().empty());
 }
 
-TEST(MeshFile, isNotWrittenOfAMeshThatLacksAttributes) {
+TEST(MeshFile, isNotWrittenIfTheMeshLacksAttributes) {
   const test::WorkFolder folder;
   Mesh mesh = test::makeGrid(1, 1);
   mesh.attributes.bits = AttributeSet::kNormal;

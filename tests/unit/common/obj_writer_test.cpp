@@ -40,7 +40,7 @@ TEST_F(ObjWriter, writesPositionsInFull) {
             "v 5000000.0068359375 0.0078125 16.0087890625\nf 1 3 2\n");
 }
 
-TEST_F(ObjWriter, writesColoursBehindPositionsAndNumbersOfWhatElseThereIs) {
+TEST_F(ObjWriter, writesColoursAfterPositionsAndIndicesOfTheOtherAttributes) {
   Mesh mesh = oneTriangle(AttributeSet::kNormal | AttributeSet::kColour | AttributeSet::kTexture);
   for (VertexAttributes& vertex : mesh.vertex_attributes) {
     vertex.normal = encodeOctahedral({0, 0, 1});
@@ -78,7 +78,7 @@ TEST_F(ObjWriter, putsTheImagesOfMaterialsInAFileBesideIt) {
             "newmtl material_0\nKd 1 1 1\nmap_Kd two words.png\nnewmtl material_1\nKd 1 1 1\n");
 }
 
-TEST_F(ObjWriter, cutsOutWhatClearTexelsOfAnImageHide) {
+TEST_F(ObjWriter, masksClearTexelsOfAnImage) {
   const Mesh mesh = test::makeGrid(4, 3, {.attributes = {AttributeSet::kTexture | AttributeSet::kMaterial}});
   TextureSet textures;
   textures.textures = {{"leaves.png", 4, 4, {}}, {"wall.png", 4, 4, {}}};

@@ -44,7 +44,7 @@ TEST(Octahedral, agreesWithDracoWhereComponentsVanish) {
       }
 }
 
-TEST(Octahedral, everyCodeComesBackInItsCanonicalForm) {
+TEST(Octahedral, reencodesEveryCodeInItsCanonicalForm) {
   for (int s = 0; s < 255; ++s)
     for (int t = 0; t < 255; ++t) {
       const uint16_t code = static_cast<uint16_t>(s | t << 8);

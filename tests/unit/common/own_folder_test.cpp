@@ -45,7 +45,7 @@ TEST_F(OwnFolder, isMadeWithTheFoldersAboveIt) {
   for (const char* below : {"", "a", "a/b"}) EXPECT_EQ(test::modeOf(path_ / below), 0700u) << below;
 }
 
-TEST_F(OwnFolder, mayBeThereAlreadyAndIsClosedToOthers) {
+TEST_F(OwnFolder, isClosedToOthersIfItExists) {
   fs::create_directory(path_);
   fs::permissions(path_, fs::perms(0755));
   makeOwnFolder(path_, use_);
@@ -87,7 +87,7 @@ TEST_F(OwnFolder, isRefusedIfItBelongsToAnotherUser) {
   EXPECT_THROW(refuseForeignFolder(path_, use_), Error);
 }
 
-TEST_F(OwnFolder, maybeMissingIsNotForeign) { EXPECT_NO_THROW(refuseForeignFolder(path_, use_)); }
+TEST_F(OwnFolder, isNotForeignIfMissing) { EXPECT_NO_THROW(refuseForeignFolder(path_, use_)); }
 
 TEST_F(OwnFolder, hasFilesForThisUserAlone) {
   EXPECT_TRUE(writeOwnFile(parent_ / "file", test::bytesOf("text")));
@@ -114,7 +114,7 @@ TEST_F(OwnFolder, doesNotWriteThroughALinkWithATemporaryName) {
   EXPECT_EQ(test::readBytes(parent_ / "file"), "new");
 }
 
-TEST_F(OwnFolder, saysWhenAFileCannotBeWritten) {
+TEST_F(OwnFolder, reportsAFileThatCannotBeWritten) {
   EXPECT_FALSE(writeOwnFile(parent_ / "missing/file", test::bytesOf("text")));
   fs::create_directories(parent_ / "folder/with");
   EXPECT_FALSE(writeOwnFile(parent_ / "folder", test::bytesOf("text")));

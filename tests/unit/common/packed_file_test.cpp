@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::string_literals;
 
-TEST(PackedFile, isToldByItsFirstBytesAndNamesTheCommand) {
+TEST(PackedFile, isRecognizedByItsFirstBytesAndNamesTheCommand) {
   struct Case {
     std::string path, head, text;
   };

@@ -5,7 +5,7 @@
 namespace lode {
 namespace {
 
-TEST(PrintableUtf8, refusesControlsMarksOfDirectionAndInvalidSequences) {
+TEST(PrintableUtf8, refusesControlAndBidiCharactersAndInvalidSequences) {
   EXPECT_TRUE(isPrintableUtf8(""));
   EXPECT_TRUE(isPrintableUtf8("bunny (1) — größer 🐇"));
   EXPECT_FALSE(isPrintableUtf8("tab\t"));

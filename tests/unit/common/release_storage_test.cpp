@@ -7,7 +7,7 @@
 namespace lode {
 namespace {
 
-TEST(LetGo, freesWhatAContainerHolds) {
+TEST(LetGo, freesTheMemoryOfAContainer) {
   std::vector<int> numbers(1000, 7);
   releaseStorage(numbers);
   EXPECT_TRUE(numbers.empty());

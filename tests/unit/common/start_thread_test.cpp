@@ -11,7 +11,7 @@
 namespace lode {
 namespace {
 
-TEST(StartThread, saysWhatForTheSystemGivesNone) {
+TEST(StartThread, namesThePurposeIfTheSystemHasNoThread) {
   test::threads_left = 0;
   try {
     startThread("to wait", [] {}).join();
@@ -23,7 +23,7 @@ TEST(StartThread, saysWhatForTheSystemGivesNone) {
   test::threads_left = INT_MAX;
 }
 
-TEST(StartThreads, makesDoWithThoseThatTheSystemGives) {
+TEST(StartThreads, startsAsManyThreadsAsTheSystemGives) {
   std::atomic<int> started{0};
   test::threads_left = 3;
   startThreads(8, "to count", [&] { ++started; }).clear();

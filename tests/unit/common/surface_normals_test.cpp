@@ -56,13 +56,13 @@ TEST(SurfaceNormals, areWeighedByTheAreasOfTriangles) {
   EXPECT_EQ(surfaceNormals(mesh)[1], encodeOctahedral({0, 0, 1}));
 }
 
-TEST(SurfaceNormals, ofAVertexWithoutSurfaceLookUp) {
+TEST(SurfaceNormals, pointUpAtAVertexWithoutTriangles) {
   Mesh mesh;
   mesh.positions.resize(1);
   EXPECT_EQ(surfaceNormals(mesh).at(0), encodeOctahedral({0, 0, 1}));
 }
 
-TEST(SurfaceNormals, thatAreComputedTakeNoBytes) {
+TEST(SurfaceNormals, takeNoBytesIfComputed) {
   const Mesh with = sphereWithItsNormals();
   Mesh without = with;
   without.attributes.bits = 0;
@@ -72,13 +72,13 @@ TEST(SurfaceNormals, thatAreComputedTakeNoBytes) {
   EXPECT_EQ(normalsOf(decode(with, payload)), normalsOf(with));
 }
 
-TEST(SurfaceNormals, ofAFileAreKept) {
+TEST(SurfaceNormals, areStoredIfTheyAreTheFiles) {
   const Mesh computed = sphereWithItsNormals(), given = sphereWithItsNormals(AttributeSet::kNormal);
   EXPECT_GT(encodePayload(given, kUnevenStep).bytes.size(),
             encodePayload(computed, kUnevenStep).bytes.size());
 }
 
-TEST(SurfaceNormals, thatAreOthersInPlacesComeBackToTheBit) {
+TEST(SurfaceNormals, decodeExactlyWhereSomeDiffer) {
   std::mt19937 random(3);
   for (const bool is_far : {false, true}) {
     Mesh mesh = sphereWithItsNormals();
@@ -96,7 +96,7 @@ TEST(SurfaceNormals, thatAreOthersInPlacesComeBackToTheBit) {
 }
 
 /// A fold whose two sides have vertices of their own on it.
-TEST(SurfaceNormals, areThoseOfEachSideOfACrease) {
+TEST(SurfaceNormals, differOnBothSidesOfACrease) {
   Mesh mesh;
   mesh.attributes.bits = kComputed;
   for (const glm::uvec3 p : {glm::uvec3(0, 0, 0),
@@ -117,7 +117,7 @@ TEST(SurfaceNormals, areThoseOfEachSideOfACrease) {
 }
 
 /// Two fans of one vertex, which Draco parts, with the normal of both.
-TEST(SurfaceNormals, ofAVertexThatDracoPartsComeBack) {
+TEST(SurfaceNormals, surviveDracosSplitOfAVertex) {
   Mesh mesh;
   mesh.attributes.bits = kComputed;
   for (const glm::uvec3 p : {glm::uvec3(50, 50, 5), {90, 0, 0}, {0, 90, 4}, {10, 10, 1}, {20, 10, 80}})
@@ -162,7 +162,7 @@ TEST_F(DamagedNormals, areRefusedWhereTheyFollowAMeshWithNormals) {
   EXPECT_THROW(decode(mesh, payload), Error);
 }
 
-TEST_F(DamagedNormals, areRefusedWhereAModelsNormalsAreItsFiles) {
+TEST_F(DamagedNormals, areRefusedIfTheModelKeepsItsFilesNormals) {
   Mesh of_file = mesh_;
   of_file.attributes.bits = AttributeSet::kNormal;
   EXPECT_THROW(decode(of_file, payload_), Error) << "a payload without normals";
@@ -176,7 +176,7 @@ std::vector<glm::i64vec3> sumsOf(const Mesh& mesh) {
   return sums;
 }
 
-TEST(CheapNormals, areWithinHalfAStepOfThoseThatAreWanted) {
+TEST(CheapNormals, areWithinHalfAStepOfTheWantedNormals) {
   std::mt19937 random(7);
   std::uniform_int_distribution<int64_t> part(-1'000'000, 1'000'000);
   for (int i = 0; i < 10'000; ++i) {
@@ -188,7 +188,7 @@ TEST(CheapNormals, areWithinHalfAStepOfThoseThatAreWanted) {
   }
 }
 
-TEST(CheapNormals, areCodesThatAPayloadGivesBack) {
+TEST(CheapNormals, areCodesThatSurviveDecoding) {
   for (int u = 0; u < 255; ++u)
     for (int v = 0; v < 255; ++v) {
       const uint16_t wanted = encodeOctahedral(decodeOctahedral(static_cast<uint16_t>(u | v << 8)));
@@ -197,7 +197,7 @@ TEST(CheapNormals, areCodesThatAPayloadGivesBack) {
     }
 }
 
-TEST(CheapNormals, saveAThirdOfWhatNormalsTake) {
+TEST(CheapNormals, saveAThirdOfTheBytesOfNormals) {
   Mesh mesh = test::makeSphere(60, 40, {.attributes = {AttributeSet::kNormal}, .seed = 4});
   const std::vector<glm::i64vec3> sums = sumsOf(mesh);
   std::mt19937 random(5);

@@ -171,7 +171,7 @@ TEST_F(TextureFinderOf, aSearchEndsAtItsLimitOfEntriesWhateverTheOrderOfTheList)
   expectNamed("other.png", {"the search ended after 20000"});
 }
 
-TEST_F(TextureFinderOf, aNameThatIsNoImagesNameIsRefused) {
+TEST_F(TextureFinderOf, anInvalidImageNameIsRefused) {
   writeAll({"nul", "sub/tex.png"});
   fs::create_directories(models_ / "folder.png");
   ASSERT_EQ(mkfifo((models_ / "pipe.png").c_str(), 0600), 0);

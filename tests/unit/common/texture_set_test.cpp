@@ -71,9 +71,7 @@ std::vector<std::byte> patched(size_t at, T value, const TextureSet& set = sampl
 constexpr size_t kOriginAt = 1, kExponentAt = 17, kTexturesAt = 21, kNameAt = 25, kWidthAt = 25 + 2 + 10;
 constexpr size_t kFirstTileAt = kWidthAt + 8;
 
-TEST(TextureSet, ofNoTexturesIsKnownByItsSize) {
-  EXPECT_EQ(encodeTextureSet({}).size(), kEmptyTextureSetBytes);
-}
+TEST(TextureSet, hasAKnownSizeIfEmpty) { EXPECT_EQ(encodeTextureSet({}).size(), kEmptyTextureSetBytes); }
 
 TEST(Texture, hasLevelsDownToTheFirstThatFitsATile) {
   EXPECT_EQ(levelCount(sized(0, 0)), 0u);
@@ -104,14 +102,14 @@ TEST(Texture, tilesStandCoarsestFirstAndByRows) {
   EXPECT_EQ(tileIndex(texture, 0, 2, 1), 8u);
 }
 
-TEST(Texture, tilesAtTheEndHoldWhatIsLeft) {
+TEST(Texture, hasSmallerTilesAtItsEdges) {
   const Texture texture = sized(1200, 600);
   EXPECT_EQ(tileInnerSize(texture, 0, 0, 0), glm::uvec2(508, 508));
   EXPECT_EQ(tileInnerSize(texture, 0, 2, 1), glm::uvec2(184, 92));
   EXPECT_EQ(tileInnerSize(texture, 2, 0, 0), glm::uvec2(300, 150));
 }
 
-TEST(TileKind, isToldByTheFirstBytes) {
+TEST(TileKind, isRecognizedByTheFirstBytes) {
   const auto kind = [](std::string_view text) { return tileKind(std::as_bytes(std::span(text))); };
   EXPECT_EQ(kind("\xff\xd8\xff\xe0"), TileKind::kJpeg);
   EXPECT_EQ(kind("RIFF----WEBPVP8 "), TileKind::kWebp);
@@ -120,7 +118,7 @@ TEST(TileKind, isToldByTheFirstBytes) {
   EXPECT_EQ(kind(""), std::nullopt);
 }
 
-TEST(TextureSet, comesBackAsItWas) {
+TEST(TextureSet, decodesToTheEncodedSet) {
   EXPECT_EQ(decodeTextureSet(encodeTextureSet(sampleSet())), sampleSet());
   EXPECT_EQ(decodeTextureSet(encodeTextureSet({})), TextureSet());
 }
@@ -130,20 +128,20 @@ TEST(TextureSet, statesTheStepOfItsCodes) {
   EXPECT_EQ(uvStep(sampleSet()), 0x1p-19);
 }
 
-TEST(TextureSet, cutOffAnywhereIsRefused) {
+TEST(TextureSet, isRefusedIfTruncatedAnywhere) {
   const std::vector<std::byte> bytes = encodeTextureSet(sampleSet());
   for (size_t length = 0; length < bytes.size(); ++length)
     expectRefused({bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(length)}, ErrorCode::kFormat,
                   "cut off");
 }
 
-TEST(TextureSet, withBytesBehindItIsRefused) {
+TEST(TextureSet, isRefusedWithBytesAfterItsEnd) {
   std::vector<std::byte> bytes = encodeTextureSet(sampleSet());
   bytes.push_back({});
   expectRefused(bytes, ErrorCode::kFormat, "bytes follow");
 }
 
-TEST(TextureSet, everyChangedByteIsRefusedOrSeen) {
+TEST(TextureSet, refusesOrRevealsEveryChangedByte) {
   std::vector<std::byte> bytes = encodeTextureSet(sampleSet());
   for (std::byte& byte : bytes) {
     const std::byte old = byte;
@@ -156,11 +154,11 @@ TEST(TextureSet, everyChangedByteIsRefusedOrSeen) {
   }
 }
 
-TEST(TextureSet, ofAnotherVersionIsRefused) {
+TEST(TextureSet, isRefusedIfItIsOfAnotherVersion) {
   expectRefused(patched(0, uint8_t{2}), ErrorCode::kFormat, "version");
 }
 
-TEST(TextureSet, withAScaleOutOfRangeIsRefused) {
+TEST(TextureSet, isRefusedWithAScaleOutOfRange) {
   for (const double origin : {std::nan(""), std::numeric_limits<double>::infinity(), -0x1p61})
     expectRefused(patched(kOriginAt, origin), ErrorCode::kFormat, "origin");
   for (const int32_t exponent :
@@ -168,7 +166,7 @@ TEST(TextureSet, withAScaleOutOfRangeIsRefused) {
     expectRefused(patched(kExponentAt, exponent), ErrorCode::kFormat, "scale");
 }
 
-TEST(TextureSet, withTooMuchOfAnythingIsRefusedBeforeItIsRead) {
+TEST(TextureSet, isRefusedAboveAnyLimitBeforeItIsRead) {
   expectRefused(patched(kTexturesAt, kMaxTextures + 1), ErrorCode::kLimit, "textures");
   expectRefused(patched(kWidthAt, kMaxTextureEdgePx + 1), ErrorCode::kLimit, "texels");
   expectRefused(patched(kFirstTileAt + 4, kMaxTileBytes + 1), ErrorCode::kLimit, "bytes in a tile");
@@ -178,7 +176,7 @@ TEST(TextureSet, withTooMuchOfAnythingIsRefusedBeforeItIsRead) {
   expectRefused(long_name, ErrorCode::kLimit, "name");
 }
 
-TEST(TextureSet, withMoreTilesThanTheLimitIsRefused) {
+TEST(TextureSet, isRefusedWithMoreTilesThanTheLimit) {
   // Announces 47 images of 65536 x 65536 texels: 22,000 tiles each.
   std::vector<std::byte> bytes = encodeTextureSet({});
   const Texture largest = withTiles("", kMaxTextureEdgePx, kMaxTextureEdgePx);
@@ -192,21 +190,21 @@ TEST(TextureSet, withMoreTilesThanTheLimitIsRefused) {
   expectRefused(bytes, ErrorCode::kLimit, "tiles");
 }
 
-TEST(TextureSet, withAnImageOfOneDimensionIsRefused) {
+TEST(TextureSet, isRefusedWithAnImageOfOneDimension) {
   expectRefused(patched(kWidthAt, uint32_t{0}), ErrorCode::kFormat, "width or a height");
 }
 
-TEST(TextureSet, withoutABlobForATileIsRefused) {
+TEST(TextureSet, isRefusedWithoutABlobForATile) {
   expectRefused(patched(kFirstTileAt, uint32_t{0}), ErrorCode::kFormat, "tile is missing");
   expectRefused(patched(kFirstTileAt + 4, uint32_t{0}), ErrorCode::kFormat, "tile is missing");
 }
 
-TEST(TextureSet, withANameThatCannotBeShownIsRefused) {
+TEST(TextureSet, isRefusedWithAnUnprintableName) {
   for (const char character : {'\x1b', '\0', '\x7f', '\xff'})
     expectRefused(patched(kNameAt + 2, character), ErrorCode::kFormat, "printable");
 }
 
-TEST(TextureSet, isNotEncodedWhereItCouldNotBeDecoded) {
+TEST(TextureSet, isNotEncodedIfItCouldNotBeDecoded) {
   TextureSet set = sampleSet();
   set.textures[0].tiles.pop_back();
   expectNotEncoded(set, ErrorCode::kFormat, "tiles do not fit");

@@ -35,25 +35,25 @@ int worstDifference(const TileImage& a, const TileImage& b) {
   return worst;
 }
 
-TEST(TileImage, isWhatAWebpHoldsWithoutLoss) {
+TEST(TileImage, decodesAWebpWithoutLoss) {
   TileImage image = gradient(300, 200);
   for (size_t i = 0; i < image.texels.size(); i += 7) image.texels[i].a = 128;
   EXPECT_EQ(decodeTile(test::webpOf(image), {300, 200}), image);
 }
 
-TEST(TileImage, isNearlyWhatAJpegHolds) {
+TEST(TileImage, decodesAJpegNearlyWithoutLoss) {
   const TileImage image = gradient(512, 130);
   EXPECT_LE(worstDifference(decodeTile(jpegOf(image), {512, 130}), image), 6);
   EXPECT_LE(worstDifference(decodeTile(jpegOf(image, true), {512, 130}), image), 6);
 }
 
-TEST(TileImage, ofAGreyJpegIsGrey) {
+TEST(TileImage, decodesAGreyJpegToGrey) {
   const TileImage decoded = decodeTile(jpegOf(gradient(64, 64), false, 1), {64, 64});
   for (const glm::u8vec4 texel : decoded.texels)
     ASSERT_TRUE(texel.r == texel.g && texel.g == texel.b && texel.a == 255);
 }
 
-TEST(TileImage, ofAnotherSizeThanAnnouncedIsRefused) {
+TEST(TileImage, isRefusedIfItsSizeIsNotTheAnnouncedOne) {
   for (const Bytes& file : {test::webpOf(gradient(100, 60)), jpegOf(gradient(100, 60))}) {
     EXPECT_NO_THROW(decodeTile(file, {100, 60}));
     EXPECT_THROW(decodeTile(file, {60, 100}), Error);
@@ -62,7 +62,7 @@ TEST(TileImage, ofAnotherSizeThanAnnouncedIsRefused) {
   }
 }
 
-TEST(TileImage, beyondTheLimitsIsRefusedBeforeItIsLookedAt) {
+TEST(TileImage, isRefusedAboveTheLimitsBeforeItIsRead) {
   EXPECT_THROW(decodeTile(jpegOf(gradient(kTilePx + 1, 8)), {kTilePx + 1, 8}), Error);
   EXPECT_THROW(decodeTile(jpegOf(gradient(8, 8)), {0, 8}), Error);
   Bytes padded = test::webpOf(gradient(8, 8));
@@ -70,21 +70,21 @@ TEST(TileImage, beyondTheLimitsIsRefusedBeforeItIsLookedAt) {
   EXPECT_THROW(decodeTile(padded, {8, 8}), Error);
 }
 
-TEST(TileImage, thatIsNeitherJpegNorWebpIsRefused) {
+TEST(TileImage, isRefusedIfNeitherJpegNorWebp) {
   EXPECT_THROW(decodeTile({}, {8, 8}), Error);
   EXPECT_THROW(decodeTile(Bytes(100), {8, 8}), Error);
   Bytes magic{std::byte{0xff}, std::byte{0xd8}, std::byte{0xff}};
   EXPECT_THROW(decodeTile(magic, {8, 8}), Error);
 }
 
-TEST(TileImage, thatIsCutOffIsRefused) {
+TEST(TileImage, isRefusedIfTruncated) {
   for (const Bytes& file :
        {test::webpOf(gradient(64, 64)), jpegOf(gradient(64, 64)), jpegOf(gradient(64, 64), true)})
     for (size_t length = 0; length < file.size() - 2; length += 1 + file.size() / 50)
       EXPECT_THROW(decodeTile(std::span(file).first(length), {64, 64}), Error) << length;
 }
 
-TEST(TileImage, ofDamagedBytesIsRefusedOrOfTheRightSize) {
+TEST(TileImage, isRefusedOrOfTheRightSizeIfDamaged) {
   std::mt19937 random(11);
   for (const Bytes& file :
        {test::webpOf(gradient(64, 64)), jpegOf(gradient(64, 64)), jpegOf(gradient(64, 64), true)})
@@ -98,7 +98,7 @@ TEST(TileImage, ofDamagedBytesIsRefusedOrOfTheRightSize) {
     }
 }
 
-TEST(TileImage, ofAJpegWithTooManyScansIsRefused) {
+TEST(TileImage, isRefusedIfItIsAJpegWithTooManyScans) {
   const TileImage image = gradient(64, 64);
   EXPECT_NO_THROW(decodeTile(jpegOf(image, false, 3, jpegScans(kMaxJpegScans)), {64, 64}));
   try {
