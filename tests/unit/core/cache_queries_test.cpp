@@ -13,7 +13,7 @@ Request request(uint32_t number) {
   return {{number, 100, name}, {BlobKind::kMesh, {kRootKey, number}}};
 }
 
-TEST(CacheQueries, askForABlobOnceUntilTheAnswer) {
+TEST(CacheQueries, askForABlobOnlyOnceBeforeTheAnswer) {
   CacheQueries queries;
   EXPECT_FALSE(queries.isMissing(request(1)));
   EXPECT_FALSE(queries.isMissing(request(1)));
@@ -25,7 +25,7 @@ TEST(CacheQueries, askForABlobOnceUntilTheAnswer) {
   EXPECT_FALSE(queries.finish(request(1).blob, true));
 }
 
-TEST(CacheQueries, sendABlobThatIsNotThereToTheServerUntilItHasCome) {
+TEST(CacheQueries, reportABlobAsMissingUntilItArrives) {
   CacheQueries queries;
   queries.isMissing(request(1));
   queries.finish(request(1).blob, false);
@@ -34,7 +34,7 @@ TEST(CacheQueries, sendABlobThatIsNotThereToTheServerUntilItHasCome) {
   EXPECT_FALSE(queries.isMissing(request(1)));
 }
 
-TEST(CacheQueries, waitWhenManyAreUnderWay) {
+TEST(CacheQueries, areLimitedInNumber) {
   CacheQueries queries;
   for (uint32_t number = 1; number <= kMaxCacheQueries + 10; ++number)
     EXPECT_FALSE(queries.isMissing(request(number)));
@@ -44,7 +44,7 @@ TEST(CacheQueries, waitWhenManyAreUnderWay) {
   EXPECT_EQ(queries.take().size(), 1u);
 }
 
-TEST(CacheQueries, forgetWhatIsMissingAboveTheLimit) {
+TEST(CacheQueries, forgetMissingBlobsAboveTheLimit) {
   CacheQueries queries;
   for (uint32_t number = 0; number <= kMaxRememberedMisses; ++number) {
     queries.isMissing(request(number));

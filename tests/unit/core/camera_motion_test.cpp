@@ -25,7 +25,7 @@ void watch(CameraMotion& motion, int from_ms, int to_ms, const auto& viewAt) {
     motion.record(viewAt(ms * 1e-3), TimePoint{} + milliseconds(ms));
 }
 
-TEST(CameraMotion, goesOnInAHelix) {
+TEST(CameraMotion, continuesAHelix) {
   CameraMotion motion;
   watch(motion, 0, 992, onHelix);
   const auto ahead = motion.predict(TimePoint{} + milliseconds(992), Seconds(1));
@@ -36,7 +36,7 @@ TEST(CameraMotion, goesOnInAHelix) {
   EXPECT_LT(glm::length(ahead->up - expected.up), 1e-3);
 }
 
-TEST(CameraMotion, goesOnStraight) {
+TEST(CameraMotion, continuesAStraightLine) {
   CameraMotion motion;
   const auto viewAt = [](double t_s) {
     View view;
@@ -49,20 +49,20 @@ TEST(CameraMotion, goesOnStraight) {
   EXPECT_LT(glm::length(ahead->eye_model - viewAt(2.5).eye_model), 1e-6);
 }
 
-TEST(CameraMotion, hasNothingToSayOfACameraThatStands) {
+TEST(CameraMotion, predictsNothingForAStandingCamera) {
   CameraMotion motion;
   watch(motion, 0, 2000, [](double) { return View(); });
   EXPECT_FALSE(motion.predict(TimePoint{} + milliseconds(2000), Seconds(1)));
 }
 
-TEST(CameraMotion, hasNothingToSayAMomentAfterTheCameraHasStopped) {
+TEST(CameraMotion, predictsNothingSoonAfterTheCameraStops) {
   CameraMotion motion;
   watch(motion, 0, 480, onHelix);
   watch(motion, 496, 1200, [](double) { return onHelix(0.48); });
   EXPECT_FALSE(motion.predict(TimePoint{} + milliseconds(1200), Seconds(1)));
 }
 
-TEST(CameraMotion, takesALargeTurnForAJump) {
+TEST(CameraMotion, treatsALargeTurnAsAJump) {
   CameraMotion motion;
   watch(motion, 0, 480, onHelix);
   watch(motion, 496, 512, [](double) { return onHelix(8); });

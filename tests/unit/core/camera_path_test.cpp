@@ -25,7 +25,7 @@ void expectRefused(const std::string& json, const std::string& part_of_message) 
   }
 }
 
-TEST(CameraPath, readsTheFormatOfTheContract) {
+TEST(CameraPath, readsTheDocumentedFormat) {
   const CameraPath path =
       parseCameraPath(pathOf(keyAt("0", "[0,0,5]") + "," + keyAt("2.5", "[1e6,0,5.5]")), "p");
   EXPECT_EQ(path.fov_y_deg, 60);
@@ -46,7 +46,7 @@ TEST(CameraPath, refusesMembersThatItDoesNotKnowAndNamesThem) {
   expectRefused(R"({"a\nb": 60, "keys": [)" + good + "]}", R"(has no member "a\nb")");
 }
 
-TEST(CameraPath, refusesWhatIsNotACameraPathAndSaysWhere) {
+TEST(CameraPath, refusesAnInvalidCameraPathAndNamesThePlace) {
   const std::string good = keyAt("0", "[0,0,5]");
   expectRefused("", "not JSON");
   expectRefused("{", "not JSON");
@@ -83,7 +83,7 @@ TEST(CameraPath, refusesMoreKeysThanTheLimit) {
   expectRefused(pathOf(keys), "limit");
 }
 
-TEST(CameraPath, saysWhichFileCannotBeOpened) {
+TEST(CameraPath, namesAFileThatCannotBeOpened) {
   try {
     readCameraPath("/no/such/file.json");
     FAIL();
@@ -100,7 +100,7 @@ CameraPath straightLine() {
   return path;
 }
 
-TEST(CameraPath, goesThroughItsKeysAndStandsStillBeyondThem) {
+TEST(CameraPath, passesThroughItsKeysAndStandsStillBeyondThem) {
   const CameraPath path = straightLine();
   for (const CameraKey& key : path.keys) EXPECT_EQ(cameraAt(path, key.t), key);
   EXPECT_EQ(cameraAt(path, -1), path.keys.front());

@@ -25,7 +25,7 @@ milliseconds waitOf(const Connection& connection, TimePoint from) {
   return wait;
 }
 
-TEST(Connection, isDueAtOnceAndNotWhileThereIsASession) {
+TEST(Connection, isDueAtOnceButNotDuringASession) {
   Connection connection = makeConnection(1);
   EXPECT_TRUE(connection.due(kLinkStart));
   connection.begin({}, kLinkStart);
@@ -51,7 +51,7 @@ TEST(Connection, waitsHalfAsLongAgainAfterEachFailureUpToALimit) {
   EXPECT_LE(waitOf(connection, kLinkStart), kFirstRetry);
 }
 
-TEST(Connection, isBackSoonAfterAServerThatWasNotAwayForLong) {
+TEST(Connection, reconnectsSoonAfterAShortOutage) {
   const std::chrono::seconds away(3);
   for (uint32_t seed = 0; seed < 1000; ++seed) {
     Connection connection = makeConnection(seed);
@@ -65,7 +65,7 @@ TEST(Connection, isBackSoonAfterAServerThatWasNotAwayForLong) {
   }
 }
 
-TEST(Connection, waitsOtherTimesWithOtherSeeds) {
+TEST(Connection, waitsDifferentTimesWithDifferentSeeds) {
   std::set<milliseconds> waits;
   for (uint32_t seed = 0; seed < 20; ++seed) {
     Connection connection = makeConnection(seed);
@@ -75,7 +75,7 @@ TEST(Connection, waitsOtherTimesWithOtherSeeds) {
   EXPECT_GT(waits.size(), 10u);
 }
 
-TEST(Connection, triesAnewOnlyWhereTheModelWasOpenAndTheNetworkIsToBlame) {
+TEST(Connection, retriesOnlyANetworkErrorAfterTheModelWasOpen) {
   Connection connection = makeConnection(1);
   connection.begin({}, kLinkStart);
   EXPECT_THROW(connection.fail(Error(ErrorCode::kNetwork, "refused"), kLinkStart), Error);
@@ -86,7 +86,7 @@ TEST(Connection, triesAnewOnlyWhereTheModelWasOpenAndTheNetworkIsToBlame) {
   EXPECT_THROW(connection.fail(Error(ErrorCode::kProtocol, "nonsense"), kLinkStart), Error);
 }
 
-TEST(Connection, triesAnewThoughTheModelWasNeverOpenUntilItsPatienceEnds) {
+TEST(Connection, retriesTheFirstOpenUntilItsPatienceEnds) {
   SessionOptions options;
   options.model = "model";
   options.open_patience = std::chrono::seconds(20);
@@ -101,7 +101,7 @@ TEST(Connection, triesAnewThoughTheModelWasNeverOpenUntilItsPatienceEnds) {
   EXPECT_THROW(connection.fail(Error(ErrorCode::kNetwork, "refused"), now), Error);
 }
 
-TEST(Connection, isNotPatientWithAServerThatRefuses) {
+TEST(Connection, doesNotRetryIfTheServerRefuses) {
   SessionOptions options;
   options.model = "model";
   options.open_patience = std::chrono::seconds(20);
@@ -110,7 +110,7 @@ TEST(Connection, isNotPatientWithAServerThatRefuses) {
   EXPECT_THROW(connection.fail(Error(ErrorCode::kInput, "no such model"), kLinkStart), Error);
 }
 
-TEST(Connection, movesOnHoweverOftenTheServerSaysThatItLeaves) {
+TEST(Connection, movesOnEvenIfTheServerRepeatsGoAway) {
   Connection connection = makeConnection(1);
   connection.begin({}, kLinkStart);
   connection.session()->receive(fixture::welcome(), kLinkStart);
@@ -146,7 +146,7 @@ TEST(Connection, saysNothingOfTroubleOnceItWorksAgain) {
   EXPECT_EQ(connection.trouble(), "");
 }
 
-TEST(Connection, countsWhatAllSessionsReceivedAlsoTheOneThatIsLeaving) {
+TEST(Connection, countsTheBytesOfAllSessionsIncludingADrainingOne) {
   Connection connection = makeConnection(1);
   const proto::Bytes bytes = fixture::welcome();
   for (uint64_t sessions = 1; sessions <= 3; ++sessions) {

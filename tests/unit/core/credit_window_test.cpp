@@ -45,18 +45,18 @@ class SteadyLink {
   CreditWindow window_;
 };
 
-TEST(CreditWindow, startsWithWhatEveryServerIsGranted) {
+TEST(CreditWindow, startsWithTheInitialGrant) {
   EXPECT_EQ(CreditWindow().bytes(), proto::kInitialWindowBytes);
   EXPECT_EQ(CreditWindow().bytesPerSecond(), 0);
 }
 
-TEST(CreditWindow, isOneAndAHalfTimesWhatASlowLinkHolds) {
+TEST(CreditWindow, isOneAndAHalfTimesTheCapacityOfASlowLink) {
   SteadyLink link(1.25e6, milliseconds(50));
   link.run(milliseconds(1000));
   EXPECT_NEAR(link.windowRatio(), 1.5, 0.1);
 }
 
-TEST(CreditWindow, growsWithinASecondToWhatAFastLongLinkHolds) {
+TEST(CreditWindow, growsWithinASecondToTheCapacityOfAFastLongLink) {
   SteadyLink link(25e6, milliseconds(100));
   link.run(milliseconds(1000));
   EXPECT_NEAR(link.windowRatio(), 1.5, 0.1);
@@ -70,7 +70,7 @@ TEST(CreditWindow, shrinksWhenTheLinkSlowsDown) {
   EXPECT_NEAR(link.windowRatio(), 1.5, 0.1);
 }
 
-TEST(CreditWindow, doesNotTakeAPauseForASlowLink) {
+TEST(CreditWindow, isNotReducedByPauses) {
   SteadyLink link(12.5e6, milliseconds(100));
   link.run(milliseconds(2000));
   for (int time = 0; time < 20; ++time) {

@@ -47,7 +47,7 @@ TEST(CutProbe, findsTheNearestOfSeveralParts) {
   EXPECT_EQ(hit->distance_model, 2.5);
 }
 
-TEST(CutProbe, findsAFallbackWhereThatIsDrawnInTheCutsPlace) {
+TEST(CutProbe, hitsAFallbackThatIsDrawnInsteadOfTheCut) {
   auto cut = std::make_shared<Cut>(*cutOf({squareAt(512)}));
   Fallback& fallback = cut->fallbacks.emplace_back();
   fallback.part = cutOf({squareAt(256)})->parts[0];
@@ -57,7 +57,7 @@ TEST(CutProbe, findsAFallbackWhereThatIsDrawnInTheCutsPlace) {
   EXPECT_EQ(probe.cast(down, std::vector<uint32_t>{1})->part, &cut->fallbacks[0].part);
 }
 
-TEST(CutProbe, tellsTheTriangleAndWhereInIt) {
+TEST(CutProbe, givesTheTriangleAndTheBarycentricWeights) {
   const auto hit = cast(CutProbe(cutOf({squareAt(0)}), kStep), {{0.5, 0.25, 3}, {0, 0, -1}});
   ASSERT_TRUE(hit);
   EXPECT_EQ(hit->triangle, 0u);
@@ -70,7 +70,7 @@ TEST(CutProbe, seesTrianglesFromBothSidesAndNothingBehindTheEye) {
   EXPECT_FALSE(cast(probe, {{0.5, 0.5, -3}, {0, 0, -1}}));
 }
 
-TEST(CutProbe, passesWhatIsBesideTheRay) {
+TEST(CutProbe, missesTrianglesBesideTheRay) {
   const CutProbe probe(cutOf({squareAt(0)}), kStep);
   EXPECT_FALSE(cast(probe, {{1.5, 0.5, 3}, {0, 0, -1}}));
   EXPECT_FALSE(cast(CutProbe(cutOf({}), kStep), {{0.5, 0.5, 3}, {0, 0, -1}}));

@@ -88,7 +88,7 @@ TEST_F(CachedEngine, receivesNoBlobOnASecondVisit) {
   EXPECT_LE(second.counts().cache_bytes, kept_bytes);  // stand-ins are not needed again
 }
 
-TEST_F(CachedEngine, receivesNoBlobOnASecondVisitHoweverLateTheCacheAnswers) {
+TEST_F(CachedEngine, receivesNoBlobOnASecondVisitEvenIfTheCacheIsSlow) {
   answers_late_ = true;
   for (uint32_t seed = 1; seed <= 20; ++seed) {
     random_.seed(seed);
@@ -105,7 +105,7 @@ TEST_F(CachedEngine, receivesNoBlobOnASecondVisitHoweverLateTheCacheAnswers) {
   }
 }
 
-TEST_F(CachedEngine, fetchesWhatTheCacheHasLostAndKeepsItAgain) {
+TEST_F(CachedEngine, fetchesBlobsThatTheCacheLostAndKeepsThemAgain) {
   Engine first(options());
   run(first);
   for (auto blob = cache_.begin(); blob != cache_.end();) {
@@ -123,7 +123,7 @@ TEST_F(CachedEngine, fetchesWhatTheCacheHasLostAndKeepsItAgain) {
   EXPECT_EQ(server_.completed(), sent);
 }
 
-TEST_F(CachedEngine, showsOfflineWhatTheCacheHas) {
+TEST_F(CachedEngine, showsCachedBlobsOffline) {
   Engine first(options());
   run(first);
   EngineOptions offline = optionsAfter(first);
@@ -147,7 +147,7 @@ TEST_F(CachedEngine, showsOfflineWhatTheCacheHas) {
   EXPECT_EQ(part.cut()->parts.size(), 1u);
 }
 
-TEST_F(CachedEngine, takesAnotherBuildFromTheServerWhateverTheCacheKnew) {
+TEST_F(CachedEngine, opensAnotherBuildOfTheServerDespiteACachedSummary) {
   EngineOptions stale = options();
   stale.cached_model = server_.summary();
   stale.cached_model->build_id.bytes[5] ^= std::byte{1};

@@ -289,7 +289,7 @@ TEST_P(EngineProperties, wanderingCamerasAlwaysSeeAWholePictureAndConvergeWhereT
     EXPECT_EQ(times, 1u) << "blob " << blob << " was fetched again without an eviction between";
 }
 
-TEST_P(EngineProperties, staysWithinItsMemoryAndSettlesAtATenthOfWhatTheViewWouldLike) {
+TEST_P(EngineProperties, staysWithinATenthOfTheWantedMemoryAndSettles) {
   World unlimited(GetParam(), 1ull << 30);
   const View near = unlimited.randomView();
   convergeFor(unlimited, near);
@@ -310,7 +310,7 @@ TEST_P(EngineProperties, staysWithinItsMemoryAndSettlesAtATenthOfWhatTheViewWoul
   EXPECT_EQ(waited() - before, milliseconds(10));
 }
 
-TEST_P(EngineProperties, showsNeverMoreThanMayBeDrawnAndSettlesWithinIt) {
+TEST_P(EngineProperties, staysWithinTheDrawnBudgetAndSettles) {
   World unlimited(GetParam(), 1ull << 30);
   const View near = unlimited.randomView();
   convergeFor(unlimited, near);
@@ -326,7 +326,7 @@ TEST_P(EngineProperties, showsNeverMoreThanMayBeDrawnAndSettlesWithinIt) {
   EXPECT_TRUE(world.engine().limited());
 }
 
-TEST_P(EngineProperties, asksAtOneTimeForNoMoreThanItsShareOfTheMemoryAndConvergesAllTheSame) {
+TEST_P(EngineProperties, limitsOpenRequestsToTheirMemoryShareAndConverges) {
   constexpr uint32_t kHeavy = 64;  // payloads larger than their meshes
   World unlimited(GetParam(), 1ull << 30, kHeavy);
   convergeFor(unlimited, unlimited.randomView());
@@ -354,7 +354,7 @@ View flight(const View& from, int step) {
   return view;
 }
 
-TEST_P(EngineProperties, asksAheadOfACameraThatMovesWithoutFetchingABlobTwice) {
+TEST_P(EngineProperties, prefetchesForAMovingCameraWithoutFetchingABlobTwice) {
   World world(GetParam(), 1ull << 30);
   const View from = world.randomView();
   convergeFor(world, from);
@@ -369,7 +369,7 @@ TEST_P(EngineProperties, asksAheadOfACameraThatMovesWithoutFetchingABlobTwice) {
   for (const auto& [blob, times] : world.server().completed()) EXPECT_EQ(times, 1u) << blob;
 }
 
-TEST(Engine, asksAheadOfAnyPlaceOfAModelThatMoves) {
+TEST(Engine, prefetchesForAnyMovingInstanceOfAModel) {
   uint64_t requested = 0;
   for (uint32_t seed = 1; seed < 7; ++seed) {
     World world(seed, 1ull << 30);
@@ -387,7 +387,7 @@ TEST(Engine, asksAheadOfAnyPlaceOfAModelThatMoves) {
   EXPECT_GT(requested, 0u);
 }
 
-TEST(Engine, asksAheadOfACameraThatIsSoNearThatTheFinestIsFarOff) {
+TEST(Engine, prefetchesEvenIfTheFinestLodMissesTheThreshold) {
   uint64_t requested = 0;
   for (uint32_t seed = 1; seed < 7; ++seed) {
     World world(seed, 1ull << 30);
@@ -407,7 +407,7 @@ TEST(Engine, asksAheadOfACameraThatIsSoNearThatTheFinestIsFarOff) {
   EXPECT_GT(requested, 0u);
 }
 
-TEST_P(EngineProperties, asksForNothingAheadOfACameraThatStands) {
+TEST_P(EngineProperties, prefetchesNothingForAStandingCamera) {
   World world(GetParam(), 1ull << 30);
   convergeFor(world, world.randomView());
   convergeFor(world, world.randomView());  // a jump

@@ -44,7 +44,7 @@ class RefusedEngine : public testing::Test {
   std::optional<Engine> engine_;
 };
 
-TEST_F(RefusedEngine, keepsThePictureAndTriesMoreAndMoreSeldomUntilTheModelIsThereAgain) {
+TEST_F(RefusedEngine, keepsThePictureAndRetriesWithGrowingPausesUntilTheModelIsBack) {
   loseServer(true);
   server_.offer(false);
   connect();
@@ -66,13 +66,13 @@ TEST_F(RefusedEngine, keepsThePictureAndTriesMoreAndMoreSeldomUntilTheModelIsThe
   EXPECT_TRUE(engine_->staysConnected());
 }
 
-TEST_F(RefusedEngine, endsWhereItIsNotToAwaitTheModel) {
+TEST_F(RefusedEngine, endsUnlessItAwaitsTheModel) {
   loseServer(false);
   server_.offer(false);
   EXPECT_THROW(connect(), Error);
 }
 
-TEST_F(RefusedEngine, endsWhereItNeverHadTheModel) {
+TEST_F(RefusedEngine, endsIfItNeverHadTheModel) {
   EngineOptions options;
   options.session.model = "model";
   options.session.awaits_model = true;

@@ -156,7 +156,7 @@ class EngineTest : public testing::Test {
   Engine engine_{options()};
 };
 
-TEST_F(EngineTest, showsTheRootsCoarsestLodFromWhatComesUnasked) {
+TEST_F(EngineTest, showsTheRootsCoarsestLodFromUnrequestedBlobs) {
   openAndShowCoarse();
   ASSERT_TRUE(engine_.summary());
   ASSERT_TRUE(engine_.cut());
@@ -165,7 +165,7 @@ TEST_F(EngineTest, showsTheRootsCoarsestLodFromWhatComesUnasked) {
   EXPECT_EQ(engine_.cut()->blob_bytes, blobs_[1].size());
 }
 
-TEST_F(EngineTest, convergesWhenTheRequestedPayloadHasCome) {
+TEST_F(EngineTest, convergesWhenTheRequestedPayloadArrives) {
   const uint32_t request = openAndShowCoarse();
   ASSERT_NE(request, 0u);
   engine_.receive(blobFrame(request, 1), kStart);
@@ -177,7 +177,7 @@ TEST_F(EngineTest, convergesWhenTheRequestedPayloadHasCome) {
   EXPECT_EQ(engine_.counts().open_requests, 0u);
 }
 
-TEST_F(EngineTest, requestsAgainWhatIsWantedAgainBeforeItsCancelHasEnded) {
+TEST_F(EngineTest, repeatsACancelledRequestThatIsWantedAgain) {
   const uint32_t request = openAndShowCoarse();
   engine_.setView(view_, 1e6f);  // too coarse to need it
   engine_.step(kStart);
@@ -190,7 +190,7 @@ TEST_F(EngineTest, requestsAgainWhatIsWantedAgainBeforeItsCancelHasEnded) {
   EXPECT_FALSE(engine_.takeOutgoing().empty());
 }
 
-TEST_F(EngineTest, doesNotRequestAgainWhatIsBeingDecoded) {
+TEST_F(EngineTest, doesNotRepeatARequestDuringDecoding) {
   const uint32_t request = openAndShowCoarse();
   engine_.receive(blobFrame(request, 1), kStart);
   engine_.step(kStart);
@@ -198,7 +198,7 @@ TEST_F(EngineTest, doesNotRequestAgainWhatIsBeingDecoded) {
   EXPECT_EQ(engine_.counts().open_requests, 0u);
 }
 
-TEST_F(EngineTest, requestsAgainAfterAPauseWhatCannotBeReadNowAndSaysSoMeanwhile) {
+TEST_F(EngineTest, repeatsARequestForATemporarilyUnreadableBlobAfterAPause) {
   uint32_t request = openAndShowCoarse();
   TimePoint now = kStart;
   std::chrono::seconds last_pause(0);
@@ -225,7 +225,7 @@ TEST_F(EngineTest, requestsAgainAfterAPauseWhatCannotBeReadNowAndSaysSoMeanwhile
   EXPECT_TRUE(engine_.cut()->converged);
 }
 
-TEST_F(EngineTest, opensAModelWhoseFirstBlobsCannotBeReadAtFirst) {
+TEST_F(EngineTest, opensAModelWhoseFirstBlobsAreTemporarilyUnreadable) {
   for (const uint32_t arrived : {0u, 1u}) {  // unasked blobs that arrive before the error
     Engine engine(options());
     engine.setView(view_, 1);
@@ -254,7 +254,7 @@ TEST_F(EngineTest, opensAModelWhoseFirstBlobsCannotBeReadAtFirst) {
   }
 }
 
-TEST_F(EngineTest, forgetsWhatCannotBeReadIfTheViewNeedsItNoMore) {
+TEST_F(EngineTest, forgetsAnUnreadableBlobThatTheViewNoLongerNeeds) {
   const uint32_t request = openAndShowCoarse();
   engine_.receive(unreadable(request), kStart);
   engine_.step(kStart);
@@ -266,7 +266,7 @@ TEST_F(EngineTest, forgetsWhatCannotBeReadIfTheViewNeedsItNoMore) {
   EXPECT_EQ(firstRequest(), 0u);
 }
 
-TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenABlobCannotBeHad) {
+TEST_F(EngineTest, keepsTheLastCutAndReportsAnUnavailableBlob) {
   const uint32_t request = openAndShowCoarse();
   engine_.receive(
       proto::encode(proto::ErrorMessage{proto::WireError::kDamagedStore, request, false, "damaged"}, 0),
@@ -289,7 +289,7 @@ TEST_F(EngineTest, beginsWithAFinerLodWhereTheCoarsestIsDamaged) {
   EXPECT_TRUE(engine_.cut()->converged);
 }
 
-TEST_F(EngineTest, hasSettledWithoutAPictureWhereNothingOfItCanBeHad) {
+TEST_F(EngineTest, settlesWithoutAPictureIfNoBlobIsAvailable) {
   openWithoutTheCoarsest();
   EXPECT_FALSE(engine_.settled());
   engine_.receive(
@@ -301,7 +301,7 @@ TEST_F(EngineTest, hasSettledWithoutAPictureWhereNothingOfItCanBeHad) {
   EXPECT_TRUE(engine_.settled());
 }
 
-TEST_F(EngineTest, keepsTheLastCutAndSaysWhyWhenAPayloadCannotBeDecoded) {
+TEST_F(EngineTest, keepsTheLastCutAndReportsAnUndecodablePayload) {
   const uint32_t request = openAndShowCoarse();
   engine_.receive(blobFrame(request, 1), kStart);
   for (const DecodeJob& job : engine_.takeDecodeJobs())
@@ -318,14 +318,14 @@ TEST_F(EngineTest, aJobWithBytesThatAreNoPayloadFailsWithoutThrowing) {
   EXPECT_FALSE(result.failure.empty());
 }
 
-TEST_F(EngineTest, givesUpOnAPageThatIsNoPage) {
+TEST_F(EngineTest, givesUpOnAnInvalidPage) {
   blobs_[2] = Bytes(64);
   engine_.setView(view_, 1);
   engine_.connect(kStart);
   EXPECT_THROW(engine_.receive(greeting(), kStart), Error);
 }
 
-TEST_F(EngineTest, keepsThePictureAndConnectsAnewWhenTheServerGoesAway) {
+TEST_F(EngineTest, keepsThePictureAndReconnectsWhenTheServerGoesAway) {
   openAndShowCoarse();
   engine_.receive(proto::encode(proto::GoAway{"drain"}, 0), kStart);
   EXPECT_FALSE(engine_.wantsConnection(kStart));
@@ -334,7 +334,7 @@ TEST_F(EngineTest, keepsThePictureAndConnectsAnewWhenTheServerGoesAway) {
   EXPECT_EQ(engine_.cut()->triangles, 4u);
 }
 
-TEST_F(EngineTest, takesWhatItWasPromisedWhileItMovesOnFromAServerThatGoesAway) {
+TEST_F(EngineTest, receivesOpenRequestsFromADrainingServer) {
   const uint32_t request = moveOn();
   EXPECT_TRUE(engine_.takeOutgoing().empty()) << "it asks for the blob a second time";
   engine_.receive(blobFrame(request, 1), kMoved, SessionRole::kDraining);
@@ -346,7 +346,7 @@ TEST_F(EngineTest, takesWhatItWasPromisedWhileItMovesOnFromAServerThatGoesAway) 
   EXPECT_EQ(engine_.trouble(), "");
 }
 
-TEST_F(EngineTest, asksTheNextServerForWhatTheOneThatWentAwayDidNotGive) {
+TEST_F(EngineTest, repeatsUnansweredRequestsAtTheNextServer) {
   moveOn();
   engine_.takeOutgoing();
   engine_.disconnect(Error(ErrorCode::kNetwork, "closed"), kMoved, SessionRole::kDraining);
@@ -358,7 +358,7 @@ TEST_F(EngineTest, asksTheNextServerForWhatTheOneThatWentAwayDidNotGive) {
   EXPECT_TRUE(engine_.settled());
 }
 
-TEST_F(EngineTest, keepsTheServerThatGoesAwayWhereTheNextOneIsNotThereYet) {
+TEST_F(EngineTest, keepsTheDrainingServerUntilTheNextOneConnects) {
   const uint32_t request = openAndShowCoarse();
   engine_.receive(proto::encode(proto::GoAway{"drain"}, 0), kStart);
   engine_.connect(kMoved);
@@ -386,7 +386,7 @@ TEST_F(EngineTest, triesAgainWhereTheServerIsFull) {
   EXPECT_TRUE(engine_.summary());
 }
 
-TEST_F(EngineTest, saysWhatThePictureWaitsFor) {
+TEST_F(EngineTest, measuresWhatThePictureWaitsFor) {
   using std::chrono::milliseconds;
   const auto waited = [this](Waiting waiting) {
     return std::chrono::duration_cast<milliseconds>(engine_.counts().waited.of(waiting));
@@ -403,7 +403,7 @@ TEST_F(EngineTest, saysWhatThePictureWaitsFor) {
   EXPECT_EQ(waited(Waiting::kBudget), milliseconds(0));
 }
 
-TEST_F(EngineTest, asksAnewForWhatWasUnderWayWhenTheConnectionBroke) {
+TEST_F(EngineTest, repeatsOpenRequestsAfterTheConnectionBroke) {
   openAndShowCoarse();
   engine_.disconnect(Error(ErrorCode::kNetwork, "broken"), kStart);
   engine_.connect(kStart + kFirstRetry);
@@ -415,7 +415,7 @@ TEST_F(EngineTest, asksAnewForWhatWasUnderWayWhenTheConnectionBroke) {
   EXPECT_EQ(engine_.cut()->triangles, 4u);
 }
 
-TEST_F(EngineTest, opensTheNewBuildOfAModelThatWasReplacedAndShowsTheOldOneMeanwhile) {
+TEST_F(EngineTest, showsTheOldBuildUntilTheNewOneIsOpen) {
   openAndShowCoarse();
   engine_.receive(proto::encode(proto::ModelReplaced{1}, 0), kStart);
   EXPECT_TRUE(engine_.wantsConnection(kStart));
@@ -445,7 +445,7 @@ TEST_F(EngineTest, refusesANewBuildOfAnotherSize) {
   }
 }
 
-TEST_F(EngineTest, keepsThePictureAndConnectsAnewWhenTheServerFallsSilent) {
+TEST_F(EngineTest, keepsThePictureAndReconnectsWhenTheServerFallsSilent) {
   openAndShowCoarse();
   TimePoint now = kStart;
   for (int second = 0; second < 40 && engine_.trouble().empty(); ++second)
@@ -455,7 +455,7 @@ TEST_F(EngineTest, keepsThePictureAndConnectsAnewWhenTheServerFallsSilent) {
   EXPECT_TRUE(engine_.wantsConnection(now + kFirstRetry));
 }
 
-TEST_F(EngineTest, asksTheServerOfANewBuildForNothingOfTheOldOne) {
+TEST_F(EngineTest, requestsNoBlobsOfTheOldBuildFromAServerOfTheNew) {
   openAndShowCoarse();
   ASSERT_EQ(engine_.counts().open_requests, 1u);
   engine_.receive(proto::encode(proto::ModelReplaced{1}, 0), kStart);
@@ -466,13 +466,13 @@ TEST_F(EngineTest, asksTheServerOfANewBuildForNothingOfTheOldOne) {
   EXPECT_EQ(engine_.counts().open_requests, 0u);
 }
 
-TEST_F(EngineTest, givesUpWhereANewTryWouldFailToo) {
+TEST_F(EngineTest, givesUpOnErrorsThatARetryWouldRepeat) {
   EXPECT_THROW(engine_.disconnect(Error(ErrorCode::kNetwork, "nobody there"), kStart), Error);
   openAndShowCoarse();
   EXPECT_THROW(engine_.disconnect(Error(ErrorCode::kInput, "no such model"), kStart), Error);
 }
 
-TEST_F(EngineTest, fetchesWhatTwoLodsShareOnceWhicheverIsWantedFirst) {
+TEST_F(EngineTest, fetchesABlobOfTwoLodsOnceWhicheverIsWantedFirst) {
   root_.lods = {{refOf(1), 40, 42, 0, 0.001f, 0}, {refOf(1), 40, 42, 0, 0.04f, 0}, root_.lods[1]};
   blobs_[2] = encodePage({{root_}});
   const uint32_t request = openAndShowCoarse();
@@ -487,7 +487,7 @@ TEST_F(EngineTest, fetchesWhatTwoLodsShareOnceWhicheverIsWantedFirst) {
   EXPECT_TRUE(engine_.settled());
 }
 
-TEST_F(EngineTest, fetchesWhatTwoLodsShareOnce) {
+TEST_F(EngineTest, fetchesABlobOfTwoLodsOnce) {
   root_.lods = {{refOf(1), 40, 42, 0, 0.001f, 0}, {refOf(1), 40, 42, 0, 0.002f, 0}, root_.lods[1]};
   blobs_[2] = encodePage({{root_}});
   const uint32_t request = openAndShowCoarse();
@@ -499,7 +499,7 @@ TEST_F(EngineTest, fetchesWhatTwoLodsShareOnce) {
   EXPECT_TRUE(engine_.settled());
 }
 
-TEST_F(EngineTest, fetchesWhatTwoNodesShareOnce) {
+TEST_F(EngineTest, fetchesABlobOfTwoNodesOnce) {
   Node left = root_, right = root_;
   left.key = kRootKey.child(0);
   right.key = kRootKey.child(1);

@@ -66,7 +66,7 @@ TEST(Framing, fillsPicturesOfEveryShapeWithBoxesOfEveryShape) {
   }
 }
 
-TEST(Framing, fillsWhatIsFreeBesideWhatCoversThePicture) {
+TEST(Framing, fillsTheUncoveredPartOfThePicture) {
   constexpr double kCovered = 0.3;
   for (const glm::uvec3 size : {glm::uvec3(800), {2000, 100, 100}, {100, 2000, 100}}) {
     const LatticeBox box{glm::uvec3(500), glm::uvec3(500) + size};
@@ -79,7 +79,7 @@ TEST(Framing, fillsWhatIsFreeBesideWhatCoversThePicture) {
   }
 }
 
-TEST(Framing, fillsThePictureWithTheMeshWhereThatIsSmallerThanItsBox) {
+TEST(Framing, fillsThePictureWithAMeshSmallerThanItsBox) {
   const auto mesh = std::make_shared<Mesh>(test::makeSphere(24, 12));
   const ModelSummary model = modelOf(test::boxOf(*mesh));
   std::vector<glm::uvec3> points;
@@ -87,7 +87,7 @@ TEST(Framing, fillsThePictureWithTheMeshWhereThatIsSmallerThanItsBox) {
   expectFull(fill(framingCamera(model, {.coarse = mesh}), model, points, 640, 640));
 }
 
-TEST(Framing, leavesRoomForWhatACoarseMeshHasLost) {
+TEST(Framing, leavesRoomForTheErrorOfACoarseMesh) {
   const auto mesh =
       std::make_shared<Mesh>(test::makeSphere(24, 12, {.attributes = {}, .origin = glm::uvec3(2000)}));
   LatticeBox box = test::boxOf(*mesh);
@@ -110,7 +110,7 @@ TEST(Framing, leavesRoomForNothingOutsideTheBox) {
   EXPECT_LE(glm::distance(lossy.eye, lossy.target), 1.001 * glm::distance(of_box.eye, of_box.target));
 }
 
-TEST(Framing, looksAtThreeQuartersFromAboveWhicheverAxisIsUp) {
+TEST(Framing, looksFromThreeQuartersAboveForAnyUpAxis) {
   const ModelSummary model = modelOf({glm::uvec3(0), glm::uvec3(1000)});
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1.0, -1.0}) {
@@ -125,7 +125,7 @@ TEST(Framing, looksAtThreeQuartersFromAboveWhicheverAxisIsUp) {
   }
 }
 
-TEST(Framing, looksFromTheFrontThatGoesWithTheAxis) {
+TEST(Framing, looksFromTheFrontThatBelongsToTheUpAxis) {
   const ModelSummary model = modelOf({glm::uvec3(0), glm::uvec3(1000)});
   const CameraKey y_up = framingCamera(model, {.up = glm::dvec3(0, 1, 0)}).keys[0];
   const CameraKey z_up = framingCamera(model, {.up = glm::dvec3(0, 0, 1)}).keys[0];
@@ -139,7 +139,7 @@ TEST(Framing, looksAtTheBroaderSide) {
   EXPECT_GT(key.eye.x - key.target.x, key.eye.z - key.target.z);
 }
 
-TEST(Framing, looksDownMoreSteeplyOnWhatIsFlat) {
+TEST(Framing, looksDownMoreSteeplyOnAFlatModel) {
   const auto tilt = [](glm::uvec3 size) {
     const CameraKey key = framingCamera(modelOf({glm::uvec3(0), size})).keys[0];
     return glm::normalize(key.eye - key.target).y;

@@ -38,7 +38,7 @@ class HiddenParts : public testing::TestWithParam<uint32_t> {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, HiddenParts, testing::Range(1u, 1 + lode::test::kSeeds));
 
-TEST_P(HiddenParts, changeNothingOfTheConvergedCutAndLeaveNoHoleWhateverIsTakenForHidden) {
+TEST_P(HiddenParts, keepTheConvergedCutAndLeaveNoHoles) {
   for (const bool all : {false, true}) {
     Scripted client(model_);
     client.seeOnly(seenPastAWall(model_, all));
@@ -52,7 +52,7 @@ TEST_P(HiddenParts, changeNothingOfTheConvergedCutAndLeaveNoHoleWhateverIsTakenF
   }
 }
 
-TEST_P(HiddenParts, comeAfterAllThatIsSeen) {
+TEST_P(HiddenParts, areRequestedAfterAllVisibleParts) {
   constexpr RefineOptions kOptions{.threshold_px = 1};
   const SeenPlaces seen = seenPastAWall(model_, false);
   Scripted client(model_);

@@ -34,7 +34,7 @@ class HierarchyTest : public testing::Test {
   NodeKey owner_{0};
 };
 
-TEST_F(HierarchyTest, knowsEveryNodeOnceAllPagesHaveCome) {
+TEST_F(HierarchyTest, knowsEveryNodeOnceAllPagesHaveArrived) {
   const Hierarchy all = model_.hierarchy();
   EXPECT_EQ(all.size(), model_.nodes().size());
   for (const auto& [key, node] : model_.nodes()) {
@@ -125,7 +125,7 @@ TEST_F(HierarchyTest, forgetsPagesThatAreNotInUseTheLeastRecentlyUsedFirst) {
   EXPECT_EQ(hierarchy.bytes(), withRoot().bytes());
 }
 
-TEST_F(HierarchyTest, takesAPageAnewThatItHasForgotten) {
+TEST_F(HierarchyTest, acceptsAForgottenPageAgain) {
   Hierarchy hierarchy = model_.hierarchy();
   hierarchy.use({}, 0);
   hierarchy.addPage(owner_, model_.pageBelow(owner_));
@@ -144,7 +144,7 @@ TEST(HierarchyMemory, keepsAPageWhileOneBelowItIsKnown) {
   EXPECT_TRUE(hierarchy.find(deep)->childrenKnown());
 }
 
-TEST(HierarchyMemory, forgetsAPageTogetherWithThoseBelowItWhereNobodyUsesThem) {
+TEST(HierarchyMemory, forgetsAnUnusedPageWithThePagesBelowIt) {
   const SyntheticModel model({.seed = 2, .depth = 6});
   Hierarchy hierarchy = model.hierarchy();
   ASSERT_GT(hierarchy.size(), model.rootPage().nodes.size());
@@ -152,7 +152,7 @@ TEST(HierarchyMemory, forgetsAPageTogetherWithThoseBelowItWhereNobodyUsesThem) {
   EXPECT_EQ(hierarchy.size(), model.rootPage().nodes.size());
 }
 
-TEST(HierarchyMemory, countsLodsOfNodesThatHoldMany) {
+TEST(HierarchyMemory, countsTheMemoryOfManyLods) {
   HierarchyPage page;
   Node root;
   root.key = kRootKey;

@@ -33,7 +33,7 @@ std::shared_ptr<const TextureFootprint> footprintOf(size_t tiles, size_t whole) 
   return std::make_shared<const TextureFootprint>(std::move(footprint));
 }
 
-TEST(MeshCache, countsTheBytesOfFootprintsWheneverTheyCome) {
+TEST(MeshCache, countsTheBytesOfFootprintsThatArriveLater) {
   const auto footprint = footprintOf(50, 3);
   const uint64_t footprint_bytes = footprintBytes(*footprint);
   EXPECT_GE(footprint_bytes, 50 * sizeof(TouchedTile) + 3 * sizeof(WornTexture));
@@ -78,7 +78,7 @@ TEST(MeshCache, evictsTheLeastRecentlyUsedFirst) {
   EXPECT_LE(cache.bytes(), cache.budgetBytes());
 }
 
-TEST(MeshCache, keepsWhatIsInUseOrPinnedEvenBeyondTheBudget) {
+TEST(MeshCache, keepsUsedAndPinnedMeshesBeyondTheBudget) {
   MeshCache cache(0);
   cache.insert({kRootKey, 2}, meshOf(100));
   cache.pin({kRootKey, 2});
@@ -91,7 +91,7 @@ TEST(MeshCache, keepsWhatIsInUseOrPinnedEvenBeyondTheBudget) {
   EXPECT_FALSE(cache.contains({kChild, 1}));
 }
 
-TEST(MeshCache, evictsAncestorsAfterTheRest) {
+TEST(MeshCache, evictsAncestorsLast) {
   MeshCache cache(2 * kMeshBytes);
   cache.insert({kRootKey, 0}, meshOf(100));
   cache.insert({kChild, 0}, meshOf(100));

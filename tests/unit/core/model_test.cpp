@@ -14,7 +14,7 @@ uint64_t workBytes(const DecodeJob& job) {
   return 2 * meshBytes(job.expected.vertices, job.expected.triangles, job.expected.attributes);
 }
 
-TEST(Model, handsOutNoMoreToDecodeThanThereIsMemoryForAndAllInTheEnd) {
+TEST(Model, limitsDecodeJobsToTheirMemoryShare) {
   const SyntheticModel synthetic({.seed = 3});
   const ScriptedServer server(synthetic);
   constexpr uint64_t kBudgetBytes = 1u << 20, kShareBytes = kBudgetBytes / kTransitBudgetShare;
@@ -93,7 +93,7 @@ TEST(Model, beginsWithTheNextFinerLodOnlyWhereTheCoarsestIsLost) {
   }
 }
 
-TEST(Model, takesNoLateResultOfABuildThatItHasReplaced) {
+TEST(Model, ignoresLateResultsOfAReplacedBuild) {
   const SyntheticModel synthetic({.seed = 3});
   const ScriptedServer server(synthetic);
   Model model(server.summary(), 1ull << 30);

@@ -85,7 +85,7 @@ class PartError : public testing::TestWithParam<uint32_t> {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, PartError, testing::Range(1u, 1 + lode::test::kSeeds));
 
-TEST_P(PartError, isAtLeastWhatAnyPointOfTheOriginalIsOffInThePicture) {
+TEST_P(PartError, boundsTheDeviationOfEveryOriginalPointInThePicture) {
   for (int scene = 0; scene < 4; ++scene) {
     const auto error_model = static_cast<float>(4 * std::pow(10, -3 * roll()));
     const CutPart part = partOf(randomSurface(random_), error_model);
@@ -105,7 +105,7 @@ TEST_P(PartError, isAtLeastWhatAnyPointOfTheOriginalIsOffInThePicture) {
   }
 }
 
-TEST_P(PartError, isNeverMoreThanThatOfTheBox) {
+TEST_P(PartError, isNeverMoreThanTheErrorOfTheBox) {
   const CutPart part = partOf(randomSurface(random_), 0.1f);
   for (int camera = 0; camera < 20; ++camera) {
     const glm::dvec3 eye = 200.0 * glm::dvec3(roll(), roll(), roll()) - 70.0;
@@ -114,7 +114,7 @@ TEST_P(PartError, isNeverMoreThanThatOfTheBox) {
   }
 }
 
-TEST_P(PartError, isThatOfTheWallsInTheMiddleOfARoom) {
+TEST_P(PartError, isMeasuredAtTheWallsInTheMiddleOfARoom) {
   const double step = 0.001;
   const CutPart part = [&] {
     CutPart made = partOf(room({22'000, 20'000, 3'000}), 0.0005f);
@@ -127,7 +127,7 @@ TEST_P(PartError, isThatOfTheWallsInTheMiddleOfARoom) {
   EXPECT_LE(partErrorPx(part, step, ViewFrustum(view, 1)), screenErrorPx(0.0005f, 1.499, view));
 }
 
-TEST(PartErrorOfAWall, isThatOfTheWallThatTheCameraLooksAt) {
+TEST(PartErrorOfAWall, isMeasuredAtTheVisibleWall) {
   const double step = 0.001;
   Mesh walls = room({22'000, 20'000, 3'000});
   std::erase_if(walls.triangles, [&](glm::u32vec3 t) {  // leaves the walls at both ends of y
@@ -140,7 +140,7 @@ TEST(PartErrorOfAWall, isThatOfTheWallThatTheCameraLooksAt) {
   EXPECT_NEAR(partErrorPx(part, step, ViewFrustum(view, 1)), screenErrorPx(0.0005f, 18, view), 1e-4);
 }
 
-TEST(PartErrorOfAWall, isThatOfTheVisiblePartOfTheFloor) {
+TEST(PartErrorOfAWall, isMeasuredAtTheVisiblePartOfTheFloor) {
   CutPart part = partOf(room({22'000, 20'000, 3'000}), 0.0005f);
   part.box = {{0, 0, 0}, {22, 20, 3}};
   View view = lookingAt({11, 12, 1.5}, {11, 20, 1.5});
@@ -149,7 +149,7 @@ TEST(PartErrorOfAWall, isThatOfTheVisiblePartOfTheFloor) {
   EXPECT_NEAR(partErrorPx(part, 0.001, ViewFrustum(view, 1)), screenErrorPx(0.0005f, nearest, view), 1e-3);
 }
 
-TEST(PartErrorOfAWall, isNothingIfOnlyTheBoxIsInThePicture) {
+TEST(PartErrorOfAWall, isZeroIfOnlyTheBoxIsInThePicture) {
   CutPart part = partOf(room({1000, 1000, 1}), 0.0005f);
   part.box = {{0, 0, 0}, {1, 1, 1}};
   EXPECT_EQ(partErrorPx(part, 0.001, ViewFrustum(lookingAt({0.5, 0.5, 0.5}, {0.5, 0.5, 1}), 1)), 0);

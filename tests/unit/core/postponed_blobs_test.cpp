@@ -60,7 +60,7 @@ TEST(PostponedBlobs, areForgottenAboveTheLimit) {
   EXPECT_TRUE(postponed.contains(kMaxPostponedBlobs + 1));
 }
 
-TEST(PostponedBlobs, forgetThoseThatWereNotRequestedAgain) {
+TEST(PostponedBlobs, areForgottenIfNotRequestedAgain) {
   PostponedBlobs postponed;
   postponed.add(1, "no", kBegin);
   EXPECT_TRUE(postponed.release(kBegin + kFirstRepeat));

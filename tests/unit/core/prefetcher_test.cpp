@@ -54,12 +54,12 @@ std::set<BlobUse> usesOf(const std::vector<Request>& requests) {
   return uses;
 }
 
-TEST(Prefetcher, asksForWhatAMovingCameraWillNeed) {
+TEST(Prefetcher, requestsTheBlobsThatAMovingCameraWillNeed) {
   const SyntheticModel tree({.seed = 3});
   EXPECT_FALSE(askedAhead(coarseModel(tree, 1ull << 30)).empty());
 }
 
-TEST(Prefetcher, asksForWhatAnyPlaceWillNeedAndForEachBlobOnce) {
+TEST(Prefetcher, requestsTheBlobsOfAllInstancesOnce) {
   const SyntheticModel tree({.seed = 3});
   const Model model = coarseModel(tree, 1ull << 30);
   const std::vector<Request> together = askedAhead(model, {standing, towardsTheModel, beside});
@@ -71,7 +71,7 @@ TEST(Prefetcher, asksForWhatAnyPlaceWillNeedAndForEachBlobOnce) {
   EXPECT_TRUE(askedAhead(model, {standing, standing}).empty());
 }
 
-TEST(Prefetcher, countsAsUsedWhatAnyPlaceShows) {
+TEST(Prefetcher, countsABlobAsUsedIfAnyInstanceShowsIt) {
   const SyntheticModel tree({.seed = 3});
   const Model model = coarseModel(tree, 1ull << 30);
   const std::vector<Request> requests = askedAhead(model);
@@ -90,14 +90,14 @@ TEST(Prefetcher, countsAsUsedWhatAnyPlaceShows) {
   EXPECT_EQ(prefetcher.counts().used, 1u);
 }
 
-TEST(Prefetcher, remembersFewBlobsThatNobodyEverNeeds) {
+TEST(Prefetcher, limitsTheUnusedBlobsThatItRemembers) {
   Prefetcher prefetcher;
   for (uint32_t number = 1; number <= kMaxUnusedPrefetches + 1000; ++number)
     prefetcher.asked({{number, 10, {}}, {BlobKind::kMesh, {NodeKey{number}, 0}}});
   EXPECT_EQ(prefetcher.counts().requested, kMaxUnusedPrefetches);
 }
 
-TEST(Prefetcher, takesOtherPlacesForNoMotion) {
+TEST(Prefetcher, treatsANewNumberOfInstancesAsNoMotion) {
   const SyntheticModel tree({.seed = 3});
   const Model model = coarseModel(tree, 1ull << 30);
   Prefetcher prefetcher;
@@ -112,7 +112,7 @@ TEST(Prefetcher, takesOtherPlacesForNoMotion) {
   EXPECT_TRUE(prefetcher.requests().empty());
 }
 
-TEST(Prefetcher, leavesAShareOfTheMemoryToWhatIsSeen) {
+TEST(Prefetcher, leavesAShareOfTheMemoryToTheView) {
   const SyntheticModel tree({.seed = 3});
   const Model roomy = coarseModel(tree, 1ull << 30);
   // Meshes get 3/4 of the budget, and prefetching 3/4 of that.

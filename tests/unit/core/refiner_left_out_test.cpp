@@ -25,7 +25,7 @@ void deliverWhatIsSeen(Scripted& client, const View& view, float threshold_px) {
   FAIL() << "requests without end";
 }
 
-TEST_P(RefinerOnSeeds, whatIsFarOutsideTheViewHoldsUpNothing) {
+TEST_P(RefinerOnSeeds, convergesWithoutPartsFarOutsideTheView) {
   Scripted client(model_);
   deliverWhatIsSeen(client, insideView(), 1);
   ASSERT_TRUE(client.last().cut);
@@ -40,14 +40,14 @@ TEST_P(RefinerOnSeeds, whatIsFarOutsideTheViewHoldsUpNothing) {
     EXPECT_FALSE(isNear(model_, request.use.mesh.node, insideView()));
 }
 
-TEST_P(RefinerOnSeeds, whatStandsInFarOutsideTheViewHoldsUpNothingEither) {
+TEST_P(RefinerOnSeeds, convergesWithoutStandInsFarOutsideTheView) {
   Scripted client(model_);
   client.converge(farView(), {.threshold_px = 5}, random_, kNoCheck);
   deliverWhatIsSeen(client, insideView(), 1);
   EXPECT_TRUE(client.last().cut->converged);
 }
 
-TEST_P(RefinerOnSeeds, aCameraThatTurnsBeforeTheRestHasComeSeesAWholePicture) {
+TEST_P(RefinerOnSeeds, showsAWholePictureToACameraThatTurnsEarly) {
   Scripted client(model_);
   deliverWhatIsSeen(client, insideView(), 1);
   View turned = insideView();
@@ -70,7 +70,7 @@ std::optional<MeshKey> nearestAbove(const MeshCache& cache, NodeKey place) {
   return std::nullopt;
 }
 
-TEST(Refiner, leavesOutPlacesOfMostModelsWhereTheFallbackTestsLook) {
+TEST(Refiner, leavesOutNodesOfMostModelsInTheFallbackTests) {
   int models = 0;
   for (uint32_t seed = 1; seed < 13; ++seed) {
     const SyntheticModel model({.seed = seed, .empty_chance = seed % 2 ? 0.1 : 0.0});
@@ -83,7 +83,7 @@ TEST(Refiner, leavesOutPlacesOfMostModelsWhereTheFallbackTestsLook) {
   EXPECT_GE(models, 8);
 }
 
-TEST_P(RefinerOnSeeds, holdsForEachPlaceThatItLeavesOutTheNearestAncestorThatIsResident) {
+TEST_P(RefinerOnSeeds, holdsTheNearestResidentAncestorOfEachLeftOutNode) {
   Scripted client(model_);
   client.converge(farView(), {.threshold_px = 5}, random_, kNoCheck);
   deliverWhatIsSeen(client, insideView(), 1);
@@ -103,7 +103,7 @@ TEST_P(RefinerOnSeeds, holdsForEachPlaceThatItLeavesOutTheNearestAncestorThatIsR
   EXPECT_EQ(held_for, now.cut->left_out.size());
 }
 
-TEST_P(RefinerOnSeeds, holdsFallbacksWithinTheirMemoryAndElseTheRootsCoarsestLod) {
+TEST_P(RefinerOnSeeds, holdsFallbacksWithinTheirMemoryOrTheRootsCoarsestLod) {
   Scripted client(model_);
   client.converge(farView(), {.threshold_px = 5}, random_, kNoCheck);
   deliverWhatIsSeen(client, insideView(), 1);
@@ -138,7 +138,7 @@ TEST_P(RefinerOnSeeds, holdsFallbacksWithinTheirMemoryAndElseTheRootsCoarsestLod
   EXPECT_EQ(root.end_part - root.first_part, cut.parts.size());
 }
 
-TEST_P(RefinerOnSeeds, leavesNothingOutWhileNothingCouldBeShownInstead) {
+TEST_P(RefinerOnSeeds, leavesNothingOutWithoutAFallback) {
   const Hierarchy hierarchy = model_.hierarchy();
   MeshCache cache(1ull << 40);  // without the root's meshes
   std::vector<NodeKey> missing;

@@ -21,7 +21,7 @@ class RefinerLimits : public testing::TestWithParam<uint32_t> {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RefinerLimits, testing::Range(1u, 1 + lode::test::kSeeds));
 
-TEST_P(RefinerLimits, showsAllOfEachPlaceInTurnThoughTheBudgetHoldsThePagesOfOneAlone) {
+TEST_P(RefinerLimits, convergesForEachViewInTurnIfTheBudgetHoldsPagesOfOne) {
   const auto pagesOf = [&](const View& view) {
     Scripted client(model_);
     client.converge(view, {.threshold_px = 4}, random_, kNoCheck);
@@ -38,7 +38,7 @@ TEST_P(RefinerLimits, showsAllOfEachPlaceInTurnThoughTheBudgetHoldsThePagesOfOne
   }
 }
 
-TEST_P(RefinerLimits, asksForNoMorePagesAtOnceThanTheBudgetHoldsTogether) {
+TEST_P(RefinerLimits, requestsNoMorePagesAtOnceThanTheBudgetHolds) {
   const auto isPage = [](const Request& request) { return request.use.kind == BlobKind::kPage; };
   const auto pagesAskedFor = [&](uint64_t budget) {
     Scripted client(model_);
@@ -56,7 +56,7 @@ TEST_P(RefinerLimits, asksForNoMorePagesAtOnceThanTheBudgetHoldsTogether) {
     EXPECT_EQ(pagesAskedFor(first_page + pages * pageBytesAtMost(1000)), std::min(pages, all));
 }
 
-TEST_P(RefinerLimits, saysThatItIsLimitedThoughTheBudgetLastStoppedWhatWasOnlyHeld) {
+TEST_P(RefinerLimits, isLimitedEvenIfTheBudgetLastStoppedAHeldNode) {
   constexpr float kHold = 0.25f;
   const uint64_t first_page = Scripted(model_).hierarchy().bytes();
   for (const View& view : {closeView(), farView()}) {
@@ -150,7 +150,7 @@ TEST_P(RefinerLimits, givesATriangleBudgetToTheLargestErrors) {
   }
 }
 
-TEST_P(RefinerLimits, saysOfWhatABudgetAllowsThatItIsForItsThreshold) {
+TEST_P(RefinerLimits, keepsTheThresholdOfPartsThatABudgetAllows) {
   Scripted unlimited(model_);
   unlimited.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
   const RefineOptions options{.threshold_px = 1, .triangle_budget = unlimited.last().cut->triangles / 2};
@@ -160,7 +160,7 @@ TEST_P(RefinerLimits, saysOfWhatABudgetAllowsThatItIsForItsThreshold) {
     EXPECT_TRUE(!part.visible || part.threshold_px == 1) << part.node.value;
 }
 
-TEST_P(RefinerLimits, showsNothingThatIsSeenWorseThanItsParentWould) {
+TEST_P(RefinerLimits, showsNoVisiblePartWorseThanItsParent) {
   for (const View& view : {closeView(), insideView()}) {
     const BruteForce errors(model_, view, 2);
     for (const uint64_t budget :
@@ -175,7 +175,7 @@ TEST_P(RefinerLimits, showsNothingThatIsSeenWorseThanItsParentWould) {
   }
 }
 
-TEST_P(RefinerLimits, wantsNoMoreThanMayBeDrawnAndSaysSo) {
+TEST_P(RefinerLimits, staysWithinTheDrawnBudgetAndReportsTheLimit) {
   Scripted unlimited(model_), client(model_);
   unlimited.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
   uint64_t liked_bytes = 0;
@@ -218,7 +218,7 @@ TEST(Refiner, countsPartsWithoutTrianglesInTheMemoryToo) {
 /// Returns a view of the whole model, so that only the distance changes.
 View viewFrom(double distance) { return lookingAt({512, 512, 512 + distance}, {512, 512, 512}); }
 
-TEST(Refiner, changesNothingForACameraThatTremblesOnceItHasSeenBothEnds) {
+TEST(Refiner, keepsTheCutForATremblingCameraByHysteresis) {
   const auto partsAt = [](Scripted& client, double distance, float hysteresis_factor, std::mt19937& random) {
     client.converge(viewFrom(distance), {.threshold_px = 12, .hysteresis_factor = hysteresis_factor}, random,
                     kNoCheck);
@@ -238,7 +238,7 @@ TEST(Refiner, changesNothingForACameraThatTremblesOnceItHasSeenBothEnds) {
   EXPECT_GT(flickering, 0u);
 }
 
-TEST(Refiner, isLimitedByWhatIsAboveTheThresholdAloneNotByWhatItWouldHold) {
+TEST(Refiner, isNotLimitedByPartsThatOnlyHysteresisWouldKeep) {
   int held_back = 0;  // budgets that prevent what hysteresis would keep
   for (uint32_t seed = 1; seed < 13; ++seed) {
     const SyntheticModel model({.seed = seed});
@@ -260,7 +260,7 @@ TEST(Refiner, isLimitedByWhatIsAboveTheThresholdAloneNotByWhatItWouldHold) {
   EXPECT_GT(held_back, 0);
 }
 
-TEST(Refiner, letsGoOfWhatItHoldsWhereTheErrorHasFallenByMoreThanThat) {
+TEST(Refiner, coarsensOnceTheErrorFallsBelowTheHysteresis) {
   const SyntheticModel model({.seed = 3});
   std::mt19937 random(3);
   Scripted held(model), fresh(model);

@@ -28,7 +28,7 @@ class RefinerWithoutSomeBlobs : public RefinerOnSeeds {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RefinerWithoutSomeBlobs, testing::Range(1u, 1 + lode::test::kSeeds));
 
-TEST_P(RefinerWithoutSomeBlobs, settlesOnTheCutOfAllThatThereIs) {
+TEST_P(RefinerWithoutSomeBlobs, settlesOnTheBestAvailableCut) {
   for (const View& view : {closeView(), farView(), insideView()}) {
     for (const uint32_t share : {30u, 4u}) {
       const std::set<uint32_t> lost = someBlobs(share);
@@ -43,7 +43,7 @@ TEST_P(RefinerWithoutSomeBlobs, settlesOnTheCutOfAllThatThereIs) {
   }
 }
 
-TEST_P(RefinerWithoutSomeBlobs, beginsBelowARootOfWhichNothingIsThere) {
+TEST_P(RefinerWithoutSomeBlobs, beginsBelowARootWithoutAvailableLods) {
   std::set<uint32_t> lost;
   for (const Lod& lod : model_.nodes().at(kRootKey).lods) lost.insert(lod.payload.number);
   Scripted client(model_);
@@ -53,7 +53,7 @@ TEST_P(RefinerWithoutSomeBlobs, beginsBelowARootOfWhichNothingIsThere) {
   EXPECT_EQ(partsOf(*client.last().cut), BruteForce(model_, farView(), 1000, lost).parts());
 }
 
-TEST_P(RefinerWithoutSomeBlobs, hasNotConvergedWhereTheyKeepItAboveTheThreshold) {
+TEST_P(RefinerWithoutSomeBlobs, doesNotConvergeIfTheErrorStaysAboveTheThreshold) {
   std::set<uint32_t> lost;
   for (const auto& [key, node] : model_.nodes())
     for (const Lod& lod : node.lods)

@@ -27,7 +27,7 @@ TEST_P(RefinerOnSeeds, convergesToTheCutThatBruteForceFinds) {
   }
 }
 
-TEST_P(RefinerOnSeeds, convergesToTheSameCutWhateverCameBefore) {
+TEST_P(RefinerOnSeeds, convergesToTheSameCutAfterOtherViews) {
   Scripted client(model_);
   for (const View& view : {farView(), insideView(), closeView(), farView()}) {
     client.converge(view, {.threshold_px = 5}, random_, kNoCheck);
@@ -35,7 +35,7 @@ TEST_P(RefinerOnSeeds, convergesToTheSameCutWhateverCameBefore) {
   }
 }
 
-TEST_P(RefinerOnSeeds, saysOfEachPartWhatTheErrorInAnyPictureFollowsFrom) {
+TEST_P(RefinerOnSeeds, givesPartsFromWhichTheErrorInThePictureFollows) {
   for (const View& view : {closeView(), farView(), insideView()}) {
     Scripted client(model_);
     client.converge(view, {.threshold_px = 5}, random_, kNoCheck);
@@ -44,7 +44,7 @@ TEST_P(RefinerOnSeeds, saysOfEachPartWhatTheErrorInAnyPictureFollowsFrom) {
   }
 }
 
-TEST_P(RefinerOnSeeds, saysOfWhatIsWantedThatItIsForItsThresholdThoughNothingIsFiner) {
+TEST_P(RefinerOnSeeds, givesWantedPartsTheThresholdEvenIfNoFinerLodExists) {
   bool is_above = false;
   for (const View& view : {closeView(), insideView()}) {
     Scripted client(model_);
@@ -57,7 +57,7 @@ TEST_P(RefinerOnSeeds, saysOfWhatIsWantedThatItIsForItsThresholdThoughNothingIsF
   EXPECT_TRUE(is_above);
 }
 
-TEST_P(RefinerOnSeeds, saysOfAStandInWhatThresholdWouldHaveIt) {
+TEST_P(RefinerOnSeeds, givesACoarserStandInTheThresholdOfItsError) {
   const Parts wanted = BruteForce(model_, closeView(), 5).parts();
   bool has_coarser = false;
   const auto check = [&](const Refinement& now) {
@@ -75,7 +75,7 @@ TEST_P(RefinerOnSeeds, saysOfAStandInWhatThresholdWouldHaveIt) {
   EXPECT_TRUE(has_coarser);
 }
 
-TEST_P(RefinerOnSeeds, saysOfAFinerStandInThatASmallerThresholdWouldHaveIt) {
+TEST_P(RefinerOnSeeds, givesAFinerStandInASmallerThreshold) {
   Scripted client(model_);
   client.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
   const Parts wanted = BruteForce(model_, closeView(), 20).parts();
@@ -90,7 +90,7 @@ TEST_P(RefinerOnSeeds, saysOfAFinerStandInThatASmallerThresholdWouldHaveIt) {
   EXPECT_TRUE(has_finer);
 }
 
-TEST_P(RefinerOnSeeds, neverShowsAHoleOrAPlaceTwice) {
+TEST_P(RefinerOnSeeds, neverShowsAHoleOrAnOverlap) {
   Scripted client(model_);
   bool shown = false;
   const auto check = [&](const Refinement& now) {
@@ -118,7 +118,7 @@ TEST_P(RefinerOnSeeds, neverShowsAHoleWhenTheCacheIsTooSmall) {
   EXPECT_TRUE(was_limited);
 }
 
-TEST_P(RefinerOnSeeds, countsAsInUseWhatHasComeAndWaitsForItsSiblings) {
+TEST_P(RefinerOnSeeds, keepsResidentMeshesInUseWhileTheyAwaitTheirSiblings) {
   const Parts wanted = BruteForce(model_, closeView(), 4).parts();
   Scripted client(model_);
   std::vector<MeshKey> there;
@@ -138,7 +138,7 @@ TEST_P(RefinerOnSeeds, countsAsInUseWhatHasComeAndWaitsForItsSiblings) {
   EXPECT_TRUE(one_waits);
 }
 
-TEST_P(RefinerOnSeeds, keepsWhatWasShownFinerUntilTheCoarserArrives) {
+TEST_P(RefinerOnSeeds, keepsAFinerMeshUntilTheCoarserArrives) {
   const View near = lookingAt({1500, 1600, 4000}, {512, 512, 512});
   const View far = lookingAt({6000, 6400, 16000}, {512, 512, 512});
   Scripted client(model_);
@@ -161,7 +161,7 @@ TEST_P(RefinerOnSeeds, aLowerThresholdNeverGivesLessTriangles) {
   }
 }
 
-TEST_P(RefinerOnSeeds, staysWithinATriangleBudgetAndSaysSo) {
+TEST_P(RefinerOnSeeds, staysWithinATriangleBudgetAndReportsTheLimit) {
   Scripted unlimited(model_);
   unlimited.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
   const uint64_t budget = unlimited.last().cut->triangles / 2;
@@ -173,7 +173,7 @@ TEST_P(RefinerOnSeeds, staysWithinATriangleBudgetAndSaysSo) {
   EXPECT_FALSE(client.last().cut->converged);
 }
 
-TEST_P(RefinerOnSeeds, staysWithinAMemoryBudgetAndSaysSo) {
+TEST_P(RefinerOnSeeds, staysWithinAMemoryBudgetAndReportsTheLimit) {
   Scripted unlimited(model_);
   unlimited.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
   uint64_t all = 0;
@@ -187,7 +187,7 @@ TEST_P(RefinerOnSeeds, staysWithinAMemoryBudgetAndSaysSo) {
   EXPECT_FALSE(client.last().cut->converged);
 }
 
-TEST_P(RefinerOnSeeds, asksForNoPageBeyondTheHierarchysBudgetAndSaysSo) {
+TEST_P(RefinerOnSeeds, requestsNoPageBeyondTheHierarchyBudget) {
   Scripted unlimited(model_);
   unlimited.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
   const uint64_t known_bytes = unlimited.hierarchy().bytes();
@@ -201,7 +201,7 @@ TEST_P(RefinerOnSeeds, asksForNoPageBeyondTheHierarchysBudgetAndSaysSo) {
   EXPECT_FALSE(client.last().cut->converged);
 }
 
-TEST_P(RefinerOnSeeds, asksForATwentiethMoreBytesThanTheConvergedCutAtMost) {
+TEST_P(RefinerOnSeeds, requestsAtMostATwentiethMoreThanTheConvergedCut) {
   Scripted client(model_);
   client.converge(closeView(), {.threshold_px = 1}, random_, kNoCheck);
   uint64_t needed = model_.nodes().at(kRootKey).lods.back().payload.bytes;
@@ -217,7 +217,7 @@ const CutPart* partAt(const Cut& cut, NodeKey node) {
   return nullptr;
 }
 
-TEST_P(RefinerOnSeeds, requestsFirstWhatReplacesTheLargestErrorInThePicture) {
+TEST_P(RefinerOnSeeds, requestsTheLargestErrorInThePictureFirst) {
   constexpr float kThresholdPx = 2;
   const Parts right = BruteForce(model_, closeView(), kThresholdPx).parts();
   size_t compared = 0;
@@ -245,7 +245,7 @@ TEST_P(RefinerOnSeeds, requestsFirstWhatReplacesTheLargestErrorInThePicture) {
   EXPECT_GT(compared, 10u);
 }
 
-TEST(Refiner, asksForTheRootFirstAndShowsNothingBeforeIt) {
+TEST(Refiner, requestsTheRootFirstAndShowsNothingBeforeIt) {
   const SyntheticModel model({.seed = 3});
   Scripted client(model);
   const Refinement& first = client.refineFor(closeView(), {.threshold_px = 2});
@@ -254,7 +254,7 @@ TEST(Refiner, asksForTheRootFirstAndShowsNothingBeforeIt) {
   EXPECT_EQ(first.wanted[0].use.mesh, (MeshKey{kRootKey, 3}));
 }
 
-TEST(Refiner, showsACoveringStepBeforeMostOfTheDetailHasCome) {
+TEST(Refiner, showsACompleteStepBeforeMostDetailArrives) {
   const SyntheticModel model({.seed = 5, .split_chance = 1});
   const RefineOptions options{.threshold_px = 1};
   Scripted whole(model);
@@ -271,7 +271,7 @@ TEST(Refiner, showsACoveringStepBeforeMostOfTheDetailHasCome) {
   EXPECT_GT(triangles_at_half, 4 * model.nodes().at(kRootKey).lods.back().triangles);
 }
 
-TEST(Refiner, holdsPartsOutsideTheViewAtTheirCoarsest) {
+TEST(Refiner, keepsPartsOutsideTheViewAtTheirCoarsestLod) {
   const SyntheticModel model({.seed = 4});
   Scripted client(model);
   std::mt19937 random(2);
@@ -285,7 +285,7 @@ TEST(Refiner, holdsPartsOutsideTheViewAtTheirCoarsest) {
   EXPECT_GT(outside, 0u);
 }
 
-TEST_P(RefinerOnSeeds, countsAsErrorOnlyWhatIsSeen) {
+TEST_P(RefinerOnSeeds, countsTheErrorOfVisiblePartsOnly) {
   Scripted client(model_);
   client.converge(insideView(), {.threshold_px = 1}, random_, kNoCheck);
   float seen_px = 0;  // in most of these models parts outside the view have larger errors
@@ -294,7 +294,7 @@ TEST_P(RefinerOnSeeds, countsAsErrorOnlyWhatIsSeen) {
   EXPECT_EQ(client.last().cut->max_error_px, seen_px);
 }
 
-TEST_P(RefinerOnSeeds, countsAsRefinableWhatIsSeenButLeavesAtTheirOriginalTriangles) {
+TEST_P(RefinerOnSeeds, countsVisiblePartsExceptFinestLeavesAsRefinable) {
   Scripted client(model_);
   bool is_less = false;
   for (const View& view : {farView(), insideView(), closeView()}) {
@@ -312,7 +312,7 @@ TEST_P(RefinerOnSeeds, countsAsRefinableWhatIsSeenButLeavesAtTheirOriginalTriang
   EXPECT_TRUE(is_less);
 }
 
-TEST_P(RefinerOnSeeds, namesAllThatIsResidentAboveTheCutAsItsAncestors) {
+TEST_P(RefinerOnSeeds, listsAllResidentMeshesAboveTheCutAsAncestors) {
   Scripted client(model_);
   client.converge(closeView(), {.threshold_px = 2}, random_, kNoCheck);
   const Parts parts = partsOf(*client.last().cut);

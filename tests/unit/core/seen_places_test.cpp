@@ -71,7 +71,7 @@ TEST(SeenPlaces, areOnATriangleThatReachesBehindTheEye) {
   EXPECT_TRUE(placesOf({part}, lookingAt({500, 100, 400}, {500, 0, 100})).in(kRootKey));
 }
 
-TEST(SeenPlaces, areNotLookedForInACutWhoseTrianglesWouldTakeTooLongToDraw) {
+TEST(SeenPlaces, areNotComputedForACutWithTooManyTrianglesToDraw) {
   Mesh mesh = *wall(0, 1000, 100).mesh;
   for (int i = 0; i < 14; ++i)
     mesh.triangles.insert(mesh.triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
@@ -81,7 +81,7 @@ TEST(SeenPlaces, areNotLookedForInACutWhoseTrianglesWouldTakeTooLongToDraw) {
   EXPECT_FALSE(SeenPlaces::of(cut, summary()));
 }
 
-TEST(SeenPlaces, areEnoughInEachOfManySmallPartsOfWhichNoneHasMuchOfThePicture) {
+TEST(SeenPlaces, coverEachOfManySmallParts) {
   Cut cut;
   cut.view = kFromTheFront;
   for (int i = 0; i < 2000; ++i) cut.parts.push_back(wall(i * 0.5, (i + 1) * 0.5, 100));
@@ -90,7 +90,7 @@ TEST(SeenPlaces, areEnoughInEachOfManySmallPartsOfWhichNoneHasMuchOfThePicture) 
   EXPECT_TRUE(SeenPlaces::of(cut, summary()).value().in(small));
 }
 
-TEST(SeenPlaces, areNowhereWhereNothingIsDrawn) { EXPECT_FALSE(placesOf({}, kFromTheFront).in(kRootKey)); }
+TEST(SeenPlaces, areEmptyIfNothingIsDrawn) { EXPECT_FALSE(placesOf({}, kFromTheFront).in(kRootKey)); }
 
 }  // namespace
 }  // namespace lode::core

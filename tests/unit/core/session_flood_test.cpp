@@ -56,7 +56,7 @@ TEST_F(SessionTest, readsOnWhileItsOwnRequestsWait) {
   EXPECT_TRUE(session_.takesInput()) << "a server that waits for its answers to be read would wait for ever";
 }
 
-TEST_F(SessionTest, givesUpOnAServerThatSendsAndNeverReads) {
+TEST_F(SessionTest, givesUpOnAServerThatSendsButNeverReads) {
   open();
   give(floodOfPings(kFlood));
   const TimePoint almost = listen(kStart, static_cast<int>(kSilenceLimit.count()) - 1);
@@ -70,7 +70,7 @@ TEST_F(SessionTest, givesUpOnAServerThatSendsAndNeverReads) {
   }
 }
 
-TEST_F(SessionTest, bearsAServerThatFloodsButReadsSlowly) {
+TEST_F(SessionTest, toleratesAServerThatFloodsButReadsSlowly) {
   open();
   give(floodOfPings(kFlood));
   TimePoint now = kStart;

@@ -46,7 +46,7 @@ TEST_F(SessionTest, refusesABlobThatWasNotRequested) {
   expectRefused(blobFrames(99, 5, 100), "not requested");
 }
 
-TEST_F(SessionTest, refusesAnUnaskedBlobBeyondTheAnnouncedOnes) {
+TEST_F(SessionTest, refusesAnUnrequestedBlobBeyondTheAnnouncedOnes) {
   open();
   expectRefused(blobFrames(0, 5, 100), "not requested");
 }
@@ -77,7 +77,7 @@ TEST_F(SessionTest, refusesAChunkBeyondTheEndOfItsBlob) {
   expectRefused(chunkFrame(request, 100, 60, blobBytes(5, 41)), "beyond");
 }
 
-TEST_F(SessionTest, refusesABlobWhoseBytesAreNotWhatItsNameSays) {
+TEST_F(SessionTest, refusesABlobWithAnotherDigest) {
   open();
   const uint32_t request = makeRequest(blobRef(5, 100));
   expectRefused(blobFrames(request, 6, 100), "digest");
@@ -89,7 +89,7 @@ TEST_F(SessionTest, refusesAnErrorForARequestThatIsNotOpen) {
                 "not open");
 }
 
-TEST_F(SessionTest, refusesACancellationThatWasNotAskedFor) {
+TEST_F(SessionTest, refusesAnUnrequestedCancellation) {
   open();
   const uint32_t request = makeRequest(blobRef(5, 100));
   expectRefused(proto::encode(proto::Cancelled{request}, 0), "cancelled");
@@ -108,7 +108,7 @@ TEST_F(SessionTest, refusesAnUnknownFrameThatIsNotOptional) {
   expectRefused(frameOf(static_cast<FrameType>(77), 0, blobBytes(1, 20)), "77");
 }
 
-TEST_F(SessionTest, refusesAFrameLongerThanTheLimitBeforeItsBodyHasCome) {
+TEST_F(SessionTest, refusesATooLongFrameBeforeItsBodyArrives) {
   open();
   const auto header = proto::encodeFrameHeader({proto::kMaxFrameBodyBytes + 1, 2, 0, 0});
   expectRefused({header.begin(), header.end()}, "limit");

@@ -56,7 +56,7 @@ TEST_F(SessionTest, sendsAChangeOfPriorityOnlyIfItIsLarge) {
   EXPECT_EQ(changes[0].priority_px, 20);
 }
 
-TEST_F(SessionTest, cancelsWhatIsNoLongerWantedAndEndsItOnce) {
+TEST_F(SessionTest, cancelsUnwantedRequestsAndEndsThemOnce) {
   open();
   const BlobRef blob = blobRef(5, 100);
   const uint32_t request = makeRequest(blob);
@@ -72,7 +72,7 @@ TEST_F(SessionTest, cancelsWhatIsNoLongerWantedAndEndsItOnce) {
   expectRefused(proto::encode(proto::Cancelled{request}, 0), "cancelled");
 }
 
-TEST_F(SessionTest, takesABlobThatCompletesWhileItIsCancelled) {
+TEST_F(SessionTest, acceptsABlobThatCompletesDuringItsCancellation) {
   open();
   const uint32_t request = makeRequest(blobRef(5, 100));
   session_.setRequests({});
@@ -91,7 +91,7 @@ TEST_F(SessionTest, requestsAgainOnlyAfterACancelledRequestHasEnded) {
   EXPECT_NE(makeRequest(blob), 0u);
 }
 
-TEST_F(SessionTest, saysNothingMoreOfARequestThatItHasTakenBackHoweverMuchItIsWantedAgain) {
+TEST_F(SessionTest, sendsNoMoreChangesOfACancelledRequest) {
   open();
   const BlobRef blob = blobRef(5, 100);
   makeRequest(blob);
@@ -112,7 +112,7 @@ TEST_F(SessionTest, reportsARequestThatTheServerRefuses) {
   EXPECT_EQ(session_.openRequests(), 0u);
 }
 
-TEST_F(SessionTest, tellsWhatIsLostFromWhatIsRefusedForNow) {
+TEST_F(SessionTest, distinguishesLostFromTemporarilyRefusedBlobs) {
   open();
   const BlobRef blob = blobRef(5, 100);
   const std::pair<proto::WireError, bool> errors[] = {{proto::WireError::kDamagedStore, true},
@@ -126,7 +126,7 @@ TEST_F(SessionTest, tellsWhatIsLostFromWhatIsRefusedForNow) {
   }
 }
 
-TEST_F(SessionTest, takesAnUnaskedBlobThatCannotBeReadNowForOneToRequestLater) {
+TEST_F(SessionTest, requestsATemporarilyUnreadableFirstBlobLater) {
   for (const auto code : {proto::WireError::kInternal, proto::WireError::kNotReady}) {
     Session session(optionsFor("model"), kStart);
     session.receive(welcome() + opened() + proto::encode(proto::ErrorMessage{code, 0, false, "no"}, 2),
@@ -158,7 +158,7 @@ TEST_F(SessionTest, keepsRequestsWithinItsLimitOfBytes) {
   EXPECT_LE(session.requestedBytes(), 1000u);
 }
 
-TEST_F(SessionTest, doesNotCountRequestsThatItHasTakenBackInItsLimits) {
+TEST_F(SessionTest, doesNotCountCancelledRequestsInItsLimits) {
   SessionOptions options = optionsFor("model");
   options.max_requested_bytes = 1000;
   Session session(options, kStart);
@@ -197,7 +197,7 @@ TEST_F(SessionTest, keepsRequestsWithinTheNumberThatTheServerAllows) {
   EXPECT_EQ(session.openRequests(), 3u);
 }
 
-TEST_F(SessionTest, keepsTheServerAWindowAhead) {
+TEST_F(SessionTest, keepsTheGrantAWindowAheadOfReceivedBytes) {
   open();
   constexpr size_t kSize = 3u << 20;
   const uint32_t request = makeRequest(blobRef(5, kSize));
@@ -216,7 +216,7 @@ TEST_F(SessionTest, keepsTheServerAWindowAhead) {
   EXPECT_EQ(session_.openRequests(), 0u);
 }
 
-TEST_F(SessionTest, grantsMoreBeforeAChunkHasComeToItsEnd) {
+TEST_F(SessionTest, grantsMoreBeforeAChunkIsComplete) {
   open();
   const uint32_t request = makeRequest(blobRef(5, proto::kMaxChunkBytes));
   const Bytes frame = blobFrames(request, 5, proto::kMaxChunkBytes);
@@ -227,7 +227,7 @@ TEST_F(SessionTest, grantsMoreBeforeAChunkHasComeToItsEnd) {
 }
 
 /// Simulates half a second of a link with a rate in bytes per millisecond.
-TEST_F(SessionTest, grantsAsMuchAsTheLinkThatItMeasuresCanHold) {
+TEST_F(SessionTest, grantsTheMeasuredCapacityOfTheLink) {
   open();
   give(proto::encode(proto::Pong{1}, 0), kStart + std::chrono::milliseconds(100));
   constexpr size_t kSize = 16u << 20;
@@ -244,7 +244,7 @@ TEST_F(SessionTest, grantsAsMuchAsTheLinkThatItMeasuresCanHold) {
   EXPECT_NEAR(static_cast<double>(session_.window().bytes()), expected, 0.02 * expected);
 }
 
-TEST_F(SessionTest, takesRequestsOfALowerClassBackForThoseThatItHasNoRoomForOtherwise) {
+TEST_F(SessionTest, cancelsLowerClassesToMakeRoomForHigherOnes) {
   Session session(optionsFor("model"), kStart);
   session.receive(proto::encode(proto::Welcome{proto::kProtocolVersion, 0, 3, "test"}, 1) + opened(), kStart);
   while (session.nextEvent()) {

@@ -18,7 +18,7 @@ TEST_F(SessionTest, sendsHelloAndOpenTogether) {
   EXPECT_TRUE(session_.takeOutgoing().empty());
 }
 
-TEST_F(SessionTest, opensAModelAndTakesTheRootPageUnasked) {
+TEST_F(SessionTest, opensAModelAndReceivesTheRootPageUnrequested) {
   const auto events = give(welcome() + opened() + blobFrames(0, kPageBlob, kPageBytes));
   ASSERT_EQ(events.size(), 2u);
   EXPECT_EQ(std::get<ModelOpened>(events[0]).summary.name, "model");
@@ -26,7 +26,7 @@ TEST_F(SessionTest, opensAModelAndTakesTheRootPageUnasked) {
   EXPECT_TRUE(session_.opened());
 }
 
-TEST_F(SessionTest, understandsBytesCutAnywhere) {
+TEST_F(SessionTest, readsFramesSplitAnywhere) {
   const Bytes all = welcome() + opened() + blobFrames(0, kPageBlob, kPageBytes);
   std::vector<SessionEvent> events;
   for (const std::byte byte : all)
@@ -51,7 +51,7 @@ TEST_F(SessionTest, listsModels) {
   EXPECT_EQ(std::get<ModelsListed>(*event).models.size(), 2u);
 }
 
-TEST_F(SessionTest, takesTheSecondUnaskedBlobOnceItIsNamed) {
+TEST_F(SessionTest, receivesTheSecondUnrequestedBlobOnceItIsNamed) {
   open();
   session_.expectUnasked(blobRef(5, 100), {});
   EXPECT_EQ(makeRequest(blobRef(5, 100)), 0u);
@@ -69,7 +69,7 @@ TEST_F(SessionTest, saysThatAnotherProgramAnswers) {
                 "is not lodestreamd; check the port");
 }
 
-TEST_F(SessionTest, saysWhatTheServerSaysWhenThereIsNoSuchModel) {
+TEST_F(SessionTest, quotesTheServerIfTheModelIsUnknown) {
   give(welcome());
   expectRefused(proto::encode(proto::ErrorMessage{proto::WireError::kNoSuchModel, 0, false, "no model x"}, 2),
                 "the server says: no model x", Remedy::kModel);
@@ -80,7 +80,7 @@ TEST_F(SessionTest, leavesTheWordsForATokenToTheProgram) {
                 "the server says: no token", Remedy::kToken);
 }
 
-TEST_F(SessionTest, takesAServerWithoutTheModelForOneThatIsLeavingIfItAwaitsThat) {
+TEST_F(SessionTest, treatsAServerWithoutAnAwaitedModelAsLeaving) {
   SessionOptions options;
   options.model = "bunny";
   options.awaits_model = true;
@@ -108,7 +108,7 @@ TEST_F(SessionTest, saysThatTheServerIsLeaving) {
             "the server is shutting down (drain); try again later");
 }
 
-TEST_F(SessionTest, takesAnErrorOfTheServersOwnForOneThatMayPass) {
+TEST_F(SessionTest, treatsAnInternalServerErrorAsTemporary) {
   try {
     give(proto::encode(proto::ErrorMessage{proto::WireError::kInternal, 0, true, "no threads"}, 0));
     FAIL() << "not refused";
@@ -156,19 +156,19 @@ TEST_F(SessionTest, measuresTheRoundTripEachSecondWhileBlobsAreAwaited) {
   EXPECT_TRUE(messagesOf<proto::Ping>(session_.takeOutgoing(), FrameType::kPing).empty());
 }
 
-TEST_F(SessionTest, givesUpOnAServerThatSaysNothing) {
+TEST_F(SessionTest, givesUpOnASilentServer) {
   open();
   const TimePoint last = listen(kStart, 29);
   EXPECT_THROW(session_.tick(last + std::chrono::seconds(1)), Error);
 }
 
-TEST_F(SessionTest, doesNotTakeAPauseOfItsCallerForSilenceOfTheServer) {
+TEST_F(SessionTest, doesNotMistakeAPauseOfItsCallerForASilentServer) {
   open();
   EXPECT_NO_THROW(session_.tick(kStart + std::chrono::minutes(5)));
   EXPECT_NO_THROW(session_.tick(kStart + std::chrono::minutes(6)));
 }
 
-TEST_F(SessionTest, saysSomethingToAServerThatSendsForLong) {
+TEST_F(SessionTest, sendsSomethingDuringALongTransfer) {
   open();
   const uint32_t request = makeRequest(blobRef(5, 100));
   const Bytes blob = blobBytes(5, 100);
@@ -182,7 +182,7 @@ TEST_F(SessionTest, saysSomethingToAServerThatSendsForLong) {
   EXPECT_GE(heard, 5);
 }
 
-TEST_F(SessionTest, saysThatAFullServerIsOneToTryLater) {
+TEST_F(SessionTest, reportsAFullServerAsTemporary) {
   const auto events = give(proto::encode(proto::ErrorMessage{proto::WireError::kLimit, 0, true, "full"}, 0));
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(std::get<ServerLeaving>(events[0]).reason, "the server says: full");

@@ -33,12 +33,12 @@ class ShownParts : public testing::Test {
   Cut cut_;
 };
 
-TEST_F(ShownParts, areTheCutsWhereNothingIsSeenThatItLeavesOut) {
+TEST_F(ShownParts, areThePartsOfTheCutIfNoLeftOutNodeIsVisible) {
   EXPECT_EQ(shownTo(nowhere_), (Numbers{0, 1, 2}));
   EXPECT_EQ(countHoles(cut_, shownTo(nowhere_), nowhere_), 0u);
 }
 
-TEST_F(ShownParts, areTheNearestAncestorForAllOfItsRegionWhereSomethingOfItIsMissing) {
+TEST_F(ShownParts, areTheNearestAncestorWhereSomethingIsLeftOut) {
   EXPECT_EQ(shownTo(at_near_), (Numbers{kNearFallback, 2}));
   EXPECT_EQ(countHoles(cut_, shownTo(at_near_), at_near_), 0u);
 }
@@ -49,7 +49,7 @@ TEST_F(ShownParts, areTheOuterOfTwoAncestorsWhereBothAreNeeded) {
   EXPECT_EQ(countHoles(cut_, shownTo(at_both_), at_both_), 0u);
 }
 
-TEST_F(ShownParts, areOneAncestorForARegionOfWhichNothingIsThere) {
+TEST_F(ShownParts, areOneAncestorForARegionWithoutParts) {
   cut_.parts.erase(cut_.parts.begin(), cut_.parts.begin() + 2);
   cut_.fallbacks[0].end_part = 0;
   cut_.fallbacks[1].end_part = 1;
@@ -57,7 +57,7 @@ TEST_F(ShownParts, areOneAncestorForARegionOfWhichNothingIsThere) {
   EXPECT_EQ(shownTo(at_both_), Numbers{2});
 }
 
-TEST_F(ShownParts, areTheInnermostOfThreeAncestorsThatIsEnoughAndSkipThoseBelowAnOuterOne) {
+TEST_F(ShownParts, areTheInnermostSufficientOfThreeAncestors) {
   const NodeKey below = kNearNode.child(1);
   cut_.parts[0].node = below.child(0);
   cut_.left_out.insert(cut_.left_out.begin(), {below.child(7), boxAt({0, 0, -1000})});
@@ -76,7 +76,7 @@ TEST_F(ShownParts, areTheInnermostOfThreeAncestorsThatIsEnoughAndSkipThoseBelowA
     EXPECT_EQ(countHoles(cut_, shownTo(view), view), 0u);
 }
 
-TEST_F(ShownParts, leaveHolesThatAreCountedIfTheCutAloneIsDrawn) {
+TEST_F(ShownParts, countHolesIfTheCutAloneIsDrawn) {
   const Numbers all{0, 1, 2};
   EXPECT_EQ(countHoles(cut_, all, nowhere_), 0u);
   EXPECT_EQ(countHoles(cut_, all, at_near_), 1u);
@@ -97,13 +97,13 @@ class ShownError : public testing::Test {
   Cut cut_;
 };
 
-TEST_F(ShownError, isLargerTheNearerTheCameraHasCome) {
+TEST_F(ShownError, growsAsTheCameraApproaches) {
   const float far_px = errorPx(lookingAt({50, 50, 1100}, {50, 50, 0}));
   EXPECT_GT(far_px, 0);
   EXPECT_NEAR(errorPx(lookingAt({50, 50, 200}, {50, 50, 0})), 10 * far_px, 0.01f * far_px);
 }
 
-TEST_F(ShownError, isNothingOfWhatIsNotInThePicture) {
+TEST_F(ShownError, isZeroOutsideThePicture) {
   EXPECT_EQ(errorPx(lookingAt({50, 50, 1100}, {50, 50, 2000})), 0);
 }
 

@@ -11,7 +11,7 @@ std::string problemOf(std::string_view text) {
   return problem;
 }
 
-TEST(StrictJson, tellsWhereATextIsNotJson) {
+TEST(StrictJson, namesThePlaceOfASyntaxError) {
   EXPECT_EQ(problemOf("{\n  \"a\": 1,\n  \"b\": ?\n}"), "not JSON at line 3, column 8");
   EXPECT_EQ(problemOf(""), "not JSON at line 1, column 1");
   EXPECT_EQ(problemOf("{\"a\": 1"), "not JSON at line 1, column 8");

@@ -39,7 +39,7 @@ TEST(TextureCache, evictsTheLeastRecentlyUsedFirst) {
   EXPECT_LE(cache.bytes(), cache.budgetBytes());
 }
 
-TEST(TextureCache, keepsWhatIsInUseBeyondTheBudget) {
+TEST(TextureCache, keepsTilesInUseBeyondTheBudget) {
   TextureCache cache(kRoom);
   cache.insert(1, imageOf(64));
   cache.insert(2, imageOf(64));

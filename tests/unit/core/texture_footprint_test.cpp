@@ -57,7 +57,7 @@ TEST(TextureFootprint, leavesOutTilesThatALongTrianglePasses) {
   EXPECT_EQ(std::count(places.begin(), places.end(), glm::uvec2(0, 2)), 0);
 }
 
-TEST(TextureFootprint, bringsRepeatsBackIntoTheImage) {
+TEST(TextureFootprint, wrapsRepeatedCoordinatesIntoTheImage) {
   const Mesh inside = triangleOf({{{0.05, 0.95}, {0.2, 0.95}, {0.05, 0.8}}});
   const Mesh repeated = triangleOf({{{3.05, 2.95}, {3.2, 2.95}, {3.05, 2.8}}});
   EXPECT_EQ(placesOf(makeFootprint(repeated, setOf(), 1)), placesOf(makeFootprint(inside, setOf(), 1)));
@@ -79,14 +79,14 @@ TEST(TextureFootprint, endsAtTheBoundaryOfTheImage) {
   for (const glm::uvec2 place : placesOf(makeFootprint(whole, setOf(), 1))) EXPECT_GE(place.x, 1u);
 }
 
-TEST(TextureFootprint, knowsHowFarApartTexelsLieWhereTheyLieFarthestApart) {
+TEST(TextureFootprint, measuresTexelDensityInItsSparsestDirection) {
   // 750 texels per 1000 steps of 0.5 one way, 500 the other.
   const Mesh mesh = triangleOf({{{0, 0.5}, {0.5, 0.5}, {0, 1}}});
   for (const TouchedTile& tile : makeFootprint(mesh, setOf(), 0.5).tiles)
     EXPECT_NEAR(tile.texels_per_model, 1.0, 0.01);
 }
 
-TEST(TextureFootprint, asksForNoMoreThanEightTimesTheMeanForATriangleWhoseCoordinatesHardlyDiffer) {
+TEST(TextureFootprint, limitsDegenerateCoordinatesToEightTimesTheMeanDensity) {
   Mesh mesh = triangleOf({{{0.1, 0.9}, {0.2, 0.9}, {0.1, 0.75}}});
   const float alone = makeFootprint(mesh, setOf(), 1).tiles.at(0).texels_per_model;
   const Mesh dot = triangleOf({{{0.1, 0.9}, {0.1 + 1.0 / kCodes, 0.9}, {0.1, 0.9 - 1.0 / kCodes}}});
@@ -99,12 +99,12 @@ TEST(TextureFootprint, asksForNoMoreThanEightTimesTheMeanForATriangleWhoseCoordi
   EXPECT_NEAR(both, alone / std::sqrt(2.f) / 8, 0.01 * alone);
 }
 
-TEST(TextureFootprint, countsATriangleWhoseCoordinatesAreALineWithAnEighthOfItsTexels) {
+TEST(TextureFootprint, countsCoordinatesOnALineWithAnEighthOfTheirTexels) {
   const Mesh line = triangleOf({{{0.1, 0.9}, {0.2, 0.9}, {0.1, 0.9}}});
   EXPECT_NEAR(makeFootprint(line, setOf(), 1).tiles.at(0).texels_per_model, 0.15 / 8, 0.001);
 }
 
-TEST(TextureFootprint, leansTowardsTheTrianglesOnWhichTexelsLieFartherApart) {
+TEST(TextureFootprint, favoursTrianglesWithSparserTexels) {
   // Two triangles of equal size; texels are ten times as far apart on one.
   Mesh mesh = triangleOf({{{0.1, 0.9}, {0.2, 0.9}, {0.1, 0.75}}});
   const Mesh sparse = triangleOf({{{0.1, 0.9}, {0.11, 0.9}, {0.1, 0.885}}});
@@ -119,7 +119,7 @@ TEST(TextureFootprint, leansTowardsTheTrianglesOnWhichTexelsLieFartherApart) {
   EXPECT_LT(both, 0.2f * close);
 }
 
-TEST(TextureFootprint, countsTrianglesWithoutExtentForTheirTileButNotForItsTexels) {
+TEST(TextureFootprint, countsDegenerateTrianglesForTilesButNotForDensity) {
   Mesh mesh = triangleOf({{{0.1, 0.9}, {0.2, 0.9}, {0.1, 0.8}}});
   const float alone = makeFootprint(mesh, setOf(), 1).tiles.at(0).texels_per_model;
   const Mesh point = triangleOf({{{0.15, 0.85}, {0.15, 0.85}, {0.15, 0.85}}});
@@ -145,7 +145,7 @@ TEST(TextureFootprint, isByTextureAndEmptyWithoutOne) {
   EXPECT_TRUE(makeFootprint(plain, set, 1).tiles.empty());
 }
 
-TEST(TextureFootprint, ofAMeshThatCostsTooMuchIsTheWholeImage) {
+TEST(TextureFootprint, isTheWholeImageForATooCostlyMesh) {
   TextureSet set = setOf(kMaxTextureEdgePx, kMaxTextureEdgePx);
   Mesh mesh = triangleOf({{{0.01, 0.99}, {0.99, 0.01}, {0.99, 0.02}}});
   const size_t tiles = size_t{tilesAcross(set.textures[0], 0)} * tilesDown(set.textures[0], 0);
@@ -156,7 +156,7 @@ TEST(TextureFootprint, ofAMeshThatCostsTooMuchIsTheWholeImage) {
   EXPECT_EQ(makeFootprint(mesh, set, 1).whole.size(), 1u);
 }
 
-TEST(TextureFootprint, namesNoMoreTilesThanItsMeshIsWorth) {
+TEST(TextureFootprint, limitsItsTilesToTheSizeOfItsMesh) {
   // Half of a texture of 33 x 33 tiles, above the limit of a triangle; then a small one within the rest.
   TextureSet set = setOf(32 * kTileInnerPx + 1, 32 * kTileInnerPx + 1);
   set.textures.push_back({"b", 1500, 1000, {}});

@@ -173,7 +173,7 @@ class TexturedEngine : public testing::Test {
   std::vector<uint32_t> decoded_;
 };
 
-TEST_F(TexturedEngine, asksForTheSetThenTheCoarsestLevelThenTheRest) {
+TEST_F(TexturedEngine, requestsTheSetThenTheCoarsestLevelThenTheRest) {
   open();
   const std::vector<uint32_t> asked = serve();
   ASSERT_EQ(asked.size(), 1u + tiles());
@@ -184,7 +184,7 @@ TEST_F(TexturedEngine, asksForTheSetThenTheCoarsestLevelThenTheRest) {
   EXPECT_EQ(engine_->failure(), "");
 }
 
-TEST_F(TexturedEngine, givesTheCutTheSetAndTheTilesThatAreThere) {
+TEST_F(TexturedEngine, givesTheCutTheSetAndItsResidentTiles) {
   open();
   decodeAll();
   engine_->step(kStart);
@@ -211,7 +211,7 @@ TEST_F(TexturedEngine, asksFromAfarForTheCoarsestLevelAlone) {
   EXPECT_TRUE(engine_->settled());
 }
 
-TEST_F(TexturedEngine, countsWhatTexturesTake) {
+TEST_F(TexturedEngine, countsTheMemoryOfTextures) {
   open();
   serve();
   uint64_t texture_bytes = 0;
@@ -241,7 +241,7 @@ TEST_F(TexturedEngine, leavesOutFinerTilesThatTheBudgetDoesNotAllowAndSettles) {
   }
 }
 
-TEST_F(TexturedEngine, saysWhyWhenATileCannotBeHadAndShowsTheCoarserOne) {
+TEST_F(TexturedEngine, reportsAnUnavailableTileAndShowsTheCoarserOne) {
   open();
   const std::vector<uint32_t> asked = serve({kFirstTile + 1});
   EXPECT_EQ(std::count(asked.begin(), asked.end(), kFirstTile + 1), 1);
@@ -251,7 +251,7 @@ TEST_F(TexturedEngine, saysWhyWhenATileCannotBeHadAndShowsTheCoarserOne) {
   EXPECT_EQ(engine_->cut()->tiles.size(), tiles() - 1);
 }
 
-TEST_F(TexturedEngine, countsInACutTheTilesThatItsViewSeesAndCannotHave) {
+TEST_F(TexturedEngine, countsUnavailableVisibleTilesInTheCut) {
   open();
   engine_->setView(far_, 1);
   serve({kFirstTile + 1});
@@ -261,7 +261,7 @@ TEST_F(TexturedEngine, countsInACutTheTilesThatItsViewSeesAndCannotHave) {
   EXPECT_EQ(engine_->cut()->lost_tiles, 1u);
 }
 
-TEST_F(TexturedEngine, hasNotConvergedWithoutATileThatTheServerDoesNotGiveNow) {
+TEST_F(TexturedEngine, doesNotConvergeWithoutATemporarilyRefusedTile) {
   open();
   serve({kFirstTile + 1}, proto::WireError::kInternal);
   EXPECT_TRUE(engine_->settled());
@@ -279,7 +279,7 @@ TEST_F(TexturedEngine, saysWhyWhenATileIsNoImage) {
   EXPECT_EQ(engine_->cut()->tiles.size(), tiles() - 1);
 }
 
-TEST_F(TexturedEngine, showsTheModelPlainWhenTheSetCannotBeHad) {
+TEST_F(TexturedEngine, showsTheModelUntexturedIfTheSetIsUnavailable) {
   open();
   EXPECT_EQ(serve({kSet}), std::vector<uint32_t>{kSet});
   EXPECT_NE(engine_->failure(), "");
@@ -289,7 +289,7 @@ TEST_F(TexturedEngine, showsTheModelPlainWhenTheSetCannotBeHad) {
   EXPECT_EQ(engine_->cut()->lost_tiles, 1u) << "it counts as one";
 }
 
-TEST_F(TexturedEngine, givesUpOnASetThatIsNone) {
+TEST_F(TexturedEngine, givesUpOnAnInvalidSet) {
   blobs_[kSet] = Bytes(40, std::byte{7});
   open();
   EXPECT_THROW(serve(), Error);
@@ -302,7 +302,7 @@ TEST_F(TexturedEngine, givesUpOnASetWhoseTilesShareABlobInDifferentSizes) {
   EXPECT_THROW(serve(), Error);
 }
 
-TEST_F(TexturedEngine, asksOnceForABlobThatIsTheTileOfTwoTextures) {
+TEST_F(TexturedEngine, requestsASharedTileBlobOnce) {
   set_.textures.push_back(set_.textures[0]);
   makeMesh({0, 1});
   finishSet();

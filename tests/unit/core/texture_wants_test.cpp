@@ -39,7 +39,7 @@ std::vector<TileKey> keysOf(const std::vector<WantedTile>& wanted) {
 
 const View kPlainView;
 
-TEST(TextureWants, areTheLevelWhereATexelIsAPixelAndAllCoarserOnes) {
+TEST(TextureWants, areTheLevelWithATexelPerPixelAndAllCoarserOnes) {
   const TextureFootprint footprint = footprintOf({{4, 4}});
   const auto levels = [&](double texels_px, float threshold_px) {
     std::set<uint32_t> seen;
@@ -68,7 +68,7 @@ TEST(TextureWants, coverTheTouchedTilesAtEveryLevel) {
   EXPECT_EQ(keys, expected);
 }
 
-TEST(TextureWants, ofAWholeTextureAreThoseOfAllItsTiles) {
+TEST(TextureWants, coverAllTilesOfAWholeTexture) {
   TextureFootprint all;
   for (uint32_t y = 0; y < 5; ++y)
     for (uint32_t x = 0; x < 5; ++x) all.tiles.push_back({0, y, x, kTexelsPerModel});
@@ -94,7 +94,7 @@ TEST(TextureWants, comeCoarserBeforeFiner) {
   EXPECT_EQ(wanted[1].key.texture + wanted[0].key.texture, 1u);  // both coarsest levels first
 }
 
-TEST(TextureWants, haveThePixelsOfACoarserTexelForAPriority) {
+TEST(TextureWants, prioritiseByThePixelsOfACoarserTexel) {
   const TextureFootprint footprint = footprintOf({{0, 0}});
   const TexturedPart part{&footprint, distanceFor(1.5, kPlainView), true};
   for (const WantedTile& tile : wantTiles(twoTextures(), {&part, 1}, kPlainView, 1)) {
@@ -111,7 +111,7 @@ TEST(TextureWants, followTheNearestOfThePartsThatShareATile) {
             wantTiles(twoTextures(), {&near_part, 1}, kPlainView, 1));
 }
 
-TEST(TextureWants, outsideTheViewAreTheCoarsestLevelInTheMargin) {
+TEST(TextureWants, areTheCoarsestLevelOutsideTheView) {
   const TextureFootprint footprint = footprintOf({{0, 0}, {3, 3}});
   const TexturedPart hidden{&footprint, 0, false};
   const std::vector<WantedTile> wanted = wantTiles(twoTextures(), {&hidden, 1}, kPlainView, 1);
@@ -128,7 +128,7 @@ TEST(TextureWants, outsideTheViewAreTheCoarsestLevelInTheMargin) {
             wantTiles(twoTextures(), {&seen, 1}, kPlainView, 1));
 }
 
-TEST(TextureWants, haveEveryTileThatAFinerOneLiesOnInLevelsOfUnevenSize) {
+TEST(TextureWants, includeEveryTileUnderAFinerOneInUnevenLevels) {
   TextureSet set;
   set.textures.push_back({"uneven", 3571, 2049, {}});
   const Texture& texture = set.textures[0];
@@ -145,7 +145,7 @@ TEST(TextureWants, haveEveryTileThatAFinerOneLiesOnInLevelsOfUnevenSize) {
   }
 }
 
-TEST(TextureWants, thatFitAreAPrefixWithinTheBudget) {
+TEST(TextureWants, areTruncatedToTheBudget) {
   const TextureFootprint large = footprintOf({{0, 0}, {1, 1}, {2, 2}}), small = footprintOf({{0, 0}}, 1);
   const TexturedPart parts[] = {{&large, 0, true}, {&small, 0, true}};
   const TextureSet set = twoTextures();
@@ -157,7 +157,7 @@ TEST(TextureWants, thatFitAreAPrefixWithinTheBudget) {
   EXPECT_EQ(countFitting(set, wanted, 0), 0u);
 }
 
-TEST(TileRoom, ofACoarsestLevelIncludesItsTail) {
+TEST(TileRoom, includesTheTailOfACoarsestLevel) {
   const TextureSet set = twoTextures();
   EXPECT_EQ(tileRoomBytes(set, {0, 0, 1, 1}), tileRoomBytes({512, 512}));
   uint64_t expected = 0;
@@ -166,7 +166,7 @@ TEST(TileRoom, ofACoarsestLevelIncludesItsTail) {
   EXPECT_EQ(tileRoomBytes(set, {0, 1, 0, 0}), expected);
 }
 
-TEST(TileRoom, isThatOfASquareOnTheGpu) {
+TEST(TileRoom, isTheMemoryOfASquareOnTheGpu) {
   EXPECT_EQ(tileRoomBytes({512, 5}), 512u * 512u * 4u);
   EXPECT_EQ(tileRoomBytes({200, 256}), 256u * 256u * 4u);
   EXPECT_EQ(tileRoomBytes({5, 5}), kLeastTileCellPx * kLeastTileCellPx * 4u);

@@ -44,7 +44,7 @@ TEST(TileTail, isTheMeanInLinearLight) {
   for (const glm::u8vec4 texel : image.coarser[0].texels) EXPECT_EQ(texel, glm::u8vec4(188, 188, 188, 255));
 }
 
-TEST(TileTail, givesClearTexelsNoSayInTheColour) {
+TEST(TileTail, ignoresTheColourOfClearTexels) {
   TileImage image = imageOf(2, 1, {kWhite, kClear});
   makeTail(image);
   EXPECT_EQ(image.coarser.at(0).texels[0], glm::u8vec4(255, 255, 255, 128));

@@ -25,7 +25,7 @@ std::vector<glm::u32vec3> sorted(std::vector<glm::u32vec3> triangles) {
 
 double diagonalOf(const LatticeBox& box) { return glm::length(glm::dvec3(box.max) - glm::dvec3(box.min)); }
 
-TEST(TriangleClusters, keepsEachTriangleAndItsWinding) {
+TEST(TriangleClusters, keepEachTriangleAndItsWinding) {
   const Mesh before = shuffledSphere(1);
   Mesh mesh = before;
   clusterTriangles(mesh);
@@ -33,7 +33,7 @@ TEST(TriangleClusters, keepsEachTriangleAndItsWinding) {
   EXPECT_EQ(sorted(mesh.triangles), sorted(before.triangles));
 }
 
-TEST(TriangleClusters, tellsWhereEachIs) {
+TEST(TriangleClusters, haveTheirBoundingBoxes) {
   Mesh mesh = shuffledSphere(2);
   clusterTriangles(mesh);
   ASSERT_EQ(mesh.cluster_boxes.size(), clusterCount(mesh.triangles.size()));
@@ -68,7 +68,7 @@ TEST(TriangleClusters, areOneWhereTrianglesAreFew) {
   EXPECT_TRUE(none.cluster_boxes.empty());
 }
 
-TEST(TriangleClusters, areWholeButTheLastWhereAllTrianglesLieAtOnePlace) {
+TEST(TriangleClusters, areFullExceptTheLastIfAllTrianglesCoincide) {
   Mesh mesh;
   for (uint32_t i = 0; i < 3; ++i) mesh.positions.push_back(packPosition({i, i * i, 0}));
   mesh.triangles.assign(1000, {0, 1, 2});

@@ -59,7 +59,7 @@ Mesh tent(int turns) {
   return mesh.mesh();
 }
 
-TEST(UpAxis, isWhereGroundFaces) {
+TEST(UpAxis, isTheDirectionThatTheGroundFaces) {
   EXPECT_EQ(guessUp(hill(0)), kZ);
   EXPECT_EQ(guessUp(hill(2)), kY);
 }
@@ -71,7 +71,7 @@ TEST(UpAxis, isOppositeToAFlatFoot) {
   EXPECT_EQ(guessUp(tent(2)), kY);
 }
 
-TEST(UpAxis, isYWhereNothingTells) {
+TEST(UpAxis, isYByDefault) {
   EXPECT_EQ(guessUp(Mesh()), kY);
   EXPECT_EQ(guessUp(tent(1)), kY);  // its foot is on one side
 }

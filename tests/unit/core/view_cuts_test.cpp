@@ -67,7 +67,7 @@ class Standing : private Seeded {
 class ViewsOfAGroup : public testing::TestWithParam<uint32_t> {};
 INSTANTIATE_TEST_SUITE_P(Seeds, ViewsOfAGroup, testing::Range(1u, 7u));
 
-TEST_P(ViewsOfAGroup, convergeEachToTheCutThatItHasAlone) {
+TEST_P(ViewsOfAGroup, convergeToTheSameCutsAsAlone) {
   Standing model(GetParam());
   model.see({kNear, kFar, kAside});
   model.deliverAll();
@@ -84,7 +84,7 @@ std::map<BlobUse, Request> byUse(const std::vector<Request>& requests) {
   return found;
 }
 
-TEST_P(ViewsOfAGroup, askForAMeshOnceWithThePriorityOfThePlaceThatNeedsItMost) {
+TEST_P(ViewsOfAGroup, requestAMeshOnceWithItsHighestPriority) {
   Standing both(GetParam()), near(GetParam()), aside(GetParam());
   both.see({kAside, kNear});
   near.see({kNear, kNear});  // two views disable the occlusion estimate
@@ -123,7 +123,7 @@ TEST_P(ViewsOfAGroup, costNothingWhereTheCameraDoesNotSeeThem) {
   EXPECT_EQ(two.cut(1).parts.size(), 1u) << "the root stands by";
 }
 
-TEST_P(ViewsOfAGroup, shareMeshesInWhatIsDrawn) {
+TEST_P(ViewsOfAGroup, shareTheirDrawnMeshes) {
   Standing model(GetParam());
   model.see({kNear, kNear, kFar});
   model.deliverAll();
@@ -149,7 +149,7 @@ std::optional<float> commonThreshold(const Standing& model, const std::vector<Vi
   return std::nullopt;
 }
 
-TEST_P(ViewsOfAGroup, areHeldToOneErrorWhereWhatIsDrawnHasNoRoomForAll) {
+TEST_P(ViewsOfAGroup, areHeldToACommonErrorIfTheDrawnBudgetIsShort) {
   const std::vector<View> views{kNear, kAside, kFar};
   Standing unlimited(GetParam());
   unlimited.see(views);
@@ -178,7 +178,7 @@ TEST_P(ViewsOfAGroup, keepWithinTheMemoryOfTheModelTogether) {
   EXPECT_TRUE(commonThreshold(model, views));
 }
 
-TEST_P(ViewsOfAGroup, becomeAsFineAsWantedAgainWhereOneHasGone) {
+TEST_P(ViewsOfAGroup, becomeAsFineAsWantedOnceAnotherViewIsGone) {
   Standing unlimited(GetParam());
   unlimited.see({kFar, kFar});
   unlimited.deliverAll();
@@ -192,7 +192,7 @@ TEST_P(ViewsOfAGroup, becomeAsFineAsWantedAgainWhereOneHasGone) {
   EXPECT_EQ(partsOf(model.cut(0)), model.wanted(kFar, 1));
 }
 
-TEST_P(ViewsOfAGroup, sayWhatTheyWantOfTheMemoryAlsoWhereTheyDoNotGetIt) {
+TEST_P(ViewsOfAGroup, reportTheMemoryTheyWantEvenIfTheyGetLess) {
   const RefineOptions counted{.shares_memory = true};
   Standing unlimited(GetParam(), 1ull << 40, counted);
   unlimited.see({kNear});

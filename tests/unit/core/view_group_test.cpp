@@ -22,7 +22,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, ViewGroupOnSeeds, testing::Range(1u, 7u));
 const View kFront = lookingAt({512, 512, 2500}, {512, 512, 512}),
            kBack = lookingAt({512, 512, -1500}, {512, 512, 512});
 
-TEST_P(ViewGroupOnSeeds, asksForWhatIsSeenByTheViewAtHandWhateverWasSeenBefore) {
+TEST_P(ViewGroupOnSeeds, requestsForTheCurrentViewWhateverWasSeenBefore) {
   ViewGroup turned = seeing(kFront);
   deliverBest(turned, 10);
   turned.setView(kBack, 1);
@@ -32,7 +32,7 @@ TEST_P(ViewGroupOnSeeds, asksForWhatIsSeenByTheViewAtHandWhateverWasSeenBefore) 
   EXPECT_EQ(orderOf(turned), orderOf(fresh));
 }
 
-TEST_P(ViewGroupOnSeeds, asksForWhatIsSeenByTwoViewsWhateverOneHadSeenAlone) {
+TEST_P(ViewGroupOnSeeds, requestsForTwoViewsWhateverOneHadSeenAlone) {
   const View both[] = {kBack, kFront};
   ViewGroup joined = seeing(kFront), fresh;
   deliverBest(joined, 10);
@@ -43,7 +43,7 @@ TEST_P(ViewGroupOnSeeds, asksForWhatIsSeenByTwoViewsWhateverOneHadSeenAlone) {
   EXPECT_EQ(orderOf(joined), orderOf(fresh));
 }
 
-TEST_P(ViewGroupOnSeeds, looksAnewAtWhatIsSeenAsTheCutBecomesFiner) {
+TEST_P(ViewGroupOnSeeds, updatesVisibilityAsTheCutBecomesFiner) {
   ViewGroup early = seeing(kFront);
   early.refine(model_);
   const uint64_t first_triangles = early.cut()->triangles;
@@ -53,7 +53,7 @@ TEST_P(ViewGroupOnSeeds, looksAnewAtWhatIsSeenAsTheCutBecomesFiner) {
   EXPECT_EQ(orderOf(early), orderOf(late));
 }
 
-TEST_P(ViewGroupOnSeeds, becomesFinerAgainOnlyWhereThereIsRoomToSpare) {
+TEST_P(ViewGroupOnSeeds, refinesAgainOnlyWithMemoryToSpare) {
   ViewGroup group({.shares_memory = true});
   group.setView(kFront, 1);
   const auto partsWithin = [&](uint64_t drawn_budget_bytes) {
@@ -114,7 +114,7 @@ uint64_t bytesOfParts(const Cut& cut) {
   return bytes;
 }
 
-TEST(ViewGroup, givesUpWhatStandsByBeforeWhatIsSeenAndThenWhatIsFinerThanWanted) {
+TEST(ViewGroup, dropsFallbacksBeforeVisibleDetail) {
   int without_fallbacks = 0, without_finer = 0;  // budgets at which each was dropped
   for (uint32_t seed = 1; seed < 7; ++seed) {
     Within camera(seed);
@@ -194,7 +194,7 @@ class Watched : private Seeded {
   ViewGroup group_;
 };
 
-TEST(ViewGroup, doesNotTakeBackWhatItHasGivenUpEachTimeThatSomethingComes) {
+TEST(ViewGroup, doesNotRestoreDroppedDetailOnEachArrival) {
   int most = 0;
   for (uint32_t seed = 1; seed < 7; ++seed) {
     auto unlimited = Watched::steppingBack(seed, std::numeric_limits<uint64_t>::max());

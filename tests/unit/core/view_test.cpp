@@ -15,7 +15,7 @@ const View kView{.eye_model = {0, 0, 10},
                  .width_px = 800,
                  .height_px = 400};
 
-TEST(View, projectsAnErrorAsTheFormulaOfTheBookSays) {
+TEST(View, projectsAnErrorByTheTextbookFormula) {
   // At distance d the picture is 2 d tan(fov / 2) high.
   EXPECT_NEAR(screenErrorPx(0.1f, 10, kView), 0.1 * 400 / (2 * 10 * std::tan(0.5)), 1e-4);
 }
@@ -25,7 +25,7 @@ TEST(View, clampsDistancesBelowTheNearPlane) {
   EXPECT_TRUE(std::isfinite(screenErrorPx(1e30f, 0, kView)));
 }
 
-TEST(View, projectedErrorNeverFallsWithTheErrorNorRisesWithTheDistance) {
+TEST(View, projectsErrorsMonotonically) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> length(0, 100);
   for (int i = 0; i < 1000; ++i) {
@@ -42,7 +42,7 @@ TEST(View, measuresTheDistanceToTheNearestPointOfABox) {
   EXPECT_EQ(distanceToBox({5, 6, 1}, box), 5);
 }
 
-TEST(View, findsABoxInFrontVisibleAndOthersNot) {
+TEST(View, findsOnlyABoxInFrontVisible) {
   const auto boxAround = [](glm::dvec3 centre) { return ModelBox{centre - 0.5, centre + 0.5}; };
   EXPECT_TRUE(boxMayBeVisible(boxAround({0, 0, 0}), kView));
   EXPECT_TRUE(boxMayBeVisible(boxAround({0, 0, 10}), kView));
@@ -54,7 +54,7 @@ TEST(View, findsABoxInFrontVisibleAndOthersNot) {
   EXPECT_TRUE(boxMayBeVisible(boxAround({9, 0, 0}), kView));
 }
 
-TEST(View, neverCallsABoxInvisibleThatHoldsAVisiblePoint) {
+TEST(View, neverCallsABoxWithAVisiblePointInvisible) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> side(0, 5), place(-1, 1);
   const double tan_y = std::tan(0.5), tan_x = tan_y * 2;
