@@ -66,7 +66,7 @@ class JournalFile : public testing::Test {
   mutable Entries entries_;
 };
 
-TEST_F(JournalFile, givesBackItsEntriesInOrder) { EXPECT_EQ(read(), kWritten); }
+TEST_F(JournalFile, readsItsEntriesInOrder) { EXPECT_EQ(read(), kWritten); }
 
 TEST_F(JournalFile, givesTheEntriesBeforeATornOne) {
   for (size_t count = 0; count < kWritten.size(); ++count) {
@@ -88,7 +88,7 @@ TEST_F(JournalFile, givesTheEntriesBeforeOneWithAnyByteChanged) {
   }
 }
 
-TEST_F(JournalFile, goesOnBehindTheLastWholeEntry) {
+TEST_F(JournalFile, appendsAfterTheLastWholeEntry) {
   put(bytes_.substr(0, bytes_.size() - 1));
   Journal journal = open();
   append(journal, 9, "new");
@@ -110,7 +110,7 @@ TEST_F(JournalFile, cutsATornEntryOff) {
   EXPECT_EQ(std::filesystem::file_size(path_), end(kWritten.size() - 1));
 }
 
-TEST_F(JournalFile, isMadeAnewWhenItWasKilledBeforeItsFirstByte) {
+TEST_F(JournalFile, isEmptyWithoutItsFirstByte) {
   put("");
   EXPECT_EQ(read(), Entries());
 }
@@ -126,7 +126,7 @@ TEST_F(JournalFile, isRefusedWhenItIsOfAnotherVersion) {
   EXPECT_THROW(read(), Error);
 }
 
-TEST_F(JournalFile, takesNoMemoryForALengthThatTheFileDoesNotHave) {
+TEST_F(JournalFile, allocatesNothingForALengthBeyondTheFile) {
   for (const uint64_t length : {uint64_t{1} << 20, Journal::kMaxEntryBytes + 1, ~uint64_t{0}}) {
     std::string changed = bytes_;
     changed.replace(end(1) + 16, sizeof length, reinterpret_cast<const char*>(&length), sizeof length);
@@ -137,12 +137,12 @@ TEST_F(JournalFile, takesNoMemoryForALengthThatTheFileDoesNotHave) {
   }
 }
 
-TEST_F(JournalFile, doesNotTakeAnEntryOutOfItsPlace) {
+TEST_F(JournalFile, ignoresAMisplacedEntry) {
   put(bytes_.substr(0, end(1)) + bytes_.substr(end(2)));
   EXPECT_EQ(read(), first(1));
 }
 
-TEST_F(JournalFile, beginsEmptyOverAnother) {
+TEST_F(JournalFile, startsEmptyWhenItReplacesAnother) {
   Journal::create(path_);
   EXPECT_TRUE(read().empty());
 }

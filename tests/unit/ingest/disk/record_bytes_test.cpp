@@ -21,7 +21,7 @@ void readAll(std::span<const std::byte> bytes) {
   EXPECT_TRUE(record.atEnd());
 }
 
-TEST(RecordBytes, giveBackWhatWasPut) { readAll(sampleRecord().bytes()); }
+TEST(RecordBytes, readBackWrittenValues) { readAll(sampleRecord().bytes()); }
 
 TEST(RecordBytes, areRefusedWhenTheyEndTooEarly) {
   const RecordWriter record = sampleRecord();
@@ -29,7 +29,7 @@ TEST(RecordBytes, areRefusedWhenTheyEndTooEarly) {
     EXPECT_THROW(readAll(record.bytes().first(bytes)), Error) << bytes;
 }
 
-TEST(RecordBytes, takeNoMemoryForMoreItemsThanThereAre) {
+TEST(RecordBytes, allocateNothingForMoreItemsThanTheyHold) {
   for (const uint64_t count : {uint64_t{5}, uint64_t{1} << 40, ~uint64_t{0}}) {
     RecordWriter record;
     record.put(count);

@@ -81,7 +81,7 @@ TEST(RecordSorter, keepsOneFileForAnyNumberOfRunsAndRemovesItWithTheLastRecord) 
   EXPECT_EQ(work.contents().size(), folder_alone);
 }
 
-TEST(RecordSorter, tellsHowFarItIsWithWhatItStillHolds) {
+TEST(RecordSorter, reportsProgressIncludingBufferedRecords) {
   for (const uint64_t memory_bytes : {uint64_t{1} << 30, uint64_t{16} << 20}) {
     const TemporaryFolder folder(testing::TempDir());
     RecordSorter sorter(sizeof(uint64_t), memory_bytes, folder.file("test"));
@@ -97,7 +97,7 @@ TEST(RecordSorter, tellsHowFarItIsWithWhatItStillHolds) {
   }
 }
 
-TEST(RecordSorter, goesOnWithTheRunsThatWereSaved) {
+TEST(RecordSorter, continuesWithSavedRuns) {
   const std::vector<Pair> pairs = randomPairs(20000, 100);
   const auto push = [](RecordSorter& sorter, std::span<const Pair> some) {
     for (const auto& [key, value] : some) sorter.push(key, std::as_bytes(std::span(&value, 1)));
@@ -128,7 +128,7 @@ TEST(RecordSorter, goesOnWithTheRunsThatWereSaved) {
   EXPECT_EQ(output, sortWith(1 << 30, pairs));
 }
 
-TEST(RecordSorter, refusesToGoOnWithRunsThatAreNotThere) {
+TEST(RecordSorter, refusesToContinueWithMissingRuns) {
   const test::WorkFolder work;
   const TemporaryFolder folder = TemporaryFolder::lasting(work / "files");
   for (const std::vector<uint64_t>& ends :
@@ -141,7 +141,7 @@ TEST(RecordSorter, refusesToGoOnWithRunsThatAreNotThere) {
   }
 }
 
-TEST(RecordSorter, givesNothingOfNothing) { EXPECT_TRUE(sortWith(1 << 20, {}).empty()); }
+TEST(RecordSorter, givesNothingWithoutRecords) { EXPECT_TRUE(sortWith(1 << 20, {}).empty()); }
 
 }  // namespace
 }  // namespace lode::ingest

@@ -60,7 +60,7 @@ class Against : public testing::Test {
                               altered_ = folder_ / "b.lode";
 };
 
-TEST_F(Against, findsNoDifferenceInWhatWasBuilt) {
+TEST_F(Against, findsNoDifferenceInAFreshBuild) {
   const AgainstReport report = compare(store_);
   EXPECT_EQ(report.triangles, store::Reader(store_).summary().triangles);
   EXPECT_GT(report.lods, 10u);
@@ -68,7 +68,7 @@ TEST_F(Against, findsNoDifferenceInWhatWasBuilt) {
   EXPECT_LT(report.median_ratio, 3);
 }
 
-TEST_F(Against, findsATriangleThatIsTurnedRound) {
+TEST_F(Against, findsAFlippedTriangle) {
   bool is_done = false;
   alter({}, [&](Mesh& mesh) {
     if (!is_done) std::swap(mesh.triangles.back().x, mesh.triangles.back().y);
@@ -77,7 +77,7 @@ TEST_F(Against, findsATriangleThatIsTurnedRound) {
   expectDifference("(I1)");
 }
 
-TEST_F(Against, findsATriangleThatIsThereTwiceInPlaceOfAnother) {
+TEST_F(Against, findsADuplicateTriangleInPlaceOfAnother) {
   bool is_done = false;
   alter({}, [&](Mesh& mesh) {
     if (is_done || mesh.triangles.size() < 2) return;
@@ -105,7 +105,7 @@ TEST_F(Against, findsErrorsThatAreGivenTooSmall) {
   expectDifference("(I4)");
 }
 
-TEST_F(Against, findsOneErrorThatIsGivenTooSmallWhateverTheSeed) {
+TEST_F(Against, findsOneUnderstatedErrorForEverySeed) {
   bool is_done = false;
   alter(
       [&](Node& node) {
@@ -117,7 +117,7 @@ TEST_F(Against, findsOneErrorThatIsGivenTooSmallWhateverTheSeed) {
   for (uint64_t seed = 1; seed <= 3; ++seed) expectDifference("LOD 0: its stored error is ", seed);
 }
 
-TEST(AgainstBadInput, agreesWithABuildThatSkipsBadValuesOnWhatWasDropped) {
+TEST(AgainstBadInput, agreesWithABuildOnSkippedBadValues) {
   const PlyFolder folder;
   BuildOptions options;
   options.input = folder.write(

@@ -40,7 +40,7 @@ float found(const Mesh& lod, std::initializer_list<Mesh> leaves) {
 constexpr auto kAll = [](uint32_t, uint32_t) { return true; };
 constexpr auto kWithHole = [](uint32_t x, uint32_t y) { return x < 5 || x >= 8 || y < 9 || y >= 11; };
 
-TEST(BoundaryCheck, findsHowFarABoundaryIsFromTheNearestOfTheLeaves) {
+TEST(BoundaryCheck, measuresTheDistanceToTheNearestBoundaryOfTheLeaves) {
   EXPECT_FLOAT_EQ(found(gridOf(kWithHole), {gridOf(kAll)}), 8 * kCellSteps);
 }
 
@@ -48,7 +48,7 @@ TEST(BoundaryCheck, findsNothingWhereTheBoundariesAreTheSame) {
   EXPECT_EQ(found(gridOf(kWithHole), {gridOf(kWithHole)}), 0);
 }
 
-TEST(BoundaryCheck, takesWhatTwoLeavesShareForNoBoundary) {
+TEST(BoundaryCheck, ignoresEdgesThatTwoLeavesShare) {
   const Mesh left = gridOf([](uint32_t x, uint32_t) { return x < 6; });
   const Mesh right = gridOf([](uint32_t x, uint32_t) { return x >= 6; });
   EXPECT_FLOAT_EQ(found(gridOf(kWithHole), {left, right}), 8 * kCellSteps);

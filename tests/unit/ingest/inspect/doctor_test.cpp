@@ -100,7 +100,7 @@ TEST(Doctor, showsTheFirstFewDefectsAndCountsTheOthers) {
   EXPECT_TRUE(mentions(report, true, "994 more"));
 }
 
-TEST(Doctor, saysOfAFileThatEndsTooEarlyThatItCannotBeBuilt) {
+TEST(Doctor, reportsATruncatedFileAsUnbuildable) {
   const PlyFolder folder;
   const DoctorReport report = examineFile(folder.write(header("3", "1") + "0 0 0\n1 0 0\n"));
   EXPECT_TRUE(report.header);
@@ -109,7 +109,7 @@ TEST(Doctor, saysOfAFileThatEndsTooEarlyThatItCannotBeBuilt) {
   EXPECT_FALSE(report.forecast);
 }
 
-TEST(Doctor, countsAsFarAsAFileCanBeReadWhoseHeaderSaysMore) {
+TEST(Doctor, countsTheReadablePartIfTheHeaderPromisesMore) {
   const PlyFolder folder;
   for (const PlyEncoding encoding : kPlyEncodings) {
     PlySource source = tetrahedron();
@@ -132,7 +132,7 @@ TEST(Doctor, countsAsFarAsAFileCanBeReadWhoseHeaderSaysMore) {
   }
 }
 
-TEST(Doctor, refusesWhatABuildRefuses) {
+TEST(Doctor, refusesTheInputsThatABuildRefuses) {
   const PlyFolder folder;
   EXPECT_FALSE(examineFile(folder.write("no ply at all")).is_readable);
   EXPECT_FALSE(examineFile(folder.write(header("3", "1") + "0 0 0\n1 0 0\n0 1 0\n3 0 0 1\n")).is_readable)
@@ -231,7 +231,7 @@ TEST(Doctor, saysWhichImageAPathOfAnotherMachineMeans) {
   EXPECT_EQ(report.textures[0].path.filename(), "here.png");
 }
 
-TEST(Doctor, saysWhatABuildWillDoWithTextureImages) {
+TEST(Doctor, reportsWhatABuildDoesWithTextureImages) {
   const PlyFolder folder;
   const auto examined = [&](const std::string& images) {
     return examineFile(folder.write("ply\nformat ascii 1.0\n" + images +
@@ -263,7 +263,7 @@ TEST(Doctor, saysWhatABuildWillDoWithTextureImages) {
   EXPECT_TRUE(mentions(refused, true, "5000 texture files"));
 }
 
-TEST(Doctor, looksIntoTextureImagesForWhatABuildFindsThere) {
+TEST(Doctor, reportsTheDamagedTextureImagesThatABuildReports) {
   const PlyFolder folder;
   BuildOptions options;
   options.input = folder.write(
@@ -304,7 +304,7 @@ std::optional<uint64_t> numberOf(const std::string& topology, const std::string&
   return std::stoull(counts.substr(at + name.size() + 1));
 }
 
-TEST(Doctor, countsWhatTheManifestOfTheTestDataSays) {
+TEST(Doctor, agreesWithTheManifestOfTheTestData) {
   const char* folder = std::getenv("LODESTREAM_TEST_DATA");
   if (folder == nullptr) GTEST_SKIP() << "set LODESTREAM_TEST_DATA to the folder with MANIFEST.tsv";
   std::ifstream file(std::filesystem::path(folder) / "MANIFEST.tsv");

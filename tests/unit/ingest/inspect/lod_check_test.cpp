@@ -40,7 +40,7 @@ void addTriangle(Mesh& mesh, glm::uvec3 at, uint32_t size) {
   mesh.triangles.emplace_back(first, first + 1, first + 2);
 }
 
-TEST(LodCheck, findsWhatDensePointsFindBothWays) {
+TEST(LodCheck, agreesWithDensePointsInBothDirections) {
   const Mesh leaf = test::makeSphere(60, 40);
   const NodeMesh input = test::nodeOf(leaf);
   collapse(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& lod) {
@@ -56,7 +56,7 @@ TEST(LodCheck, findsWhatDensePointsFindBothWays) {
   });
 }
 
-TEST(LodCheck, findsOneTinyTriangleThatHasGoneWhateverTheSeed) {
+TEST(LodCheck, findsOneTinyMissingTriangleForEverySeed) {
   const Mesh lod = flatGrid();
   Mesh leaf = lod;
   addTriangle(leaf, {3000, 3000, 5000}, 2);
@@ -64,14 +64,14 @@ TEST(LodCheck, findsOneTinyTriangleThatHasGoneWhateverTheSeed) {
   for (uint64_t seed = 1; seed <= 5; ++seed) EXPECT_GE(found(lod, leaf, height / 3, seed), 0.98f * height);
 }
 
-TEST(LodCheck, findsAVertexOfTheLodThatIsFarFromAllLeavesWhateverTheSeed) {
+TEST(LodCheck, findsALodVertexFarFromAllLeavesForEverySeed) {
   const Mesh leaf = flatGrid();
   Mesh lod = leaf;
   addTriangle(lod, {3000, 3000, 5000}, 2);
   for (uint64_t seed = 1; seed <= 5; ++seed) EXPECT_GT(found(lod, leaf, 400, seed), 1.25f * 400);
 }
 
-TEST(LodCheck, tellsNothingApartBelowThreeQuartersOfTheStoredError) {
+TEST(LodCheck, measuresNothingBelowThreeQuartersOfTheStoredError) {
   const Mesh mesh = test::makeGrid(10, 10);
   EXPECT_EQ(found(mesh, mesh, 40), 30);
 }

@@ -20,7 +20,7 @@ uint64_t joinsOf(uint32_t vertices, const std::vector<std::pair<uint32_t, uint32
   return counter.countJoins();
 }
 
-TEST(PieceCounter, countsAChainOnceHoweverItsEndsAreTold) {
+TEST(PieceCounter, countsAChainOnceInAnyOrder) {
   std::vector<std::pair<uint32_t, uint32_t>> chain;
   for (uint32_t i = 1; i < 10000; ++i) chain.emplace_back(i, i - 1);
   EXPECT_EQ(joinsOf(10000, chain, kSmallestRanges), 9999u);
@@ -28,13 +28,13 @@ TEST(PieceCounter, countsAChainOnceHoweverItsEndsAreTold) {
   EXPECT_EQ(joinsOf(10000, chain, kSmallestRanges), 9999u);
 }
 
-TEST(PieceCounter, countsJoinsThatCloseARingAcrossRangesNot) {
+TEST(PieceCounter, doesNotCountJoinsThatCloseARingAcrossRanges) {
   EXPECT_EQ(
       joinsOf(5000, {{4999, 3000}, {4998, 100}, {4999, 4998}, {3000, 100}, {4999, 100}}, kSmallestRanges),
       3u);
 }
 
-TEST(PieceCounter, findsWhatItFindsInOneRangeInMany) {
+TEST(PieceCounter, findsTheSameInManyRangesAsInOne) {
   for (const uint32_t seed : {1u, 2u, 3u, 4u}) {
     std::mt19937 engine(seed);
     const auto random = [&] { return static_cast<uint32_t>(engine()); };
@@ -48,7 +48,7 @@ TEST(PieceCounter, findsWhatItFindsInOneRangeInMany) {
   }
 }
 
-TEST(PieceCounter, takesNoVertices) { EXPECT_EQ(joinsOf(0, {}, kSmallestRanges), 0u); }
+TEST(PieceCounter, acceptsNoVertices) { EXPECT_EQ(joinsOf(0, {}, kSmallestRanges), 0u); }
 
 }  // namespace
 }  // namespace lode::ingest

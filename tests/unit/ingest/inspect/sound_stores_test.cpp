@@ -241,7 +241,7 @@ TEST_P(SoundStore, isCalledSound) {
   EXPECT_GE(report.least_ratio, 1);
 }
 
-TEST_P(SoundStore, isCalledUnsoundAfterItsErrorsHaveShrunkAndAPointShowsIt) {
+TEST_P(SoundStore, isCalledUnsoundWithAWitnessPointOnceItsErrorsShrink) {
   const double least_ratio = compare(store_).least_ratio;
   alterStore(store_, altered_,
              [&](Node& node) {

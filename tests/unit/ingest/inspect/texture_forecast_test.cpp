@@ -38,7 +38,7 @@ class ForecastTextures : public testing::Test {
   test::WorkFolder folder_;
 };
 
-TEST_F(ForecastTextures, saysWithinHalfHowLargeTheTilesWillBe) {
+TEST_F(ForecastTextures, estimatesTheSizeOfTilesWithinHalf) {
   writeBytes(folder_ / "large.png", pngOf(makePhoto(2600, 1500)));
   writeBytes(folder_ / "clear.png", pngOf(makePhoto(700, 900, true)));
   writeBytes(folder_ / "small.png", pngOf(makePhoto(40, 30)));

@@ -89,7 +89,7 @@ Topology countedByMaps(const Model& model) {
   return topology;
 }
 
-TEST(Topology, countsInLittleMemoryWhatMapsCount) {
+TEST(Topology, agreesWithMapsInLittleMemory) {
   for (const uint32_t seed : {1u, 2u, 3u}) {
     const Model model = randomModel(seed, 30000, 8000 * seed);
     const Topology maps = countedByMaps(model), counted = countedWith(model, 64 << 10);

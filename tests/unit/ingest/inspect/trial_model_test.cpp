@@ -35,7 +35,7 @@ TEST_F(TrialModelOfAPly, isTheWholeModelIfThatIsSmall) {
   }
 }
 
-TEST_F(TrialModelOfAPly, isStretchesFromTheMiddlesOfEqualPartsWithTheirOwnVerticesOnly) {
+TEST_F(TrialModelOfAPly, samplesTheMiddlesOfEqualPartsWithOnlyTheirVertices) {
   const std::filesystem::path input = folder_.path() / "a.ply";
   writeSample({"terrain", 20'000, {}, 1, 1}, input);
   const PlyContent whole = readPly(input), trial = trialOf(input, 4000, 2);

@@ -41,7 +41,7 @@ SimplifiedMesh moved(NodeMesh mesh) {
   return {std::move(mesh), std::move(remap)};
 }
 
-TEST(BoundaryGap, isHowFarABoundaryThatWasCutShortIsFromTheOriginal) {
+TEST(BoundaryGap, measuresAShortenedBoundaryAgainstTheOriginal) {
   const LodInput input(house(40), 0);
   SimplifiedMesh flat{meshOf({{0, 0}, {100, 0}, {100, 100}, {0, 100}}, {{0, 1, 2}, {0, 2, 3}}),
                       {0, 1, 2, 3, 3}};
@@ -52,20 +52,20 @@ TEST(BoundaryGap, isHowFarABoundaryThatWasCutShortIsFromTheOriginal) {
   EXPECT_LE(gap, of_middle * 1.021f * kRounding);
 }
 
-TEST(BoundaryGap, isNothingWhereNothingHasMoved) {
+TEST(BoundaryGap, isZeroIfNothingMoved) {
   EXPECT_EQ(boundaryGap(moved(house(40)), LodInput(house(40), 0)), 0);
 }
 
-TEST(BoundaryGap, isNothingWhereNothingIsLeft) {
+TEST(BoundaryGap, isZeroIfNothingIsLeft) {
   const SimplifiedMesh gone{{}, std::vector<uint32_t>(5, kVanished)};
   EXPECT_EQ(boundaryGap(gone, LodInput(house(40), 0)), 0);
 }
 
-TEST(BoundaryGap, countsWhatTheReferencesAreOffTheOriginal) {
+TEST(BoundaryGap, includesTheGapOfItsReferences) {
   EXPECT_EQ(boundaryGap(moved(house(40)), LodInput(house(40), 0, {}, {{}, 3})), 3);
 }
 
-TEST(BoundaryGap, isThatFromTheOriginalAndNotTheSumOfTwoLevels) {
+TEST(BoundaryGap, isMeasuredFromTheOriginalNotSummedOverLevels) {
   const LodInput original(house(40), 0);
   const SimplifiedMesh higher = moved(house(70)), lower = moved(house(50));
   const float up = boundaryGap(higher, original);
@@ -80,7 +80,7 @@ TEST(BoundaryGap, looksAtBoundariesThatABoundaryHasMovedAlong) {
   EXPECT_LE(boundaryGap(moved(fan({110, 0}, {115, 0})), input), kNegligible);
 }
 
-TEST(BoundaryGap, isThatOfBoundariesWithManyReferencesAtTheirEnds) {
+TEST(BoundaryGap, isExactWithManyReferencesAtTheEnds) {
   constexpr uint32_t kPoints = 400;  // on a boundary with a tooth in its middle, plus one above them
   std::vector<glm::uvec2> points;
   std::vector<glm::u32vec3> triangles;

@@ -28,7 +28,7 @@ std::vector<Segment> edgesOf(const NodeMesh& mesh) {
   return edges;
 }
 
-TEST(FarthestAlongEdges, isWhatDensePointsFind) {
+TEST(FarthestAlongEdges, agreesWithDensePoints) {
   for (uint32_t seed = 1; seed <= 4; ++seed) {
     const NodeMesh input = test::nodeOf(test::makeSphere(60, 40, {.attributes = {}, .seed = seed}));
     cluster(input, std::array<size_t, 2>{1200, 100}, {}, [&](size_t, SimplifiedMesh&& lod) {
@@ -67,7 +67,7 @@ NodeMesh combedMesh() {
   return mesh;
 }
 
-TEST(FarthestAlongEdges, seesThatAnEdgeLeadsAcrossNotchesAlthoughItsMiddleIsNear) {
+TEST(FarthestAlongEdges, findsNotchesUnderAnEdgeWhoseMiddleIsNear) {
   const NodeMesh input = combedMesh();
   SimplifiedMesh lod{input, std::vector<uint32_t>(input.positions.size())};
   std::iota(lod.remap.begin(), lod.remap.end(), 0u);
@@ -79,7 +79,7 @@ TEST(FarthestAlongEdges, seesThatAnEdgeLeadsAcrossNotchesAlthoughItsMiddleIsNear
   EXPECT_NEAR(farthestPlaceOf(lod, input, 0), 150, 3);
 }
 
-TEST(FarthestAlongEdges, isNotBelowWhatIsKnown) {
+TEST(FarthestAlongEdges, isNeverBelowTheKnownDistance) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   SimplifiedMesh same{mesh, std::vector<uint32_t>(mesh.positions.size())};
   std::iota(same.remap.begin(), same.remap.end(), 0u);

@@ -53,7 +53,7 @@ float farthestOfDensePoints(const std::array<glm::vec3, 3>& corners, const Trian
   return found;
 }
 
-TEST(FarthestInTriangle, isWhatDensePointsFindAboveFoldsHoweverMuchNeedNotBeToldApart) {
+TEST(FarthestInTriangle, agreesWithDensePointsAboveFoldsAtAnyTolerance) {
   std::mt19937 random(21);
   for (const uint32_t height : {16u, 48u, 160u}) {
     const NodeMesh ground = foldedGround(height, random);
@@ -108,7 +108,7 @@ NodeMesh tent(uint32_t height) {
   return mesh;
 }
 
-TEST(FarthestInTriangle, isBoundedUncutAboveAVertexIfThatIsNear) {
+TEST(FarthestInTriangle, needsNoSplitAboveANearVertex) {
   const std::array<glm::vec3, 3> at{{{1100, 1010, 1000}, {940, 1090, 1000}, {950, 905, 1000}}};
   for (const auto& [height, is_cut] : {std::pair(20u, false), std::pair(60u, true)}) {
     const NodeMesh mesh = tent(height);

@@ -48,11 +48,11 @@ void expectWhatDensePointsFind(const NodeMesh& input, const std::array<size_t, 2
   });
 }
 
-TEST(FarthestOfInput, isWhatDensePointsFindInsideTrianglesOfASphere) {
+TEST(FarthestOfInput, agreesWithDensePointsOnASphere) {
   expectWhatDensePointsFind(test::nodeOf(test::makeSphere(60, 40)), {1200, 100});
 }
 
-TEST(FarthestOfInput, isWhatDensePointsFindWherePiecesVanish) {
+TEST(FarthestOfInput, agreesWithDensePointsIfPiecesVanish) {
   Mesh soup;
   test::addLoosePieces(soup, {.pieces = 60, .largest = 20, .extent = 4000});
   expectWhatDensePointsFind(test::nodeOf(soup), {150, 40});
@@ -71,12 +71,12 @@ struct Ridge {
   }
 };
 
-TEST(FarthestOfInput, liesInsideATriangleWhoseCornersAreOnTheLod) {
+TEST(FarthestOfInput, findsAPlaceInsideATriangleWithCornersOnTheLod) {
   const Ridge ridge;
   EXPECT_NEAR(farthestPlaceOfInput(ridge.lod, ridge.input), 80 / std::hypot(1, 0.8), 1.5);
 }
 
-TEST(FarthestOfInput, tellsThePlaceInsideATriangleAndACornerOfIt) {
+TEST(FarthestOfInput, givesThePlaceInsideATriangleAndANearCorner) {
   const Ridge ridge;
   const FarthestOfInput farthest = farthestWithPlace(ridge.lod, ridge.input);
   ASSERT_TRUE(farthest.inside);
@@ -87,12 +87,12 @@ TEST(FarthestOfInput, tellsThePlaceInsideATriangleAndACornerOfIt) {
   EXPECT_EQ(farthest.inside->near, 0);
 }
 
-TEST(FarthestOfInput, tellsNoPlaceThatIsNearerThanWhatIsKnown) {
+TEST(FarthestOfInput, givesNoPlaceNearerThanTheKnownDistance) {
   const Ridge ridge;
   EXPECT_FALSE(farthestWithPlace(ridge.lod, ridge.input, 70).inside);
 }
 
-TEST(FarthestOfInput, tellsNoPlaceThatIsAPositionOfTheInput) {
+TEST(FarthestOfInput, givesNoPlaceAtAPositionOfTheInput) {
   Ridge ridge;
   ridge.input.positions[3] = packPosition({100, 100, 180});
   ridge.lod.remap[3] = kVanished;
@@ -142,7 +142,7 @@ TEST(FarthestOfInput, isTooSmallForAtMostOneInAHundredLodsOfRoughGrids) {
   EXPECT_LE(100 * too_small, lods);
 }
 
-TEST(FarthestOfInput, countsWhatHasVanished) {
+TEST(FarthestOfInput, countsVanishedTriangles) {
   const NodeMesh near = meshOf({{0, 0, 0}, {100, 0, 0}, {0, 100, 0}}, {{0, 1, 2}});
   NodeMesh input = near;
   input.positions.push_back(packPosition({0, 0, 500}));
@@ -152,7 +152,7 @@ TEST(FarthestOfInput, countsWhatHasVanished) {
   EXPECT_FLOAT_EQ(farthestPlaceOfInput({near, {0, 1, 2, kVanished}}, input), 500);
 }
 
-TEST(FarthestOfInput, isNotBelowWhatIsKnown) {
+TEST(FarthestOfInput, isNeverBelowTheKnownDistance) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   std::vector<uint32_t> same(mesh.positions.size());
   std::iota(same.begin(), same.end(), 0u);

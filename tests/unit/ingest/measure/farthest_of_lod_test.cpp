@@ -21,7 +21,7 @@ float farthestPlaceOfLod(const SimplifiedMesh& lod, const NodeMesh& input, float
                        sourcesOf(lod, input), lower_bound);
 }
 
-TEST(FarthestOfLod, isWithinItsMarginOfWhatDensePointsFind) {
+TEST(FarthestOfLod, agreesWithDensePointsWithinItsMargin) {
   constexpr double kPointMargin = 1.12;  // margin that lodDeviation() adds
   for (uint32_t seed = 1; seed <= 12; ++seed) {
     const NodeMesh input = test::nodeOf(test::makeSphere(60, 40, {.attributes = {}, .seed = seed}));
@@ -63,7 +63,7 @@ NodeMesh pitAndHill() {
   return mesh;
 }
 
-TEST(FarthestOfLod, seesAPitInOneOfFewTrianglesAlthoughAnotherIsFartherAtFirstSight) {
+TEST(FarthestOfLod, findsAPitBehindAnInitiallyFartherTriangle) {
   const NodeMesh input = pitAndHill();
   const auto last = static_cast<uint32_t>(input.positions.size()) - 1;
   const std::array<uint32_t, 4> corners{0, 64, last - 64, last};
@@ -81,7 +81,7 @@ TEST(FarthestOfLod, seesAPitInOneOfFewTrianglesAlthoughAnotherIsFartherAtFirstSi
   EXPECT_GE(farthestPlaceOfLod(lod, input, 0), pit * 0.999f);
 }
 
-TEST(FarthestOfLod, isNotBelowWhatIsKnown) {
+TEST(FarthestOfLod, isNeverBelowTheKnownDistance) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   SimplifiedMesh same{mesh, std::vector<uint32_t>(mesh.positions.size())};
   std::iota(same.remap.begin(), same.remap.end(), 0u);

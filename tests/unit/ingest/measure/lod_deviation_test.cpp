@@ -28,7 +28,7 @@ float deviation(std::optional<float> off_steps, float farthest_sample) {
   return steps;
 }
 
-TEST(LodDeviation, countsWhatTheLodsInputIsOffBy) {
+TEST(LodDeviation, includesTheDeviationOfItsInput) {
   const float of_original = deviation({}, 0);
   ASSERT_GT(of_original, 0);
   EXPECT_GE(deviation(of_original, 0), 1.4f * of_original);
@@ -47,24 +47,24 @@ TEST(LodDeviation, isTheSameWhateverSmallerDeviationIsKnownBefore) {
 
 constexpr size_t kFew = 4096, kMany = 16384;  // triangles
 
-TEST(LodDeviation, addsWhatTheInputIsOffAsIndependentWhereTrianglesAreFew) {
+TEST(LodDeviation, addsTheInputsDeviationInQuadratureForFewTriangles) {
   EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 4, kFew), 5);
 }
 
-TEST(LodDeviation, believesSamplesWhereTrianglesAreMany) {
+TEST(LodDeviation, usesSamplesForManyTriangles) {
   EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 3.2f, kMany), 1.3f * 3.2f);
   EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 3.2f, 100 * kMany), 1.3f * 3.2f);
 }
 
-TEST(LodDeviation, believesSamplesByHalvesBetween) {
+TEST(LodDeviation, interpolatesBetweenFewAndManyTriangles) {
   EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 3.2f, (kFew + kMany) / 2), (5 + 1.3f * 3.2f) / 2);
 }
 
-TEST(LodDeviation, isNoMoreThanIndependentErrorsAddUpToWhateverSamplesSay) {
+TEST(LodDeviation, neverExceedsTheSumInQuadrature) {
   EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 4.5f, kMany), 5);
 }
 
-TEST(LodDeviation, isNeverBelowWhatHasBeenFound) {
+TEST(LodDeviation, isNeverBelowAnyMeasuredDeviation) {
   for (const float from_input : {0.f, 1.f, 3.f})
     for (const float off : {0.f, 1.f, 3.f})
       for (const float sample : {0.f, 1.f, 3.f})

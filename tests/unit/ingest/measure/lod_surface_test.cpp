@@ -11,7 +11,7 @@ namespace {
 
 glm::vec3 pointNear(std::mt19937& random) { return glm::vec3(random() % 64, random() % 64, random() % 64); }
 
-TEST(LodSurface, findsTheNearestTriangleHoweverManyPointsAreAskedFor) {
+TEST(LodSurface, findsTheNearestTriangleForFewAndManyPoints) {
   const NodeMesh mesh = test::makeTangle(200, 300, 8);
   const TriangleTree tree(mesh);
   const LodSurface surface(mesh);
@@ -22,7 +22,7 @@ TEST(LodSurface, findsTheNearestTriangleHoweverManyPointsAreAskedFor) {
   }
 }
 
-TEST(LodSurface, measuresExactlyWhatIsFartherThanEnough) {
+TEST(LodSurface, measuresExactlyBeyondTheTolerance) {
   const NodeMesh mesh = test::makeTangle(200, 300, 8);
   const TriangleTree tree(mesh);
   const LodSurface surface(mesh);
@@ -38,7 +38,7 @@ TEST(LodSurface, measuresExactlyWhatIsFartherThanEnough) {
   }
 }
 
-TEST(LodSurface, neverWalksToLessThanTheDistance) {
+TEST(LodSurface, neverUnderstatesTheDistanceOnAWalk) {
   const NodeMesh mesh = test::makeTangle(200, 300, 8);
   const TriangleTree tree(mesh);
   const LodSurface surface(mesh);

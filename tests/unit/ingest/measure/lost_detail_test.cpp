@@ -45,11 +45,11 @@ void rings(glm::vec2 at, VertexAttributes& attributes) {
   attributes.colour = glm::u8vec4(static_cast<uint8_t>(127 + 120 * std::sin(40 * radius)), 80, 60, 255);
 }
 
-TEST(LostDetail, isNothingWhereThereIsNoPaint) {
+TEST(LostDetail, isZeroWithoutPaint) {
   EXPECT_EQ(lostAt(200, wall(AttributeSet::kColour, [](glm::vec2, VertexAttributes&) {})), 0);
 }
 
-TEST(LostDetail, isNothingWhereColoursRiseEvenly) {
+TEST(LostDetail, isZeroForALinearGradient) {
   const NodeMesh even = wall(AttributeSet::kColour, [](glm::vec2 at, VertexAttributes& attributes) {
     attributes.colour =
         glm::u8vec4(static_cast<uint8_t>(200 * at.x), static_cast<uint8_t>(100 * at.y), 0, 255);
@@ -57,7 +57,7 @@ TEST(LostDetail, isNothingWhereColoursRiseEvenly) {
   EXPECT_EQ(lostAt(500, even), 0);
 }
 
-TEST(LostDetail, ofAPaintedFlatWallIsAboutAsLargeAsTheTrianglesThatLostIt) {
+TEST(LostDetail, hasTheSizeOfTheTrianglesOnAPaintedFlatWall) {
   const NodeMesh painted = wall(AttributeSet::kColour, rings);
   for (const size_t triangles : {2000u, 500u, 100u}) {
     const float side = kWallSide / std::sqrt(static_cast<float>(triangles));
@@ -74,7 +74,7 @@ TEST(LostDetail, countsNormals) {
   EXPECT_GT(lostAt(500, wall(AttributeSet::kNormal, waves)), 0);
 }
 
-TEST(LostDetail, ofAPictureIsHowFarItHasSlid) {
+TEST(LostDetail, measuresTheShiftOfATexture) {
   // The texture is squeezed in the middle by a tenth of its width, over the whole height.
   const NodeMesh squeezed = wall(AttributeSet::kTexture, [](glm::vec2 at, VertexAttributes& attributes) {
     const float bend = 0.1f * std::sin(3.14159f * at.x);
@@ -85,7 +85,7 @@ TEST(LostDetail, ofAPictureIsHowFarItHasSlid) {
   EXPECT_LT(lost, 0.2f * kWallSide);
 }
 
-TEST(LostDetail, isNothingAtASeamWhereBothSidesAreKept) {
+TEST(LostDetail, isZeroAtAKeptSeam) {
   Mesh mesh = test::makeGrid(kWallCells, kWallCells,
                              {.attributes = {AttributeSet::kMaterial}, .extent = 2048, .bump = 0});
   mesh.attributes.bits |= AttributeSet::kColour;
@@ -95,7 +95,7 @@ TEST(LostDetail, isNothingAtASeamWhereBothSidesAreKept) {
   EXPECT_EQ(lostAt(300, test::nodeOf(mesh)), 0);
 }
 
-TEST(LostDetail, ofASingleStrayPointIsNothing) {
+TEST(LostDetail, isZeroForASingleStrayPoint) {
   NodeMesh stray = wall(AttributeSet::kColour, [](glm::vec2, VertexAttributes&) {});
   stray.wedge_attributes[stray.wedge_attributes.size() / 2 + kWallCells / 2].colour =
       glm::u8vec4(0, 0, 0, 255);

@@ -29,20 +29,20 @@ std::vector<glm::u32vec2> placesOf(const LodInput& input) {
 
 const std::vector<uint32_t> kUnmoved{0, 1, 2};
 
-TEST(ReferenceBoundaries, areTheBoundariesThemselvesWhereNoneWereCarried) {
+TEST(ReferenceBoundaries, areTheMeshsOwnBoundariesByDefault) {
   const LodInput input(triangle(), kLockDepth + 1);
   EXPECT_EQ(placesOf(input), (std::vector<glm::u32vec2>{{0, 2}, {1, 2}}));
   EXPECT_EQ(input.reference(1).from, input.mesh().positions[1]);
   EXPECT_EQ(input.reference(1).to, input.mesh().positions[2]);
 }
 
-TEST(ReferenceBoundaries, getBoundariesThatWereBordersOfTheNodesBelow) {
+TEST(ReferenceBoundaries, includeBoundariesThatWereBordersOfNodesBelow) {
   const LodInput below(triangle(), kLockDepth + 1);
   const LodInput input(triangle(), kLockDepth, {}, referencesIn(below, kUnmoved, 0, 9));
   EXPECT_EQ(placesOf(input), (std::vector<glm::u32vec2>{{0, 2}, {1, 2}, {0, 1}}));
 }
 
-TEST(ReferenceBoundaries, standForTheBoundariesThatTheyHaveBecome) {
+TEST(ReferenceBoundaries, representTheBoundariesTheyBecame) {
   const ReferenceBoundary reference{packPosition({0, 1, 0}), packPosition({0, 8, 0}), {2, 0}};
   const LodInput input(triangle(), kLockDepth, {}, {{reference}, kGap});
   EXPECT_EQ(input.boundaries().size(), 3u);
@@ -60,7 +60,7 @@ TEST(ReferenceBoundaries, stayAsTheyAreWhileTheirEndsMove) {
   EXPECT_EQ(references.gap_steps, kGap);
 }
 
-TEST(ReferenceBoundaries, goWithBothTheirEnds) {
+TEST(ReferenceBoundaries, vanishWithBothEnds) {
   const LodInput input(triangle(), kLockDepth + 1);
   const ReferenceBoundaries references =
       referencesIn(input, std::vector<uint32_t>{0, kVanished, kVanished}, 0, 9);
@@ -68,7 +68,7 @@ TEST(ReferenceBoundaries, goWithBothTheirEnds) {
   EXPECT_EQ(references.boundaries[0].near, glm::u32vec2(0, kVanished));
 }
 
-TEST(ReferenceBoundaries, giveWayToTheLodsOwnBoundariesWhereTheyAreTooMany) {
+TEST(ReferenceBoundaries, areReplacedByTheLodsBoundariesAboveTheLimit) {
   const LodInput input(triangle(), kLockDepth + 1, {}, {{}, kGap});
   const ReferenceBoundaries references = referencesIn(input, kUnmoved, 99, 1);
   EXPECT_TRUE(references.boundaries.empty());

@@ -15,7 +15,7 @@
 namespace lode::ingest {
 namespace {
 
-TEST(SurfaceSamples, keepTheWorstNearEachPositionAndTheLargestOfTheOthers) {
+TEST(SurfaceSamples, keepTheWorstNearEachPositionAndTheLargestOthers) {
   std::vector<SurfaceSample> samples;
   for (uint32_t i = 0; i < 1000; ++i)
     samples.push_back({packPosition({i, 0, 0}), i >= 900 ? 100.f + static_cast<float>(i) : 1.f, i / 10});
@@ -37,14 +37,14 @@ TEST(SurfaceSamples, keepTheWorstNearEachPositionAndTheLargestOfTheOthers) {
   EXPECT_EQ(samples.back().deviation, 1099);
 }
 
-TEST(SurfaceSamples, stayNearEveryPositionHoweverManyThereAre) {
+TEST(SurfaceSamples, stayNearEveryPositionEvenAboveTheLimit) {
   std::vector<SurfaceSample> samples;
   for (uint32_t i = 0; i < 1000; ++i) samples.push_back({packPosition({i, 0, 0}), 1, i / 2});
   selectSamples(samples, 500, 10);
   EXPECT_EQ(samples.size(), 500u);
 }
 
-TEST(SurfaceSamples, areWhereverAPositionHasNeverMoved) {
+TEST(SurfaceSamples, includeEveryPositionThatNeverMoved) {
   NodeMesh mesh = test::nodeOf(test::makeGrid(3, 3));
   mesh.lca_depth[2] = 1;
   mesh.lca_depth[5] = 2;
@@ -66,7 +66,7 @@ TEST(SurfaceSamples, countAPlaceOnceWithItsLargestDeviation) {
   EXPECT_EQ(samples[1].near, 6u);
 }
 
-TEST(SurfaceSamples, measureWhatBruteForceFinds) {
+TEST(SurfaceSamples, agreeWithBruteForce) {
   const NodeMesh input = test::nodeOf(test::makeSphere(60, 40));
   std::vector<SurfaceSample> samples;
   for (uint32_t i = 0; i < input.positions.size(); ++i) samples.push_back({input.positions[i], 0, i});
@@ -84,7 +84,7 @@ TEST(SurfaceSamples, measureWhatBruteForceFinds) {
   });
 }
 
-TEST(SurfaceSamples, lieInsideTrianglesThatAreLargeBesideTheOthers) {
+TEST(SurfaceSamples, lieInsideUnusuallyLargeTriangles) {
   NodeMesh mesh = test::nodeOf(test::makeGrid(40, 40));
   EXPECT_TRUE(samplesInside(mesh).empty());
   const auto first = static_cast<uint32_t>(mesh.positions.size());
@@ -105,7 +105,7 @@ TEST(SurfaceSamples, lieInsideTrianglesThatAreLargeBesideTheOthers) {
   }
 }
 
-TEST(SurfaceSamples, areNoneInsideAMeshWithoutArea) {
+TEST(SurfaceSamples, areEmptyForAMeshWithoutArea) {
   NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   mesh.positions.assign(mesh.positions.size(), mesh.positions[0]);
   EXPECT_TRUE(samplesInside(mesh).empty());

@@ -12,7 +12,7 @@
 namespace lode::ingest {
 namespace {
 
-TEST(SurfaceWalk, isAsFarAsTheTreeSaysFromASmoothSurface) {
+TEST(SurfaceWalk, agreesWithTheTreeOnASmoothSurface) {
   const NodeMesh mesh = test::nodeOf(test::makeSphere(60, 40));
   const TriangleTree tree(mesh);
   const SurfaceWalk walk(mesh);
@@ -24,7 +24,7 @@ TEST(SurfaceWalk, isAsFarAsTheTreeSaysFromASmoothSurface) {
   }
 }
 
-TEST(SurfaceWalk, isNeverNearerThanTheTruthWhereverItStarts) {
+TEST(SurfaceWalk, neverUnderstatesTheDistance) {
   const NodeMesh mesh = test::makeTangle(200, 300, 7);
   const TriangleTree tree(mesh);
   const SurfaceWalk walk(mesh);
@@ -49,7 +49,7 @@ TEST(SurfaceWalk, looksAtEveryTriangleForTheNearest) {
   }
 }
 
-TEST(SurfaceWalk, endsAtAPlaceThatIsAsFarAsItSaysOnSliversToo) {
+TEST(SurfaceWalk, endsAtAPlaceAtTheGivenDistanceEvenOnSlivers) {
   std::mt19937 random(6);
   for (int i = 0; i < 2000; ++i) {
     NodeMesh sliver = test::nodeOf(test::makeGrid(1, 1));
@@ -71,7 +71,7 @@ TEST(SurfaceWalk, endsAtAPlaceThatIsAsFarAsItSaysOnSliversToo) {
   }
 }
 
-TEST(SurfaceWalk, findsThePlaceOnTheSideOfAPlateOnWhichThePointLies) {
+TEST(SurfaceWalk, staysOnThePointsSideOfAPlate) {
   NodeMesh plate;
   plate.positions = {packPosition({100, 100, 100}), packPosition({160, 100, 100}),
                      packPosition({160, 160, 100}), packPosition({260, 100, 100}),
@@ -84,7 +84,7 @@ TEST(SurfaceWalk, findsThePlaceOnTheSideOfAPlateOnWhichThePointLies) {
   EXPECT_FLOAT_EQ(place.distance, 0);
 }
 
-TEST(SurfaceWalk, hasEachOfItsPositionsAtACornerOfOneOfItsTriangles) {
+TEST(SurfaceWalk, findsEachPositionAtACornerOfATriangle) {
   const NodeMesh mesh = test::nodeOf(test::makeSphere(12, 8));
   const SurfaceWalk walk(mesh);
   for (uint32_t i = 0; i < mesh.positions.size(); ++i) {
@@ -98,7 +98,7 @@ TEST(SurfaceWalk, hasEachOfItsPositionsAtACornerOfOneOfItsTriangles) {
   }
 }
 
-TEST(SurfaceWalk, hasAChainToAVertexWhicheverOfTheTrianglesAroundItIsTheLast) {
+TEST(SurfaceWalk, findsAChainToAVertexFromAnyOfItsTriangles) {
   const NodeMesh mesh = test::nodeOf(test::makeGrid(8, 8));
   const SurfaceWalk walk(mesh);
   const auto cornersOf = [&](uint32_t t) {
@@ -123,7 +123,7 @@ TEST(SurfaceWalk, hasAChainToAVertexWhicheverOfTheTrianglesAroundItIsTheLast) {
   EXPECT_GT(ends, 12);
 }
 
-TEST(SurfaceWalk, isInfinitelyFarWhereItStartsAtNoTriangle) {
+TEST(SurfaceWalk, isInfinitelyFarWithoutTriangles) {
   NodeMesh mesh = test::nodeOf(test::makeGrid(4, 4));
   mesh.triangles.clear();
   EXPECT_TRUE(std::isinf(SurfaceWalk(mesh).distance({1, 2, 3}, 0, 0)));

@@ -35,7 +35,7 @@ double bruteDistance(const NodeMesh& mesh, glm::dvec3 point) {
   return best;
 }
 
-TEST(TriangleTree, findsTheDistanceThatBruteForceFinds) {
+TEST(TriangleTree, agreesWithBruteForce) {
   std::mt19937 random(9);
   for (const uint32_t size : {20u, 400u}) {
     const NodeMesh mesh = randomTriangles(200, 1000, size);
@@ -75,7 +75,7 @@ NodeMesh trianglesAroundOneMiddle(size_t count) {
   return welder.finish();
 }
 
-TEST(TriangleTree, findsTheNearestOfLongTrianglesAndOfThoseAroundOneMiddle) {
+TEST(TriangleTree, findsTheNearestOfLongAndOfConcentricTriangles) {
   std::mt19937 random(7);
   for (const NodeMesh& mesh : {randomTriangles(2000, 1, 100000), trianglesAroundOneMiddle(2000)}) {
     const TriangleTree tree(mesh);
@@ -88,7 +88,7 @@ TEST(TriangleTree, findsTheNearestOfLongTrianglesAndOfThoseAroundOneMiddle) {
   }
 }
 
-TEST(TriangleTree, looksNoFurtherThanIsKnownAndNoCloserThanIsEnough) {
+TEST(TriangleTree, stopsAtTheKnownDistanceAndAtTheTolerance) {
   const NodeMesh mesh = randomTriangles(200, 1000, 50);
   const TriangleTree tree(mesh);
   const glm::vec3 point(500, 500, 3000);

@@ -62,13 +62,13 @@ void expectTheSameFromFourAsFromOne(Place&& place) {
   }
 }
 
-TEST(FourTriangles, areAsFarToTheBitAsEachAlone) {
+TEST(FourTriangles, haveExactlyTheDistancesOfEachAlone) {
   RandomPlaces places;
   expectTheSameFromFourAsFromOne([&] { return places.many(); });
   expectTheSameFromFourAsFromOne([&] { return places.few(); });
 }
 
-TEST(FourTriangles, areAsHighAsTheyAreFarBelowAPointAndNowhereElse) {
+TEST(FourTriangles, giveHeightsOnlyForPointsAboveTheirInterior) {
   RandomPlaces places;
   for (int i = 0; i < 20000; ++i) {
     const Triangle t = triangleOf([&] { return places.many(); });
@@ -85,7 +85,7 @@ TEST(FourTriangles, areAsHighAsTheyAreFarBelowAPointAndNowhereElse) {
   }
 }
 
-TEST(FourTriangles, areNotNearerThanAnythingWhereThereIsNone) {
+TEST(FourTriangles, areInfinitelyFarInEmptySlots) {
   const PackedTriangle none, some = Triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}.packed();
   const glm::vec3 point(0, 0, 2);
   const Four found = FourTriangles(none, some, none, some).squaredDistances({point, point, point, point});

@@ -8,7 +8,7 @@
 namespace lode::ingest {
 namespace {
 
-TEST(FourVectors, haveABitForEachComparisonThatIsTrue) {
+TEST(FourVectors, setABitForEachTrueComparison) {
   for (unsigned bits = 0; bits < 16; ++bits) {
     Four four{};
     for (unsigned k = 0; k < 4; ++k) four[k] = (bits >> k & 1) != 0 ? -1.f : 1.f;
@@ -17,7 +17,7 @@ TEST(FourVectors, haveABitForEachComparisonThatIsTrue) {
   }
 }
 
-TEST(FourVectors, haveALeastNumberWhereverItStands) {
+TEST(FourVectors, findTheLeastNumberInAnySlot) {
   std::array<float, 4> numbers{1, 2, 3, 4};
   do {
     EXPECT_EQ(leastOf(Four{numbers[0], numbers[1], numbers[2], numbers[3]}), 1);

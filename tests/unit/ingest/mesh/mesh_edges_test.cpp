@@ -20,7 +20,7 @@ NodeMesh makeSquare() {
   return mesh;
 }
 
-TEST(MeshEdges, areEachGivenOnceWithTheTrianglesThatHaveThem) {
+TEST(MeshEdges, areListedOnceWithTheirTriangles) {
   std::array<std::array<uint32_t, 5>, 5> uses{};
   forEachEdge(makeSquare(), [&](uint32_t lower, uint32_t upper, uint32_t count) {
     EXPECT_LT(lower, upper);
@@ -32,7 +32,7 @@ TEST(MeshEdges, areEachGivenOnceWithTheTrianglesThatHaveThem) {
   }
 }
 
-TEST(OpenEdges, areThoseThatAnOddNumberOfTrianglesHas) {
+TEST(OpenEdges, areTheEdgesOfAnOddNumberOfTriangles) {
   const std::vector<glm::u32vec2> expected{{0, 1}, {0, 3}, {1, 2}, {2, 3}};
   EXPECT_EQ(openEdges(makeSquare()), expected);
   EXPECT_TRUE(openEdges(test::nodeOf(test::makeSphere(12, 8))).empty());

@@ -5,7 +5,7 @@
 namespace lode::ingest {
 namespace {
 
-TEST(NumberTable, knowsEveryKeyThoughThereAreManyMoreThanWereExpected) {
+TEST(NumberTable, keepsManyMoreKeysThanExpected) {
   NumberTable table;
   for (int round = 0; round < 2; ++round) {
     table.reset(1);

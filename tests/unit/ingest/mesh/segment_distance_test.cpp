@@ -18,7 +18,7 @@ FourSegments fourOf(const std::array<Pair, 4>& pairs, size_t which) {
           FourVectors(at(0).to, at(1).to, at(2).to, at(3).to)};
 }
 
-TEST(SegmentDistance, isThatOfTheNearestOfDensePointsOfEachPair) {
+TEST(SegmentDistance, agreesWithDensePointsOfEachPair) {
   std::mt19937 random(5);
   const auto point = [&] { return glm::vec3(random() % 64, random() % 64, random() % 8); };
   for (int i = 0; i < 500; ++i) {

@@ -29,7 +29,7 @@ BuiltNode readAgain(const BuiltNode& built) {
   return getBuiltNode(reader);
 }
 
-TEST(BuiltNodeRecord, givesBackWhatBoundariesAreMeasuredAgainst) {
+TEST(BuiltNodeRecord, readsBackItsReferenceBoundaries) {
   const BuiltNode built = builtNode(), again = readAgain(built);
   EXPECT_EQ(again.references.gap_steps, 7);
   ASSERT_EQ(again.references.boundaries.size(), 2u);
@@ -41,7 +41,7 @@ TEST(BuiltNodeRecord, givesBackWhatBoundariesAreMeasuredAgainst) {
   EXPECT_EQ(again.samples.size(), 1u);
 }
 
-TEST(BuiltNodeRecord, isRefusedWhereABoundaryIsNearAPositionThatIsNot) {
+TEST(BuiltNodeRecord, isRefusedIfABoundaryRefersToAMissingPosition) {
   for (const glm::u32vec2 near : {glm::u32vec2(0, 3), glm::u32vec2(3, 0)}) {
     BuiltNode built = builtNode();
     built.references.boundaries[1].near = near;

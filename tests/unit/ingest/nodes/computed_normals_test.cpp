@@ -41,13 +41,13 @@ uint16_t normalAt(PositionCode place, uint8_t lca_depth) {
   return lod.mesh.wedge_attributes[0].normal;
 }
 
-TEST(ComputedNormals, lookAboutAsThoseThatHaveBecomeAPositionDoInTheMean) {
+TEST(ComputedNormals, approximateTheMeanNormalOfMergedPositions) {
   const glm::vec3 normal = decodeOctahedral(normalAt(packPosition({15, 0, 0}), kNeverLocked));
   EXPECT_NEAR(normal.x, normal.y, 0.02);
   EXPECT_GT(glm::dot(normal, glm::normalize(glm::vec3(1, 1, 0))), 0.9f);
 }
 
-TEST(ComputedNormals, stayToTheBitWhereAPositionThatLeavesShareHasNotMoved) {
+TEST(ComputedNormals, stayExactAtUnmovedPositionsSharedByLeaves) {
   EXPECT_EQ(normalAt(packPosition({30, 0, 0}), 2), encodeOctahedral({0, 1, 0}));
 }
 
@@ -67,7 +67,7 @@ float missed(const SimplifiedMesh& lod, const NodeMesh& mesh) {
   return sum;
 }
 
-TEST(ComputedNormals, areSharperThanTheMeansOfThoseThatWereMerged) {
+TEST(ComputedNormals, areSharperThanTheMeansOfMergedNormals) {
   NodeMesh mesh = test::nodeOf(test::makeSphere(60, 40, {.attributes = {AttributeSet::kNormal}}));
   mesh.attributes.bits = kComputed;
   for (size_t wedge = 0; wedge < mesh.wedge_position.size(); ++wedge) {
@@ -105,7 +105,7 @@ size_t wedgesOfAFold(uint32_t height, uint8_t lca_depth) {
   return lod.mesh.wedge_position.size();
 }
 
-TEST(ComputedNormals, areOneWhereALodHasACreaseNoMoreUnlessLeavesShareIt) {
+TEST(ComputedNormals, mergeWhereACreaseVanishesUnlessLeavesShareIt) {
   EXPECT_EQ(wedgesOfAFold(90, kNeverLocked), 8u) << "90 degrees";
   EXPECT_EQ(wedgesOfAFold(20, kNeverLocked), 6u) << "25 degrees";
   EXPECT_EQ(wedgesOfAFold(20, 2), 8u);

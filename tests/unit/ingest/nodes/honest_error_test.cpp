@@ -102,13 +102,13 @@ void writeTerrain(uint64_t seed, uint64_t triangles, const std::filesystem::path
   writeSample(terrain, file);
 }
 
-TEST(HonestError, ofAnOpenModelIsNotTheSumOfWhatItsBoundariesAreOffAtEachLevel) {
+TEST(HonestError, doesNotAddUpBoundaryErrorsOverLevels) {
   const test::WorkFolder folder;
   writeTerrain(5, 30'000, folder / "terrain.ply");
   EXPECT_LE(HonestErrorOf(folder / "terrain.ply", 256).largestRatioOfRoot(), 2.5);
 }
 
-TEST(HonestError, countsWhereTrianglesOfClustersLeadPastWhatThereWas) {
+TEST(HonestError, coversClusteredTrianglesThatBridgeGaps) {
   const test::WorkFolder folder;
   writeTerrain(3, 40'000, folder / "terrain.ply");
   BuildOptions options;
@@ -123,7 +123,7 @@ TEST(HonestError, countsWhereTrianglesOfClustersLeadPastWhatThereWas) {
   EXPECT_GE(compareWithInput(against).least_ratio, 1);
 }
 
-TEST(HonestError, countsWhatLiesBetweenTheVerticesOfAScan) {
+TEST(HonestError, coversDetailBetweenTheVerticesOfAScan) {
   const char* const data = std::getenv("LODESTREAM_TEST_DATA");
   if (data == nullptr) GTEST_SKIP() << "set LODESTREAM_TEST_DATA to the folder with real scans";
   const std::filesystem::path bunny = std::filesystem::path(data) / "a_bunny_zipper_ascii.ply";

@@ -34,7 +34,7 @@ void expectSame(const SimplifiedMesh& a, const SimplifiedMesh& b) {
   EXPECT_EQ(a.is_clustered, b.is_clustered);
 }
 
-TEST(LodSpool, givesEachLodBackAsItWas) {
+TEST(LodSpool, readsBackEachLod) {
   const TemporaryFolder folder(::testing::TempDir());
   LodSpool shelf(folder.file("lods"));
   const std::vector<SimplifiedMesh> lods{lodOf(9, true), lodOf(6, false), lodOf(0, true), lodOf(3, true)};

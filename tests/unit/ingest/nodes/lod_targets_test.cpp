@@ -31,7 +31,7 @@ TEST(LodTargets, stopAtTwelveTimesTheLockedVerticesBelowTheRootOfALargeModel) {
   EXPECT_EQ(lodTargets(100000, rule), (std::vector<size_t>{50000, 25000, 12500}));
 }
 
-TEST(LodTargets, goOnToFourTimesTheLockedVerticesWhereThereAreVeryMany) {
+TEST(LodTargets, stopAtFourTimesTheLockedVerticesIfTheseAreVeryMany) {
   const LodRule rule{.depth = 5,
                      .locked = 40000,
                      .original_triangles = uint64_t{1} << 30,
@@ -41,7 +41,7 @@ TEST(LodTargets, goOnToFourTimesTheLockedVerticesWhereThereAreVeryMany) {
   EXPECT_GT(targets[targets.size() - 2], 4 * rule.locked);
 }
 
-TEST(LodTargets, stopAtTwoToTheSeventeenthWhereEightTimesTheLockedVerticesIsMore) {
+TEST(LodTargets, stopAt131072IfEightTimesTheLockedVerticesIsMore) {
   const LodRule rule{.depth = 5,
                      .locked = 20000,
                      .original_triangles = uint64_t{1} << 30,
@@ -49,20 +49,20 @@ TEST(LodTargets, stopAtTwoToTheSeventeenthWhereEightTimesTheLockedVerticesIsMore
   EXPECT_EQ(lodTargets(520000, rule), (std::vector<size_t>{260000, 130000}));
 }
 
-TEST(LodTargets, stopAtEightCapacitiesWhereTwelveTimesTheLockedVerticesIsMore) {
+TEST(LodTargets, stopAtEightCapacitiesIfTwelveTimesTheLockedVerticesIsMore) {
   const LodRule rule{.depth = 1, .locked = 900, .original_triangles = 1 << 20, .triangles_per_node = 512};
   EXPECT_EQ(lodTargets(16000, rule).back(), 4000u);
   EXPECT_EQ(mostTriangles(rule), 4096u);
 }
 
-TEST(LodTargets, stopAtTwoToTheFourteenthWhereEightCapacitiesAreLessAndTheRootIsNotMadeOfThem) {
+TEST(LodTargets, stopAt16384ForSmallCapacitiesAwayFromTheRoot) {
   LodRule rule{.depth = 2, .locked = 900, .original_triangles = 1 << 20, .triangles_per_node = 512};
   EXPECT_EQ(mostTriangles(rule), 8 * 900u);
   rule.locked = 3000;
   EXPECT_EQ(mostTriangles(rule), 1u << 14);
 }
 
-TEST(LodTargets, endBelowTheMostThatIsToldBeforehand) {
+TEST(LodTargets, endBelowTheAnnouncedMaximum) {
   for (const size_t locked : {0u, 700u, 3000u, 20000u, 60000u}) {
     for (const size_t capacity : {size_t{512}, kTargetCapacity}) {
       const LodRule rule{
@@ -89,7 +89,7 @@ TEST(LodTargets, halveNearTheRootOfASmallModel) {
   EXPECT_EQ(lodTargets(20000, rule), (std::vector<size_t>{10000, 5000}));
 }
 
-TEST(LodTargets, leaveOutWhatNoStoreTakes) {
+TEST(LodTargets, leaveOutLodsAboveTheLimitOfAStore) {
   constexpr size_t kTooMany = 8 * size_t{kMaxLodTriangles};
   const LodRule rule{.depth = 5, .original_triangles = kTooMany, .triangles_per_node = 300000};
   EXPECT_EQ(lodTargets(kTooMany, rule), (std::vector<size_t>{1 << 20, 1 << 19, 1 << 18}));
@@ -99,7 +99,7 @@ TEST(LodTargets, leaveOutWhatNoStoreTakes) {
                 kMaxLodTriangles);
 }
 
-TEST(LodTargets, goOnToWhatAStoreTakesThoughLockedVerticesAllowLess) {
+TEST(LodTargets, reachTheLimitOfAStoreDespiteLockedVertices) {
   const LodRule rule{.depth = 5,
                      .locked = 700000,
                      .original_triangles = uint64_t{1} << 30,
@@ -123,7 +123,7 @@ TEST(LodTargets, goDownTo512AtTheRoot) {
   EXPECT_GT(targets[targets.size() - 2], kRootTriangles);
 }
 
-TEST(LodTargets, areNoneForASmallRootThatIsALeaf) {
+TEST(LodTargets, areEmptyForASmallRootThatIsALeaf) {
   const LodRule rule{.is_leaf = true, .original_triangles = 512, .triangles_per_node = kTargetCapacity};
   EXPECT_TRUE(lodTargets(512, rule).empty());
 }
@@ -137,7 +137,7 @@ TEST(FarLodTargets, halveDownToAQuarterOfTheCapacity) {
   EXPECT_TRUE(farLodTargets(4096, rule).empty());
 }
 
-TEST(FarLodTargets, stopAtTwoTrianglesALockedVertex) {
+TEST(FarLodTargets, stopAtTwoTrianglesPerLockedVertex) {
   const LodRule rule{.depth = 2,
                      .locked = 4000,
                      .original_triangles = 8 * kTargetCapacity,
@@ -153,7 +153,7 @@ TEST(FarLodTargets, leaveANodeThatIsNearlyAllBorderMoreThanItsBorder) {
   EXPECT_EQ(farLodTargets(19200, rule), (std::vector<size_t>{12400}));
 }
 
-TEST(FarLodTargets, areNoneOfTheRootAndCloseToTheLeaves) {
+TEST(FarLodTargets, areEmptyForTheRootAndCloseToTheLeaves) {
   LodRule rule{
       .depth = 2, .original_triangles = 8 * kTargetCapacity - 1, .triangles_per_node = kTargetCapacity};
   EXPECT_TRUE(farLodTargets(16000, rule).empty());

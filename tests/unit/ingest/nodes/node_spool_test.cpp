@@ -8,7 +8,7 @@
 namespace lode::ingest {
 namespace {
 
-TEST(NodeSpool, givesNodesBackInTheOrderOfTheirKeysHoweverTheyCame) {
+TEST(NodeSpool, readsBackNodesInKeyOrder) {
   const test::WorkFolder folder;
   NodeSpool spool({folder / "nodes"});
   for (const unsigned octant : {5u, 0u, 7u, 2u}) {

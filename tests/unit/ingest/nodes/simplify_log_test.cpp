@@ -68,11 +68,11 @@ class KilledBuild : public testing::Test {
   std::vector<std::vector<std::byte>> entries_;
 };
 
-TEST_F(KilledBuild, givesBackWhatTheParentNeedsOfAFinishedSubtree) {
+TEST_F(KilledBuild, restoresTheDataOfAFinishedSubtreeForItsParent) {
   EXPECT_EQ(trianglesBelow(kChild), 123u);
 }
 
-TEST_F(KilledBuild, isRefusedWhenWhatItKeptOfASubtreeIsDamaged) {
+TEST_F(KilledBuild, isRefusedIfASavedSubtreeIsDamaged) {
   const auto path = folder_ / "files" / SimplifyLog::kRootFile;
   std::ifstream in(path, std::ios::binary);
   std::string bytes(std::istreambuf_iterator<char>(in), {});
@@ -81,7 +81,7 @@ TEST_F(KilledBuild, isRefusedWhenWhatItKeptOfASubtreeIsDamaged) {
   EXPECT_THROW(trianglesBelow(kChild), Error);
 }
 
-TEST_F(KilledBuild, isRefusedWhenASubtreeIsSaidToStandBehindTheEndOfItsFile) {
+TEST_F(KilledBuild, isRefusedIfASubtreeLiesBeyondTheEndOfItsFile) {
   struct Root {
     NodeKey key;
     FinishedNodes::Place place;
@@ -96,7 +96,7 @@ TEST_F(KilledBuild, isRefusedWhenASubtreeIsSaidToStandBehindTheEndOfItsFile) {
 }
 
 // After a power loss the journal is there, but of other files only what was synced.
-TEST_F(KilledBuild, namesNothingInItsJournalThatIsNotOnTheDisk) {
+TEST_F(KilledBuild, journalsOnlySyncedFiles) {
   const test::SyncedFiles synced;
   std::set<std::string, std::less<>> before_the_entry;
   PayloadSpool payloads(files_);

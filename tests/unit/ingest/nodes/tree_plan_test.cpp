@@ -5,7 +5,7 @@
 namespace lode::ingest {
 namespace {
 
-TEST(TreePlan, isTheRootAloneWhereThatIsTheLeaf) {
+TEST(TreePlan, isTheRootAloneIfItIsALeaf) {
   const TreePlan plan({kRootKey});
   ASSERT_EQ(plan.size(), 1u);
   EXPECT_TRUE(plan.isRoot(0));
@@ -13,7 +13,7 @@ TEST(TreePlan, isTheRootAloneWhereThatIsTheLeaf) {
   EXPECT_TRUE(plan.children(0).empty());
 }
 
-TEST(TreePlan, numbersNodesAfterTheirChildrenWhichItFindsInTheOrderOfOctants) {
+TEST(TreePlan, numbersNodesAfterTheirChildrenInOctantOrder) {
   const NodeKey second = kRootKey.child(2), deep = second.child(5);
   const std::vector<NodeKey> leaves{kRootKey.child(0), second.child(1), deep.child(0),
                                     deep.child(7),     second.child(6), kRootKey.child(7)};

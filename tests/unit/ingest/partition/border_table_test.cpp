@@ -48,7 +48,7 @@ TEST(BorderTable, locksSharedVerticesBelowTheLowestCommonAncestorOfTheirLeaves) 
   EXPECT_EQ(table.read(2).size(), 1u);
 }
 
-TEST(BorderTable, countsWhatIsLockedInEachChildOfTheRootOnce) {
+TEST(BorderTable, countsLockedVerticesOnceInEachChildOfTheRoot) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
   const NodeKey leaves[] = {kRootKey.child(0).child(0), kRootKey.child(0).child(1), kRootKey.child(5)};
@@ -75,7 +75,7 @@ TEST(BorderTable, leavesVerticesThatOnlyOneLeafListsUnlocked) {
   EXPECT_TRUE(table.read(0).empty());
 }
 
-TEST(BorderTable, addsUpTheNormalsOfAllLeavesWhoseFacesGoOnSmoothly) {
+TEST(BorderTable, addsUpTheNormalsOfSmoothlyJoinedLeaves) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
   const NodeKey leaves[] = {kRootKey.child(0), kRootKey.child(1)};

@@ -55,7 +55,7 @@ std::vector<uint64_t> randomCodes(size_t count, int clusters) {
   return codes;
 }
 
-TEST(LeafCutter, cutsTheLeavesThatSplittingFromTheRootGives) {
+TEST(LeafCutter, cutsTheSameLeavesAsSplittingFromTheRoot) {
   for (const uint32_t max : {1u, 7u, 64u, 5000u}) {
     std::vector<uint64_t> codes = randomCodes(4000, 30);
     codes.erase(std::unique(codes.begin(), codes.end()), codes.end());

@@ -8,7 +8,7 @@
 namespace lode::ingest {
 namespace {
 
-TEST(LeafMesh, isReadAsItWasNoted) {
+TEST(LeafMesh, readsBackItsRecord) {
   for (const uint8_t bits : {uint8_t{0}, AttributeSet::kColour}) {
     Mesh grid = test::makeGrid(6, 6);
     grid.attributes.bits = bits;
@@ -26,7 +26,7 @@ TEST(LeafMesh, isReadAsItWasNoted) {
   }
 }
 
-TEST(LeafMesh, isRefusedWhereItNamesWhatIsNotThere) {
+TEST(LeafMesh, isRefusedIfItRefersToMissingData) {
   NodeMesh mesh = test::nodeOf(test::makeGrid(6, 6));
   mesh.triangles[3].y = static_cast<uint32_t>(mesh.wedge_position.size());
   RecordWriter noted;

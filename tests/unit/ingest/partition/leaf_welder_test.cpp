@@ -82,7 +82,7 @@ TEST(LeafWelder, givesTheMeshesOfLeavesInTheirOrder) {
   EXPECT_EQ(positionsOfARow(3), positions);
 }
 
-TEST(LeafWelder, endsItsThreadsWhenItIsGivenUp) {
+TEST(LeafWelder, endsItsThreadsWhenAbandoned) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
   std::thread([] {}).join();  // with the first begins one of the thread sanitizer

@@ -61,7 +61,7 @@ NodeMesh makeFold(double angle_deg) {
   return test::nodeOf(fold, 10000);
 }
 
-TEST(NormalFans, partAtAChamferAndNotInABoreOfNineSidesByDefault) {
+TEST(NormalFans, splitAtAChamferButNotInANineSidedBoreByDefault) {
   const CreaseAngle crease(BuildOptions().crease_angle_deg);
   EXPECT_EQ(fansAt(findFans(makeFold(45), crease), 1), 2u);
   EXPECT_EQ(fansAt(findFans(makeFold(360.0 / 9), crease), 1), 1u);
@@ -137,7 +137,7 @@ std::vector<std::set<uint16_t>> joinedNormals(const NodeMesh& whole, uint32_t le
   return normals;
 }
 
-TEST(NormalFans, areTheSameHoweverLeavesShareTheTriangles) {
+TEST(NormalFans, areIndependentOfHowLeavesShareTheTriangles) {
   const CreaseAngle crease(50);
   for (const NodeMesh& mesh :
        {test::nodeOf(test::makeBoredBox(32, 4), 1000), test::nodeOf(test::makeCube(5), 1000),

@@ -50,7 +50,7 @@ TEST_F(BuildIdentityOf, isTheSameAfterBeingWritten) {
   EXPECT_EQ(BuildIdentity::load(reader).difference(identity), "");
 }
 
-TEST_F(BuildIdentityOf, differsAfterAChangeAtHeadMiddleAndTailOfTheInputThatKeepsSizeAndTime) {
+TEST_F(BuildIdentityOf, differsAfterAnyChangeThatKeepsSizeAndTimeOfTheInput) {
   for (const size_t at : {size_t{100}, kBytes / 2 + 100, kBytes - 1}) {
     const BuildIdentity before = BuildIdentity::of(options);
     change(at);
@@ -130,7 +130,7 @@ TEST_F(BuildIdentityOf, differsWithEachResultOptionAndNamesIt) {
   });
 }
 
-TEST_F(BuildIdentityOf, saysWithWhichOptionTheBuildBegan) {
+TEST_F(BuildIdentityOf, namesTheOptionThatTheBuildStartedWith) {
   const auto names = [&](const char* words, const std::function<void(BuildOptions&)>& change_options) {
     EXPECT_NE(differenceAfter(change_options).find(words), std::string::npos) << words;
   };

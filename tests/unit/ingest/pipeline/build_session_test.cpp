@@ -72,7 +72,7 @@ class Session : public testing::Test {
   BuildOptions options_;
 };
 
-TEST_F(Session, takesOverWhatAnotherHadFinishedAndRunsTheRest) {
+TEST_F(Session, runsOnlyTheStagesThatAnotherLeftUnfinished) {
   {
     Build first(options_);
     first.session.run(first.scan);
@@ -97,7 +97,7 @@ TEST_F(Session, keepsNothingOfABuildThatHasFinishedNoStage) {
   EXPECT_EQ(folder_.contents(), before);
 }
 
-TEST_F(Session, removesAStagesFilesWhenWhatIsMadeOfThemIsNoted) {
+TEST_F(Session, removesAStagesFilesOnceTheNextStageIsRecorded) {
   Build build(options_);
   build.session.run(build.scan);
   EXPECT_TRUE(hasFile("vertices"));
@@ -106,7 +106,7 @@ TEST_F(Session, removesAStagesFilesWhenWhatIsMadeOfThemIsNoted) {
   EXPECT_TRUE(hasFile("runs"));
 }
 
-TEST_F(Session, runsAStageAgainThatWasInMemoryAloneWithTheFilesThatItIsMadeOf) {
+TEST_F(Session, repeatsAnInMemoryStageFromItsInputFiles) {
   {
     Build first(options_);
     first.dereference.is_on_disk = false;
@@ -122,7 +122,7 @@ TEST_F(Session, runsAStageAgainThatWasInMemoryAloneWithTheFilesThatItIsMadeOf) {
   EXPECT_EQ(second.dereference.runs, 1);
 }
 
-TEST_F(Session, needsNoStageThatWasInMemoryAloneOnceWhatIsMadeOfItIsNoted) {
+TEST_F(Session, skipsAnInMemoryStageOnceTheNextStageIsRecorded) {
   {
     Build first(options_);
     first.dereference.is_on_disk = false;
@@ -150,13 +150,13 @@ TEST_F(Session, remembersFactsAndWarningsAcrossBuilds) {
   EXPECT_EQ(second.session.takeReport().warnings, std::vector<std::string>{"a warning"});
 }
 
-TEST_F(Session, takesWarningsForErrorsWhenItIsStrict) {
+TEST_F(Session, treatsWarningsAsErrorsIfStrict) {
   options_.strict = true;
   Build build(options_);
   EXPECT_THROW(build.session.warn("a warning"), Error);
 }
 
-TEST_F(Session, passesAStageByThatTheInputHasNothingFor) {
+TEST_F(Session, skipsAStageThatTheInputDoesNotNeed) {
   Build build(options_);
   build.scan.is_needed = false;
   build.session.run(build.scan);

@@ -76,7 +76,7 @@ TEST_F(Build, givesTheSameBytesForAnyNumberOfThreadsAndAnyMemory) {
   }
 }
 
-TEST_F(Build, finishesLodsOfANodeOnThreadsThatFindNoOther) {
+TEST_F(Build, finishesLodsOfOneNodeOnIdleThreads) {
   makeSample(100000, 0);
   BuildOptions given = options();
   given.triangles_per_node = 1 << 17;
@@ -131,7 +131,7 @@ TEST_F(Build, endsAndClearsUpWhenProgressThrowsInTheMiddle) {
   EXPECT_EQ(folder_.contents(), before);
 }
 
-TEST_F(Build, keepsTheStoreThatIsThereWhenItFails) {
+TEST_F(Build, keepsTheExistingStoreWhenItFails) {
   makeSample(5000, 0);
   const std::string expected = built(1, 64 * kMega, 1024);
   std::filesystem::resize_file(folder_ / "a.ply", 1000);
@@ -145,7 +145,7 @@ TEST_F(Build, simplifiesOnFewerThreadsWhereMemoryIsShort) {
   EXPECT_EQ(planMemory(4096 * kMega, 8, 16384).threads, 8u);
 }
 
-TEST(MemoryPlan, leavesAnImageWhatTheBudgetForItSaysAndNotAByteLess) {
+TEST(MemoryPlan, fitsAnImageIntoExactlyItsBudget) {
   for (const uint64_t image : {uint64_t{1000}, kMega, 40 * kMega, 60 * kMega, 4096 * kMega}) {
     const uint64_t budget = budgetForImage(image);
     EXPECT_GE(planMemory(budget, 8, 16384).image_bytes, image);
@@ -160,14 +160,14 @@ TEST(MemoryPlan, encodesTilesWithAsManyThreadsAsHaveRoomBesideTheImage) {
   EXPECT_EQ(encoderThreads(256 * kMega, 256 * kMega, 8), 1u);
 }
 
-TEST_F(Build, warnsWhenTheMemoryCannotBeKept) {
+TEST_F(Build, warnsIfTheMemoryLimitCannotBeKept) {
   makeSample(60000, 0);
   built(1, kMega, 16384);
   ASSERT_EQ(report_.warnings.size(), 1u);
   EXPECT_NE(report_.warnings[0].find("--memory"), std::string::npos);
 }
 
-TEST_F(Build, warnsOfTrianglesThatTheFinestLatticeLosesAndRefusesThemIfStrict) {
+TEST_F(Build, warnsOfTrianglesLostByTheLatticeAndRefusesThemIfStrict) {
   std::ofstream file(folder_ / "a.ply");
   file << "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\n"
           "property double y\nproperty double z\nelement face 41\n"
@@ -340,7 +340,7 @@ TEST_F(SlowBuild, staysBelowLittleMemoryWithASurfaceThatIsAllBorders) {
   }
 }
 
-TEST_F(SlowBuild, warnsWhenTheRootOfAPorousModelMayTakeMoreThanThereIs) {
+TEST_F(SlowBuild, warnsIfTheRootOfAPorousModelMayExceedTheMemory) {
   makePorousSurface(80, 12);
   BuildOptions given = options();
   given.triangles_per_node = 64;
@@ -372,7 +372,7 @@ TEST_F(SlowBuild, staysBelowLittleMemoryWithThePorousSample) {
   }
 }
 
-TEST_F(SlowBuild, storesNoLodThatIsTooLargeAndGoesOnToCoarserOnes) {
+TEST_F(SlowBuild, storesNoLodAboveTheLimitButCoarserOnes) {
   makeSample(2000000, 0);
   BuildOptions large = options();
   large.triangles_per_node = 300000;

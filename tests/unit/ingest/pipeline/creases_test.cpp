@@ -101,7 +101,7 @@ TEST_P(Creases, haveTheSameNormalsOnBothSidesOfABorderInAllLods) {
   EXPECT_GT(found.on_creases, 100u);
 }
 
-TEST(ComputedNormals, areThoseOfTheOriginalAtPositionsThatNodesShareInAllLods) {
+TEST(ComputedNormals, equalTheOriginalsAtPositionsSharedByNodesInAllLods) {
   const test::WorkFolder folder;
   SampleOptions sample;
   sample.kind = "asteroid";

@@ -40,7 +40,7 @@ class DegenerateShape : public testing::TestWithParam<NamedShape> {
   const std::string model_ = folder_ / "a.ply", store_ = folder_ / "a.lode";
 };
 
-TEST_P(DegenerateShape, takesAboutTheTimeOfAsManyTrianglesInSmallShapesOfItsKind) {
+TEST_P(DegenerateShape, takesTimeInProportionToItsTriangles) {
   const double small = build(test::makeRow(GetParam().make, kTriangles / kSmall, kTriangles));
   EXPECT_LT(build(GetParam().make(kTriangles)), kMostTimesSmall * small);
 }

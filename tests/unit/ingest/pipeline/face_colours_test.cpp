@@ -123,7 +123,7 @@ TEST_F(FaceColours, keepIslandsOfAColour) {
   expectSound(store);
 }
 
-TEST_F(FaceColours, thatAreAllEqualAddNoSeams) {
+TEST_F(FaceColours, addNoSeamsIfAllEqual) {
   const auto verticesOf = [](const store::Reader& reader) {
     uint64_t vertices = 0;
     for (const Node& node : reader.nodes())
@@ -137,7 +137,7 @@ TEST_F(FaceColours, thatAreAllEqualAddNoSeams) {
   EXPECT_EQ(coloursOf(reader), std::set<uint32_t>{kRed});
 }
 
-TEST_F(FaceColours, thatDifferOnEveryFaceAreBuiltAndSound) {
+TEST_F(FaceColours, giveASoundStoreIfEveryFaceDiffers) {
   std::mt19937 random(41);
   const auto store = builtGrid([&](int, int) { return static_cast<uint32_t>(random()) | 255u; });
   const store::Reader reader(store);
@@ -155,7 +155,7 @@ TEST_F(FaceColours, giveTheSameBytesForAnyNumberOfThreadsAndAnyMemory) {
   EXPECT_TRUE(readBytes(builtGrid(colour, 2, 1 << 16)) == expected) << "sorted on disk";
 }
 
-TEST_F(FaceColours, surviveAnEndOfTheBuildInEachStage) {
+TEST_F(FaceColours, surviveAnInterruptionInEachStage) {
   BuildOptions options;
   options.input = writeGrid([](int x, int y) { return x < y ? kRed : kBlue; });
   options.output = folder_ / "a.lode";

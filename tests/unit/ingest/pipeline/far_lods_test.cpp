@@ -44,7 +44,7 @@ class FarLods : public testing::Test {
   std::map<NodeKey, uint64_t> original_;  ///< triangles in the leaves below
 };
 
-TEST_F(FarLods, areThereWhereMuchLiesBelowAndEndAtAQuarterOfTheBudgetOrTheBorder) {
+TEST_F(FarLods, existAboveLargeSubtreesAndEndAtAQuarterOfTheCapacityOrTheBorder) {
   size_t nodes = 0;
   for (const Node& node : reader_->nodes()) {
     const bool may_have = node.key != kRootKey && !node.isLeaf() && original_.at(node.key) >= kMuch;
@@ -66,7 +66,7 @@ size_t farLodsOf(const Node& node, uint64_t original) {
   return farLodTargets(node.sourceLod().triangles, rule).size();
 }
 
-TEST_F(FarLods, areTheCoarsestAloneWhereThoseBetweenAreFartherOffThanTheParentsFinest) {
+TEST_F(FarLods, leaveOutThoseWithLargerErrorsThanTheParentsFinest) {
   size_t left_out = 0;
   for (const Node& node : reader_->nodes())
     if (node.far_lods > 0) left_out += farLodsOf(node, original_.at(node.key)) - node.far_lods;
@@ -78,7 +78,7 @@ class FarLodsOfATerrain : public FarLods {
   FarLodsOfATerrain() : FarLods("terrain") {}
 };
 
-TEST_F(FarLodsOfATerrain, betweenAreThereWhereTheyAreNoFartherOffThanTheParentsFinest) {
+TEST_F(FarLodsOfATerrain, includeThoseWithErrorsUpToTheParentsFinest) {
   size_t between = 0;
   for (const Node& node : reader_->nodes()) {
     if (node.far_lods == 0) continue;
@@ -89,7 +89,7 @@ TEST_F(FarLodsOfATerrain, betweenAreThereWhereTheyAreNoFartherOffThanTheParentsF
   EXPECT_GT(between, 0u);
 }
 
-TEST_F(FarLods, areNotWhatTheParentIsMadeOf) {
+TEST_F(FarLods, areNotTheInputOfTheParent) {
   std::map<NodeKey, uint64_t> input;
   for (const Node& node : reader_->nodes())
     if (node.key != kRootKey) input[node.key.parent()] += node.sourceLod().triangles;
@@ -97,7 +97,7 @@ TEST_F(FarLods, areNotWhatTheParentIsMadeOf) {
     EXPECT_GE(reader_->find(key)->lods.front().triangles, triangles * 49 / 100) << key.value;
 }
 
-TEST_F(FarLods, fitTogetherWithAllOthers) {
+TEST_F(FarLods, leaveNoOpenEdgesInRandomCuts) {
   const store::VerifyReport report = store::verifyStore(folder_ / "a.lode", {.random_cuts = 30});
   EXPECT_EQ(report.cuts, 30u);
   EXPECT_EQ(report.open_edges, 0u);

@@ -75,7 +75,7 @@ class LengthlessNormals : public testing::Test {
   BuildOptions options_;
 };
 
-TEST_F(LengthlessNormals, areThoseOfTheFaces) {
+TEST_F(LengthlessNormals, areReplacedByTheNormalsOfTheFaces) {
   const BuildReport report = buildOf(wall(20, 54));
   std::vector<uint16_t> expected{encodeOctahedral({1, 0, 0}), encodeOctahedral({1, 0.5f, 0})};
   std::sort(expected.begin(), expected.end());
@@ -133,7 +133,7 @@ TEST_F(LengthlessNormals, doNotPointToTheBackOfAFace) {
 }
 
 /// If every corner recomputed the face's normal, a face of so many corners would take hours.
-TEST_F(LengthlessNormals, areLookedForOnceAFaceHoweverManyCornersItHas) {
+TEST_F(LengthlessNormals, areSearchedOncePerFaceForAnyNumberOfCorners) {
   constexpr int kCorners = 60'000;
   std::string ply = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(kCorners) +
                     "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
@@ -150,7 +150,7 @@ TEST_F(LengthlessNormals, areLookedForOnceAFaceHoweverManyCornersItHas) {
   EXPECT_EQ(storedNormals(), std::vector<uint16_t>{encodeOctahedral({1, 0, 0})});
 }
 
-TEST_F(LengthlessNormals, ofVerticesThatAreSkippedAreNotCounted) {
+TEST_F(LengthlessNormals, areNotCountedAtSkippedVertices) {
   std::string ply = wall(20, 0);
   ply.replace(ply.find("end_header\n0 0") + 11, 1, "nan");
   options_.skip_bad = true;

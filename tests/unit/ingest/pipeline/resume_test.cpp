@@ -101,7 +101,7 @@ class Resume : public testing::Test {
   mutable std::string message_;
 };
 
-TEST_F(Resume, givesTheSameBytesAfterAnEndInEachStage) {
+TEST_F(Resume, givesTheSameBytesAfterAnInterruptionInEachStage) {
   for (const auto& [stage, resumed_from] : {std::pair{"scan", ""},
                                             {"dereference", "dereference"},
                                             {"partition", "partition"},
@@ -128,7 +128,7 @@ TEST_F(Resume, givesTheSameBytesOfAModelWithTextures) {
   }
 }
 
-TEST_F(Resume, takesNoTriangleTwiceOfABatchOfWhichARunIsWritten) {
+TEST_F(Resume, takesNoTriangleTwiceFromAPartlyWrittenBatch) {
   using Clock = std::chrono::steady_clock;
   int blocks = 0;
   const auto endInSecondBlock = [&](std::string_view stage, double, uint64_t, uint64_t) {
@@ -141,7 +141,7 @@ TEST_F(Resume, takesNoTriangleTwiceOfABatchOfWhichARunIsWritten) {
   expectDone();
 }
 
-TEST_F(Resume, isRefusedWhenATextureImageHasChangedWithItsName) {
+TEST_F(Resume, isRefusedIfATextureImageChanged) {
   makeTextured();
   for (const char* stage : {"textures", "simplify"}) {
     ASSERT_TRUE(interruptAt(options_, stage, 1)) << stage;
@@ -156,7 +156,7 @@ TEST_F(Resume, isRefusedWhenATextureImageHasChangedWithItsName) {
   }
 }
 
-TEST_F(Resume, isRefusedWithTooLittleMemoryForATextureImageAndGoesOnWithMore) {
+TEST_F(Resume, isRefusedWithoutMemoryForATextureImageAndContinuesWithMore) {
   makeTextured();
   before_ = folder_.contents();
   build(options_);
@@ -188,7 +188,7 @@ TEST_F(Resume, givesTheSameBytesWithOtherThreadsAndMemoryInEachPart) {
   }
 }
 
-TEST_F(Resume, goesOnAgainAfterEndingAgain) {
+TEST_F(Resume, continuesAfterRepeatedInterruptions) {
   int ends = 0;
   while (interruptAt(options_, ends % 2 == 0 ? "dereference" : "simplify", 3) && ends < 4) ++ends;
   EXPECT_GT(ends, 1);
@@ -201,7 +201,7 @@ TEST_F(Resume, buildsWhenThereIsNothingToResume) {
   expectDone();
 }
 
-TEST_F(Resume, keepsWhatIsFinishedAndSaysSoOnlyWhenAskedTo) {
+TEST_F(Resume, keepsFinishedWorkOnlyIfAskedTo) {
   ASSERT_TRUE(interruptAt(options_, "simplify", 1));
   EXPECT_NE(message_.find("asked to end; finished work is kept"), std::string::npos) << message_;
   EXPECT_GT(folder_.contents().size(), before_.size());
@@ -219,7 +219,7 @@ TEST_F(Resume, keepsNothingWhenTheInputIsAtFault) {
   EXPECT_EQ(folder_.contents(), before_);
 }
 
-TEST_F(Resume, isRefusedWithOtherOptionsAndStillGoesOnWithTheSame) {
+TEST_F(Resume, isRefusedWithOtherOptionsAndContinuesWithTheSame) {
   ASSERT_TRUE(interruptAt(options_, "simplify", 1));
   const auto kept = folder_.contents();
   BuildOptions other = options_;
@@ -245,7 +245,7 @@ TEST_F(Resume, isRefusedWhenTheInputHasChanged) {
   expectDone();
 }
 
-TEST_F(Resume, isRefusedInOneLineWhenWhatWasLeftIsDamaged) {
+TEST_F(Resume, isRefusedInOneLineIfItsFilesAreDamaged) {
   ASSERT_TRUE(interruptAt(options_, "simplify", 1));
   std::filesystem::resize_file(folder_ / ".a.lode.building/files/leaves", 1000);
   const std::string message = failure(options_);
@@ -256,7 +256,7 @@ TEST_F(Resume, isRefusedInOneLineWhenWhatWasLeftIsDamaged) {
   expectDone();
 }
 
-TEST_F(Resume, keepsTemporaryFilesWhereItWasTold) {
+TEST_F(Resume, keepsTemporaryFilesInTheGivenFolder) {
   options_.temporary_folder = folder_ / "tmp";
   std::filesystem::create_directory(options_.temporary_folder);
   before_ = folder_.contents();
@@ -273,7 +273,7 @@ TEST_F(Resume, keepsTemporaryFilesWhereItWasTold) {
   expectDone();
 }
 
-TEST_F(Resume, endsAtOnceWhenTheStoreWasCompleteBeforeItsFilesWereGone) {
+TEST_F(Resume, endsAtOnceIfTheStoreIsComplete) {
   completeButForTheJournal();
   const BuildReport report = build(options_);
   EXPECT_TRUE(report.stages.empty());
@@ -281,7 +281,7 @@ TEST_F(Resume, endsAtOnceWhenTheStoreWasCompleteBeforeItsFilesWereGone) {
   expectDone();
 }
 
-TEST_F(Resume, buildsAnewWhenAnotherStoreIsInThePlaceOfTheCompleteOne) {
+TEST_F(Resume, rebuildsIfAnotherStoreReplacedTheCompleteOne) {
   completeButForTheJournal();
   BuildOptions other = options_;
   other.output = folder_ / "b.lode";
@@ -292,7 +292,7 @@ TEST_F(Resume, buildsAnewWhenAnotherStoreIsInThePlaceOfTheCompleteOne) {
   expectDone();
 }
 
-TEST_F(Resume, isNotHinderedByAJournalOfAnotherVersionWhereNobodyAskedToResume) {
+TEST_F(Resume, ignoresAJournalOfAnotherVersionUnlessAskedToResume) {
   ASSERT_TRUE(interruptAt(options_, "simplify", 1));
   std::ofstream(folder_ / ".a.lode.building/journal", std::ios::binary) << "LODEJN00";
   EXPECT_NE(failure(options_).find("build without --resume"), std::string::npos);
@@ -301,7 +301,7 @@ TEST_F(Resume, isNotHinderedByAJournalOfAnotherVersionWhereNobodyAskedToResume) 
   expectDone();
 }
 
-TEST_F(Resume, isNotForTwoAtATime) {
+TEST_F(Resume, isRefusedWhileAnotherProcessBuilds) {
   const BuildFolder other(options_.output, folder_.path());
   EXPECT_NE(failure(options_).find("another process is building it"), std::string::npos);
 }

@@ -67,11 +67,11 @@ TEST_P(TexturedModels, areSoundAndHoldEveryTriangleWithItsAttributes) {
   EXPECT_GT(compareWithInput(against).triangles, 0u);
 }
 
-TEST_P(TexturedModels, haveARootThatIsQuickToSend) {
+TEST_P(TexturedModels, haveASmallRoot) {
   EXPECT_LE(store::Reader(store_).nodes()[0].lods.back().triangles, kMostRootTriangles);
 }
 
-TEST_P(TexturedModels, wearOneMaterialATriangleInEveryLod) {
+TEST_P(TexturedModels, haveOneMaterialPerTriangleInEveryLod) {
   const store::Reader reader(store_);
   for (const Node& node : reader.nodes())
     for (uint32_t r = 0; r < node.lods.size(); ++r) {
@@ -153,7 +153,7 @@ class ModelsWithImages : public testing::TestWithParam<const char*> {
   BuildOptions options_;
 };
 
-TEST_P(ModelsWithImages, areForecastToBeAsLargeWithinHalf) {
+TEST_P(ModelsWithImages, areForecastInSizeWithinHalf) {
   const DoctorReport report =
       examine({.input = options_.input, .memory_bytes = 0, .threads = 1, .temporary_folder = folder_.path()});
   ASSERT_TRUE(report.forecast);

@@ -32,25 +32,25 @@ void expectClamped(const std::string& type, const std::vector<double>& values, u
   }
 }
 
-TEST(PlyColours, areCountedWhereTheirTypeHasNoSuchOnes) {
+TEST(PlyColours, areClampedAndCountedOutsideTheRangeOfTheirType) {
   for (const std::string type : {"float", "double"}) expectClamped(type, {0, 1, 30, -1}, 2);
   for (const std::string type : {"short", "int"}) expectClamped(type, {0, 255, 256, -1}, 2);
   expectClamped("uint", {0, 255, 256, 65535}, 2);
 }
 
-TEST(PlyColours, areTakenWhereTheirTypeHasThem) {
+TEST(PlyColours, areAcceptedInTheRangeOfTheirType) {
   for (const std::string type : {"uchar", "short", "int", "uint"}) expectClamped(type, {0, 1, 128, 255}, 0);
   expectClamped("ushort", {0, 255, 256, 65535}, 0);
   for (const std::string type : {"float", "double"}) expectClamped(type, {-0.001, 0, 0.5, 1.001}, 0);
 }
 
-TEST(PlyColours, areClampedOnceAVertex) {
+TEST(PlyColours, areCountedOncePerVertexIfClamped) {
   const PlyContent content = readPlyBytes(coloured("float", {0, 1, 30, -1}).encode(PlyEncoding::kAscii));
   EXPECT_EQ(content.vertices[2].colour, glm::u8vec4(255));
   EXPECT_EQ(content.vertices[3].colour, glm::u8vec4(0, 0, 0, 255));
 }
 
-TEST(PlyColours, areWarnedOfByScanAndDoctorWhereTheyAreClamped) {
+TEST(PlyColours, causeAWarningOfScanAndDoctorIfClamped) {
   const PlyFolder folder;
   BuildOptions options;
   options.input = folder.write(coloured("float", {0, 1, 30, 225}).encode(PlyEncoding::kLittleEndian));
@@ -121,7 +121,7 @@ TEST(PlyFaceColours, stayWithTheirFacesBesideTextureCoordinatesAndDroppedFaces) 
   expectFaceColours(source, {{10, 0, 0, 255}, {30, 0, 0, 255}, {40, 0, 0, 255}});
 }
 
-TEST(PlyFaceColours, giveWayToThoseOfVerticesAndSaySo) {
+TEST(PlyFaceColours, yieldToVertexColoursWithAWarning) {
   PlySource source = withFaceColours("uchar", {{10, 0, 0}, {20, 0, 0}, {30, 0, 0}, {40, 0, 0}});
   for (const char* name : {"red", "green", "blue"}) {
     source.elements[0].properties.push_back({name, "uchar", ""});
@@ -138,7 +138,7 @@ TEST(PlyFaceColours, giveWayToThoseOfVerticesAndSaySo) {
                  {"face 'red'", "face 'blue'", "vertices have colours, too, and these are used"});
 }
 
-TEST(PlyFaceColours, withoutAllThreeChannelsAreNotRead) {
+TEST(PlyFaceColours, areNotReadWithoutAllThreeChannels) {
   PlySource source = withFaceColours("uchar", {{10, 0}, {20, 0}, {30, 0}, {40, 0}});
   const PlyFolder folder;
   const PlyReader reader(folder.write(source.encode(PlyEncoding::kAscii)), {});
@@ -146,7 +146,7 @@ TEST(PlyFaceColours, withoutAllThreeChannelsAreNotRead) {
   EXPECT_EQ(reader.skippedProperties(), (std::vector<std::string>{"face 'red'", "face 'green'"}));
 }
 
-TEST(PlyFaceColours, outOfTheRangeOfTheirTypeAreClampedAndCounted) {
+TEST(PlyFaceColours, areClampedAndCountedOutsideTheRangeOfTheirType) {
   const PlyFolder folder;
   const auto path = folder.write(withFaceColours("float", {{0, 0, 0}, {1, 1, 1}, {30, 225, -1}, {2, 0, 0}})
                                      .encode(PlyEncoding::kLittleEndian));
@@ -158,7 +158,7 @@ TEST(PlyFaceColours, outOfTheRangeOfTheirTypeAreClampedAndCounted) {
   expectMentions(report.problems[0].text, {"2 faces", "colours", "clamped"});
 }
 
-TEST(PlyFaceColours, thatAreNotFiniteAreRefusedOrSetToZero) {
+TEST(PlyFaceColours, areRefusedOrSetToZeroIfNotFinite) {
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
     const PlySource source = withFaceColours("float", {{1, 1, 1}, {bad, 1, 1}, {0, 0, 0}, {0, 0, bad}});
     for (const PlyEncoding encoding : kPlyEncodings) {

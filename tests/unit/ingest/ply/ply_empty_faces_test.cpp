@@ -31,7 +31,7 @@ std::string rowOf(uint8_t items, size_t count_bytes) {
   return row;
 }
 
-TEST(EmptyPlyFaces, areCountedAndLeaveTheFacesBetweenThem) {
+TEST(EmptyPlyFaces, areCountedAndTheFacesBetweenThemAreKept) {
   std::mt19937 random(1);
   const std::vector<std::pair<const char*, size_t>> count_types{{"uchar", 1}, {"ushort", 2}, {"int", 4}};
   for (const auto& [type, bytes] : count_types) {
@@ -60,7 +60,7 @@ TEST(EmptyPlyFaces, endWithTheirElement) {
   EXPECT_EQ(content.counts.trailing_bytes, 1000u);
 }
 
-TEST(EmptyPlyFaces, ofAnElementThatIsSkippedAreSkipped) {
+TEST(EmptyPlyFaces, areSkippedWithTheirElement) {
   const std::string head =
       "ply\nformat binary_little_endian 1.0\nelement other 100000\nproperty list uchar float values\n"
       "element vertex 3\nproperty char x\nproperty char y\nproperty char z\n"
@@ -69,7 +69,7 @@ TEST(EmptyPlyFaces, ofAnElementThatIsSkippedAreSkipped) {
   EXPECT_EQ(readPlyBytes(head + others + vertices() + rowOf(3, 1)).faces.size(), 1u);
 }
 
-TEST(EmptyPlyFaces, letProgressRise) {
+TEST(EmptyPlyFaces, advanceTheProgress) {
   const PlyFolder folder;
   std::string lines;
   for (uint64_t i = 0; i < kMany; ++i) lines += "0\n";

@@ -47,12 +47,12 @@ TEST(PlyHeader, findsTheBodyBehindAnyLineEnd) {
   }
 }
 
-TEST(PlyHeader, takesALineFeedBehindCarriageReturnHeadersForTheBody) {
+TEST(PlyHeader, readsALineFeedAfterACarriageReturnHeaderAsBody) {
   const std::string text = headerWith("\r", "\r");
   EXPECT_EQ(headerOf(text + "\n" + std::string(50, '\0')).body_offset, text.size());
 }
 
-TEST(PlyHeader, takesCarriageReturnLineFeedBehindLineFeedHeadersForOneEnd) {
+TEST(PlyHeader, readsCarriageReturnLineFeedAfterALineFeedHeaderAsOneEnd) {
   const std::string text = headerWith("\n", "\r\n");
   EXPECT_EQ(headerOf(text + std::string(50, '\0')).body_offset, text.size());
 }
@@ -84,14 +84,14 @@ TEST(PlyHeader, keepsTheBlanksInsideATextureName) {
   EXPECT_EQ(header.texture_files, (std::vector<std::string>{"my own  map.jpg", "b.png"}));
 }
 
-TEST(PlyHeader, readsThisInATextureNameAsTheNameOfTheFileItself) {
+TEST(PlyHeader, expandsThisInATextureNameToTheFileName) {
   const PlyFolder folder;
   const std::filesystem::path path =
       folder.write("ply\nformat ascii 1.0\ncomment TextureFile <this>_0.png\nend_header\n");
   EXPECT_EQ(readPlyHeader(path).texture_files, (std::vector<std::string>{path.stem().string() + "_0.png"}));
 }
 
-TEST(PlyHeader, saysWhatIsWrongAndWhere) {
+TEST(PlyHeader, namesTheErrorAndItsPlace) {
   const std::string start = "ply\nformat ascii 1.0\n";
   expectMentions(headerError(""), {"is empty"});
   expectMentions(headerError("solid cube\n"), {"not a PLY file", "'solid cube\\x0a'"});
@@ -126,7 +126,7 @@ TEST(PlyHeader, refusesAHeaderWithoutEnd) {
                  {"no end_header within"});
 }
 
-TEST(PlyHeader, saysThatItsLimitCutsAHeaderWhereverTheCutIs) {
+TEST(PlyHeader, reportsItsLimitForATooLongHeader) {
   const std::string lines[] = {"comment a long comment", "element vertex 1", "property float x", "end_header",
                                "obj_info a tex\r"};
   const std::string start = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float y\n";
@@ -158,7 +158,7 @@ TEST(PlyHeader, refusesMorePropertiesThanTheLimit) {
   expectMentions(headerError(text + "end_header\n"), {"more than 4096 properties"});
 }
 
-TEST(PlyHeader, refusesWhatIsNoFile) {
+TEST(PlyHeader, refusesAPathThatIsNoFile) {
   const PlyFolder folder;
   const auto codeOf = [](const std::filesystem::path& path) {
     try {

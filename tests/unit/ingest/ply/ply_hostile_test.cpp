@@ -112,7 +112,7 @@ TEST(PlyHostile, binaryGarbageGivesAMeshOrAnError) {
   }
 }
 
-TEST(PlyHostile, rowsThatAreJoinedOrWrappedAreErrorsThatSayWhatIsExpected) {
+TEST(PlyHostile, joinedOrWrappedRowsAreErrorsThatNameTheExpectedRow) {
   const std::string text = tetrahedron().encode(PlyEncoding::kAscii);
   const size_t body = text.find("end_header\n") + 11;
   std::string joined = text, wrapped = text;

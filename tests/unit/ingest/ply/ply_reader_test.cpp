@@ -83,7 +83,7 @@ TEST(PlyReader, readsRowsOfVerticesThatHoldLists) {
   }
 }
 
-TEST(PlyReader, takesEveryIntegerTypeForCountsAndIndices) {
+TEST(PlyReader, acceptsEveryIntegerTypeForCountsAndIndices) {
   for (const std::string type : {"char", "uchar", "short", "ushort", "int", "uint"}) {
     for (const std::string count_type : {"char", "uchar", "short", "ushort", "int", "uint"}) {
       for (const PlyEncoding encoding : kPlyEncodings) {
@@ -96,7 +96,7 @@ TEST(PlyReader, takesEveryIntegerTypeForCountsAndIndices) {
   }
 }
 
-TEST(PlyReader, takesEveryTypeForCoordinates) {
+TEST(PlyReader, acceptsEveryTypeForCoordinates) {
   for (const std::string type : {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"}) {
     for (const PlyEncoding encoding : kPlyEncodings) {
       PlySource source = tetrahedron();
@@ -236,7 +236,7 @@ TEST(PlyReader, refusesMeshesWithoutVerticesOrFaces) {
   expectMentions(plyErrorOf(source.encode(PlyEncoding::kAscii)), {"no vertices"});
 }
 
-TEST(PlyReader, refusesElementsThatLackWhatTheyNeed) {
+TEST(PlyReader, refusesElementsWithoutRequiredProperties) {
   PlySource source = tetrahedron();
   source.elements[0].properties[2].name = "height";
   expectMentions(plyErrorOf(source.encode(PlyEncoding::kAscii)), {"has no x, y or z"});
@@ -248,7 +248,7 @@ TEST(PlyReader, refusesElementsThatLackWhatTheyNeed) {
   expectMentions(plyErrorOf(source.encode(PlyEncoding::kAscii)), {"floating"});
 }
 
-TEST(PlyReader, callsAGaussianSplatOne) {
+TEST(PlyReader, recognizesAGaussianSplat) {
   const std::string floats = "property float ", position = floats + "x\n" + floats + "y\n" + floats + "z\n";
   const auto properties = [&](const std::vector<std::string>& names) {
     std::string text;
@@ -272,7 +272,7 @@ TEST(PlyReader, callsAGaussianSplatOne) {
                      {"is a Gaussian splat, not a mesh", "reconstruct a surface"});
 }
 
-TEST(PlyReader, readsAMeshWhoseVerticesCarrySplatsToo) {
+TEST(PlyReader, readsAMeshWhoseVerticesAlsoHaveSplatProperties) {
   const std::string bytes =
       asciiMesh("0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n1 1 0 1 1 1 1\n0 1 0 1 1 1 1\n", "3 0 1 2\n", 4, 1,
                 "property float x\nproperty float y\nproperty float z\nproperty float opacity\n"
@@ -423,7 +423,7 @@ TEST(PlyReader, namesEveryPropertyThatItDoesNotRead) {
       << "there is nothing to lose";
 }
 
-TEST(PlyReader, namesCoordinatesOfVerticesThatThoseOfCornersReplace) {
+TEST(PlyReader, namesVertexCoordinatesThatCornerCoordinatesReplace) {
   const PlyFolder folder;
   const PlyReader reader(
       folder.write(
@@ -434,7 +434,7 @@ TEST(PlyReader, namesCoordinatesOfVerticesThatThoseOfCornersReplace) {
   EXPECT_EQ(reader.skippedProperties(), (std::vector<std::string>{"vertex 's'", "vertex 't'"}));
 }
 
-TEST(PlyReader, saysOfManySkippedPropertiesTheFirstAndHowManyMore) {
+TEST(PlyReader, namesTheFirstSkippedPropertiesAndCountsTheRest) {
   EXPECT_EQ(skippedInWords({}), "");
   EXPECT_EQ(skippedInWords({"a 'b'", "c 'd'"}), "ignored properties: a 'b', c 'd'");
   const std::string many = skippedInWords(std::vector<std::string>(100, "a 'b'"));

@@ -27,7 +27,7 @@ TEST(PlyTexnumbers, areCountedWhereTheHeaderNamesNoSuchTexture) {
   }
 }
 
-TEST(PlyTexnumbers, areNotCountedOfTexturesAndOfNone) {
+TEST(PlyTexnumbers, areNotCountedIfValidOrUnused) {
   for (const PlyEncoding encoding : kPlyEncodings) {
     EXPECT_EQ(readPlyBytes(textured({0, 1, -1, 0}, encoding)).counts.unknown_textures, 0u);
     EXPECT_EQ(readPlyBytes(textured({0, 7, -1, 0}, encoding, false)).counts.unknown_textures, 0u)
@@ -35,7 +35,7 @@ TEST(PlyTexnumbers, areNotCountedOfTexturesAndOfNone) {
   }
 }
 
-TEST(PlyTexnumbers, areWarnedOfByScanAndDoctorWhereThereIsNoSuchTexture) {
+TEST(PlyTexnumbers, causeAWarningOfScanAndDoctorForUnknownTextures) {
   const PlyFolder folder;
   BuildOptions options;
   options.input = folder.write(textured({0, 1, 7, -1}, PlyEncoding::kAscii));

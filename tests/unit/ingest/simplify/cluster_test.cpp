@@ -35,7 +35,7 @@ TEST(Cluster, deliversEveryTargetInOrder) {
   }
 }
 
-TEST(Cluster, takesManySmallPiecesDownToNothing) {
+TEST(Cluster, reducesManySmallPiecesToNothing) {
   for (uint32_t seed = 1; seed <= 8; ++seed) {
     const std::vector<Snapshot> snapshots = clusteredTo(test::makeTangle(900, 300, seed), {200, 50, 0});
     ASSERT_EQ(snapshots.size(), 3u);
@@ -44,7 +44,7 @@ TEST(Cluster, takesManySmallPiecesDownToNothing) {
   }
 }
 
-TEST(Cluster, leavesOnePositionBesideTheLockedOnesInOneCell) {
+TEST(Cluster, reducesOneCellToOnePositionAndTheLockedOnes) {
   NodeMesh mesh = test::nodeOf(test::makeGrid(24, 16, with(AttributeSet::kColour)));
   lockOddEdges(mesh);
   const NodeMesh result = clusteredTo(mesh, {0}, {.node_depth = 2}).at(0).mesh;
@@ -65,7 +65,7 @@ TEST(Cluster, keepsClosedMeshesClosedWhateverIsLocked) {
   }
 }
 
-TEST(Cluster, keepsTheBorderEdgeForEdgeWhereItIsLocked) {
+TEST(Cluster, keepsEveryEdgeOfALockedBorder) {
   for (uint32_t seed = 1; seed <= 8; ++seed) {
     NodeMesh mesh = test::nodeOf(test::makeGrid(24, 16, with(seed % 2 ? AttributeSet::kAll : 0, seed)));
     lockOddEdges(mesh);
@@ -109,7 +109,7 @@ TEST(Cluster, leavesLockedPositionsAndTheirAttributesAlone) {
   EXPECT_GT(found, 0u);
 }
 
-TEST(Cluster, deliversWhereItGotStuckOnce) {
+TEST(Cluster, deliversOnceIfItGetsStuck) {
   NodeMesh mesh = test::nodeOf(test::makeGrid(20, 20));
   lockOddEdges(mesh);
   const std::vector<Snapshot> snapshots = clusteredTo(mesh, {400, 10, 5}, {.node_depth = 2});
@@ -147,7 +147,7 @@ TEST(Cluster, keepsPositionsApartOnACrowdedLattice) {
   }
 }
 
-TEST(Cluster, givesTheSameAgain) {
+TEST(Cluster, isDeterministic) {
   const NodeMesh mesh = test::nodeOf(test::makeSphere(40, 30, with(AttributeSet::kAll)));
   const NodeMesh a = clusteredTo(mesh, {300}).at(0).mesh, b = clusteredTo(mesh, {300}).at(0).mesh;
   EXPECT_EQ(a.positions, b.positions);

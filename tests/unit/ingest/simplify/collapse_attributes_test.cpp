@@ -104,7 +104,7 @@ TEST(CollapseAttributes, halvesTheColourErrorOfAPaintedSheet) {
   EXPECT_LT(with.surface, 1.25 * without.surface);
 }
 
-TEST(CollapseAttributes, halvesTheErrorOfNormalsThatTheSurfaceDoesNotShow) {
+TEST(CollapseAttributes, halvesTheErrorOfNormalsThatDifferFromTheSurface) {
   const Mesh sheet = paintedSheet(AttributeSet::kNormal);
   const Loss with = lossOf(sheet, 1000, 1), without = lossOf(sheet, 1000, 0);
   EXPECT_LT(with.normal, 0.5 * without.normal);

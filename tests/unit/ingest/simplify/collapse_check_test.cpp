@@ -45,7 +45,7 @@ bool keepsShape(glm::dvec3 a, glm::dvec3 b, glm::dvec3 from, glm::dvec3 to, cons
 }
 
 // Covers ends without triangles of their own, and with odd numbers of them.
-TEST(CollapseCheck, allowsWhatEachTriangleAroundAllowsByItself) {
+TEST(CollapseCheck, allowsACollapseIfEachTriangleAroundAllowsIt) {
   constexpr CollapseLimits kStrict{.least_cosine = 0.5, .least_shape = 0.3, .link_condition = false};
   size_t allowed = 0, bare_ends = 0, looks = 0;
   for (uint32_t seed = 1; seed <= 20; ++seed) {

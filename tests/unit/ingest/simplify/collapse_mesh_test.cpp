@@ -65,7 +65,7 @@ class RandomMerges {
   std::mt19937 random_;
 };
 
-TEST(CollapseMesh, keepsOddEdgesTheImageOfTheInputs) {
+TEST(CollapseMesh, keepsOddEdgesEqualToTheImageOfTheInputs) {
   for (uint32_t seed = 1; seed <= 12; ++seed) {
     test::MeshOptions options;
     options.attributes.bits = seed % 2 ? AttributeSet::kAll : 0;

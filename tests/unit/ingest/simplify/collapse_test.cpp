@@ -39,7 +39,7 @@ TEST(Collapse, deliversEveryTargetInOrderAndNearIt) {
   }
 }
 
-TEST(Collapse, deliversTheInputForTargetsThatItMeets) {
+TEST(Collapse, deliversTheInputForTargetsAlreadyMet) {
   const NodeMesh mesh = test::nodeOf(test::makeSphere(8, 6, with(AttributeSet::kColour)));
   const std::vector<Snapshot> snapshots = collapsedTo(mesh, {1000, mesh.triangles.size()});
   ASSERT_EQ(snapshots.size(), 2u);
@@ -59,7 +59,7 @@ TEST(Collapse, keepsClosedMeshesClosedWhateverIsLocked) {
   }
 }
 
-TEST(Collapse, keepsTheBorderEdgeForEdgeWhereItIsLocked) {
+TEST(Collapse, keepsEveryEdgeOfALockedBorder) {
   for (uint32_t seed = 1; seed <= 8; ++seed) {
     NodeMesh mesh = test::nodeOf(test::makeGrid(24, 16, with(seed % 2 ? AttributeSet::kAll : 0, seed)));
     lockOddEdges(mesh);
@@ -81,7 +81,7 @@ TEST(Collapse, keepsTheLockedBorderOfATangle) {
   }
 }
 
-TEST(Collapse, takesATangleDownToNothing) {
+TEST(Collapse, reducesATangleToNothing) {
   for (uint32_t seed = 1; seed <= 8; ++seed) {
     const std::vector<Snapshot> snapshots = collapsedTo(test::makeTangle(60, 400, seed), {200, 50, 0});
     ASSERT_EQ(snapshots.size(), 3u);
@@ -90,7 +90,7 @@ TEST(Collapse, takesATangleDownToNothing) {
   }
 }
 
-TEST(Collapse, saysOfALodWhetherClustersHadToFinishIt) {
+TEST(Collapse, reportsWhetherClusteringFinishedALod) {
   const auto isClustered = [](const NodeMesh& mesh) {
     bool is_clustered = false;
     collapse(mesh, std::array<size_t, 1>{100}, {.node_depth = 2},
@@ -125,7 +125,7 @@ TEST(Collapse, leavesLockedPositionsAndTheirAttributesAlone) {
   EXPECT_EQ(found, locked.size());
 }
 
-TEST(Collapse, locksOnlyWhatWasSharedAboveTheNode) {
+TEST(Collapse, locksOnlyPositionsSharedAboveTheNode) {
   NodeMesh mesh = test::nodeOf(test::makeSphere(12, 8));
   mesh.lca_depth.assign(mesh.positions.size(), 3);
   EXPECT_EQ(collapsedTo(mesh, {20}, {.node_depth = 3}).at(0).mesh.triangles.size(), 20u);
@@ -134,7 +134,7 @@ TEST(Collapse, locksOnlyWhatWasSharedAboveTheNode) {
   EXPECT_EQ(stuck[0].mesh.triangles.size(), mesh.triangles.size());
 }
 
-TEST(Collapse, deliversWhereItGotStuckOnce) {
+TEST(Collapse, deliversOnceIfItGetsStuck) {
   NodeMesh mesh = test::nodeOf(test::makeGrid(20, 20));
   lockOddEdges(mesh);
   const std::vector<Snapshot> snapshots = collapsedTo(mesh, {400, 10, 5}, {.node_depth = 2});
@@ -161,7 +161,7 @@ TEST(Collapse, reducesAFlatSheetToItsCorners) {
   EXPECT_DOUBLE_EQ(area, 4096.0 * 4096.0);
 }
 
-TEST(Collapse, turnsNoTriangleOver) {
+TEST(Collapse, flipsNoTriangle) {
   MeshOptions options = with(0, 3);
   options.bump = 0.02;
   const NodeMesh mesh = test::nodeOf(test::makeGrid(40, 40, options));
@@ -223,7 +223,7 @@ TEST(Collapse, keepsPositionsApartOnACrowdedLattice) {
   }
 }
 
-TEST(Collapse, givesTheSameAgain) {
+TEST(Collapse, isDeterministic) {
   const NodeMesh mesh = test::nodeOf(test::makeSphere(40, 30, with(AttributeSet::kAll)));
   const NodeMesh a = collapsedTo(mesh, {300}).at(0).mesh, b = collapsedTo(mesh, {300}).at(0).mesh;
   EXPECT_EQ(a.positions, b.positions);
@@ -251,7 +251,7 @@ TEST(Collapse, staysCloseToTheSurface) {
 }
 
 // Rough sheets; quadrics alone reach 2.9.
-TEST(Collapse, staysCloserToARoughSurfaceThanPlanesTell) {
+TEST(Collapse, staysCloseToARoughSurface) {
   double log_sum = 0;
   constexpr uint32_t kSeeds = 6;
   for (uint32_t seed = 1; seed <= kSeeds; ++seed)

@@ -29,7 +29,7 @@ Sides sidesAt(const CollapseMesh& mesh, uint32_t end, uint32_t other) {
   return result;
 }
 
-TEST(EdgeSurroundings, listEachTriangleAtOneEndAndTheThirdCornersOfThoseAtBoth) {
+TEST(EdgeSurroundings, listTheTrianglesAtEachEndAndTheApexesOfTheEdge) {
   const CollapseMesh mesh(test::nodeOf(test::makeGrid(6, 6)), 0);
   EdgeSurroundings around(mesh);
   for (const CollapseMesh::Edge& edge : test::edgesOf(mesh)) {
@@ -44,7 +44,7 @@ TEST(EdgeSurroundings, listEachTriangleAtOneEndAndTheThirdCornersOfThoseAtBoth) 
   }
 }
 
-TEST(EdgeSurroundings, knowWhereTheCornersLieFourByFourAndFillTheLastWithTheLastTriangle) {
+TEST(EdgeSurroundings, packCornersByFourAndPadWithTheLastTriangle) {
   const CollapseMesh mesh(test::nodeOf(test::makeGrid(6, 6)), 0);
   EdgeSurroundings around(mesh);
   for (const CollapseMesh::Edge& edge : test::edgesOf(mesh)) {
@@ -62,7 +62,7 @@ TEST(EdgeSurroundings, knowWhereTheCornersLieFourByFourAndFillTheLastWithTheLast
   }
 }
 
-TEST(EdgeSurroundings, haveNothingOfAnEdgeThatIsNotThere) {
+TEST(EdgeSurroundings, haveNoApexesForAMissingEdge) {
   const CollapseMesh mesh(test::nodeOf(test::makeGrid(6, 6)), 0);
   EdgeSurroundings around(mesh);
   around.gather(0, 48);

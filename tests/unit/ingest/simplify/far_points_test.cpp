@@ -63,7 +63,7 @@ class Collapsing {
   std::vector<glm::vec3> moved_;
 };
 
-TEST(FarPoints, findTheFarthestOfAllThatWasMovedFromTheTrianglesThatLieAroundThen) {
+TEST(FarPoints, findTheFarthestOfFewMovedPoints) {
   for (uint32_t seed = 1; seed <= 40; ++seed) {
     Collapsing collapsing(seed);
     for (int joined = 1; joined <= 4; ++joined) {
@@ -73,7 +73,7 @@ TEST(FarPoints, findTheFarthestOfAllThatWasMovedFromTheTrianglesThatLieAroundThe
   }
 }
 
-TEST(FarPoints, keepThoseThatAreFarthestOfMany) {
+TEST(FarPoints, keepTheFarthestOfManyMovedPoints) {
   int as_far = 0, looks = 0;
   for (uint32_t seed = 1; seed <= 40; ++seed) {
     Collapsing collapsing(seed);
@@ -86,7 +86,7 @@ TEST(FarPoints, keepThoseThatAreFarthestOfMany) {
   EXPECT_GT(as_far, looks * 3 / 4);
 }
 
-TEST(FarPoints, knowNothingOfAPositionWhereNothingHasBeenMoved) {
+TEST(FarPoints, haveOnlyThePositionItselfBeforeAnyMove) {
   const auto look = [](const CollapseMesh& mesh) {
     EdgeSurroundings around(mesh);
     around.gather(6, 7);

@@ -38,7 +38,7 @@ struct PlacesOfSquare {
 
 bool isMultipleOf(glm::dvec3 place, double step) { return glm::floor(place / step) * step == place; }
 
-TEST(LatticePlaces, areTheNearestOfTheLatticeWhereAllThatIsCloseTells) {
+TEST(LatticePlaces, areTheNearestLatticePointsAtFullPrecision) {
   PlacesOfSquare p;
   EXPECT_EQ(p.settle({100.3, 77.6, 3.2}, 1e9), glm::dvec3(100, 78, 3));
 }
@@ -51,14 +51,14 @@ TEST(LatticePlaces, areFurtherApartForLongerEdges) {
   EXPECT_EQ(p.settle({100.3, 77.6, 3.2}, 1e9), glm::dvec3(96, 80, 0));
 }
 
-TEST(LatticePlaces, areCloseWhereTheSurfaceIs) {
+TEST(LatticePlaces, stayWithinTheToleranceOfTheSurface) {
   PlacesOfSquare p;
   p.places.aimFor(8);
   EXPECT_EQ(p.settle({100.3, 77.6, 3.2}, 0.1), glm::dvec3(100, 78, 3));
   EXPECT_EQ(p.settle({100.3, 77.6, 3.2}, 1.1), glm::dvec3(100, 78, 4));
 }
 
-TEST(LatticePlaces, areNoOthers) {
+TEST(LatticePlaces, areNotTakenTwice) {
   PlacesOfSquare p;
   p.places.take(glm::dvec3(100, 78, 3) - p.mesh.origin);
   EXPECT_NE(p.settle({100.3, 77.6, 3.2}, 0), glm::dvec3(100, 78, 3));
@@ -73,7 +73,7 @@ TEST(LatticePlaces, stayInTheBox) {
 }
 
 // A rough sphere with edges of 200 steps initially.
-TEST(LatticePlaces, thatAreFartherApartMakePayloadsSmaller) {
+TEST(LatticePlaces, makePayloadsSmallerIfCoarser) {
   const NodeMesh sphere =
       test::nodeOf(test::makeSphere(120, 80, {.attributes = {}, .extent = 1 << 14, .seed = 3, .bump = 0.02}));
   collapse(sphere, std::array<size_t, 1>{1200}, {.node_depth = 0, .max_position = glm::uvec3(kMaxLattice)},

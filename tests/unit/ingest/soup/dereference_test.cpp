@@ -47,7 +47,7 @@ std::vector<SoupTriangle> run(const PackedInput& input, uint64_t memory_bytes, D
 class DereferenceWith : public testing::TestWithParam<std::tuple<uint64_t, unsigned>> {};
 
 /// Parameters: memory and threads.
-TEST_P(DereferenceWith, givesTheSameTrianglesInTheSameOrderAsAtOnceAndAlone) {
+TEST_P(DereferenceWith, givesTheSameTrianglesInTheSameOrderAsOneThread) {
   const auto [memory_bytes, threads] = GetParam();
   const TemporaryFolder folder(testing::TempDir());
   PackedInput input(folder, AttributeSet{AttributeSet::kColour}, false);
@@ -90,7 +90,7 @@ TEST(Dereference, dropsAndCountsTrianglesWhoseCornersCoincideOnTheLattice) {
   EXPECT_EQ(counts.dropped, 1u);
 }
 
-TEST(Dereference, tellsTrianglesThatTheLatticeLosesFromThoseThatTheFileHasFlat) {
+TEST(Dereference, distinguishesTrianglesLostByTheLatticeFromFlatOnes) {
   const TemporaryFolder folder(testing::TempDir());
   PackedInput input(folder, AttributeSet{}, false);
   const std::vector<PlyVertex> vertices{
@@ -107,7 +107,7 @@ TEST(Dereference, tellsTrianglesThatTheLatticeLosesFromThoseThatTheFileHasFlat) 
   EXPECT_EQ(counts.lost, 1u);
 }
 
-TEST(Dereference, saysHowFarItHasMovedVerticesThatFacesUse) {
+TEST(Dereference, reportsHowFarItMovedUsedVertices) {
   const TemporaryFolder folder(testing::TempDir());
   PackedInput input(folder, AttributeSet{}, true);
   const std::vector<PlyVertex> vertices{{.position = {0, 0, 0}},

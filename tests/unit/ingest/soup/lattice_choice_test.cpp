@@ -17,7 +17,7 @@ TEST(ChooseStep, isTheLargestAtMostAThirtySecondOfTheFifthPercentileEdge) {
   EXPECT_TRUE(isLatticeStep(step));
 }
 
-TEST(ChooseStep, isSoFineThatACornerOfAModelThatFillsTheScreenIsWithinAPixel) {
+TEST(ChooseStep, keepsCornersOfAModelThatFillsTheScreenWithinAPixel) {
   for (const double side : {1.0, 3.0, 1.9, 1e-3, 777.0}) {
     std::vector<double> edges(10, side);
     const double step = chooseStep(edges, {0, 0, 0}, {side, side, side});
@@ -27,7 +27,7 @@ TEST(ChooseStep, isSoFineThatACornerOfAModelThatFillsTheScreenIsWithinAPixel) {
   }
 }
 
-TEST(ChooseStep, hasMultiplesThatDoubleHolds) {
+TEST(ChooseStep, hasMultiplesThatDoubleRepresents) {
   for (const double edge : {3.1e-5, 3.7e-5, 4.3e-5, 5.1e-5})
     for (const double far : {1e9 + 1. / 3, 3e9 + 1. / 7}) {
       std::vector<double> edges{edge};
@@ -37,7 +37,7 @@ TEST(ChooseStep, hasMultiplesThatDoubleHolds) {
     }
 }
 
-TEST(ChooseStep, hasMultiplesThatDoubleHoldsBelowANegativeCorner) {
+TEST(ChooseStep, hasMultiplesThatDoubleRepresentsBelowANegativeCorner) {
   const double spacing = 180 * 0x1p-33;
   std::vector<double> edges{spacing};
   const double step = chooseStep(edges, glm::dvec3(-0x1p20), glm::dvec3(-0x1p20 + 169 * spacing));
@@ -103,7 +103,7 @@ std::vector<uint64_t> amongManyFaces(std::vector<uint64_t> corners) {
   return corners;
 }
 
-TEST_F(LatticeFixture, isMadeFinerUntilCornersThatTheFileHasApartStayApart) {
+TEST_F(LatticeFixture, isRefinedUntilDistinctCornersStayDistinct) {
   add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1e-5, 1e-5, 0}}, amongManyFaces({0, 3, 1}));
   const Lattice lattice = chooseLattice(input, "sliver.ply").lattice;
   EXPECT_NE(lattice.snap({0, 0, 0}), lattice.snap({1e-5, 1e-5, 0}));

@@ -7,13 +7,13 @@ namespace {
 
 uint64_t lostOf(std::vector<glm::dvec3> corners) { return LostTriangleCounter(Lattice{}).count(corners); }
 
-TEST(LostTriangles, areThoseWhoseCornersTheLatticeMakesOne) {
+TEST(LostTriangles, haveCornersThatTheLatticeMerges) {
   EXPECT_EQ(lostOf({{0, 0, 0}, {0.3, 0, 0}, {5, 0, 0}}), 1u);
   EXPECT_EQ(lostOf({{0, 0, 0}, {1, 0, 0}, {5, 0, 0}}), 0u);
   EXPECT_EQ(lostOf({{0, 0, 0}, {0, 0, 0}, {5, 0, 0}}), 0u) << "flat in the file";
 }
 
-TEST(LostTriangles, areCountedOfAPolygonAsItIsCut) {
+TEST(LostTriangles, areCountedForTheTrianglesOfAPolygon) {
   EXPECT_EQ(lostOf({{0, 0, 0}, {5, 0, 0}, {5, 5, 0}, {0, 5, 0}}), 0u);
   EXPECT_EQ(lostOf({{0, 0, 0}, {0.3, 0, 0}, {5, 5, 0}, {0, 5, 0}}), 1u);
   EXPECT_EQ(lostOf({{0, 0, 0}, {0.1, 0, 0}, {0.1, 0.1, 0}, {0, 0.1, 0}}), 2u);

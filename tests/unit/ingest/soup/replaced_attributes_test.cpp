@@ -42,7 +42,7 @@ TEST(ReplacedAttributes, areNotCalledLeftOut) {
   }
 }
 
-TEST(ReplacedAttributes, areCountedBesideWhatIsLeftOut) {
+TEST(ReplacedAttributes, areCountedBesideSkippedFaces) {
   PlySource source = colouredBadly();
   source.elements[1].rows[3] = {{0, 1, 9}};
   const std::vector<std::string> warnings = warningsOf(source, PlyEncoding::kLittleEndian);

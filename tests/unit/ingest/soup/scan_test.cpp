@@ -37,7 +37,7 @@ TEST_F(ScannedUv, getTheirGridFromVerticesThatFacesUse) {
   EXPECT_EQ(gridOf(triangleWithStray("3", "0")).scale_exponent, 2);
 }
 
-TEST_F(ScannedUv, areNotRefusedForAWrongOneThatNoFaceUses) {
+TEST_F(ScannedUv, areNotRefusedForAnInvalidUnusedVertex) {
   EXPECT_EQ(gridOf(triangleWithStray("1", "1e30")), UvGrid());
 }
 

@@ -20,19 +20,19 @@ glm::dvec2 trueOf(const UvGrid& grid, glm::vec2 uv) {
   return grid.origin + glm::dvec2(grid.snap(uv)) * std::ldexp(1.0, grid.scale_exponent - 16);
 }
 
-TEST(UvGrid, ofAFileWithoutCoordinatesIsThePlainOne) { EXPECT_EQ(gridOf({}), UvGrid()); }
+TEST(UvGrid, isPlainWithoutCoordinates) { EXPECT_EQ(gridOf({}), UvGrid()); }
 
-TEST(UvGrid, withinTheImageIsThePlainOneWhateverPartIsUsed) {
+TEST(UvGrid, isPlainForCoordinatesWithinTheImage) {
   EXPECT_EQ(gridOf({{0, 0}, {1, 1}}), UvGrid());
   EXPECT_EQ(gridOf({{0.25f, 0.5f}, {0.3f, 0.5f}}), UvGrid());
 }
 
-TEST(UvGrid, keepsOneAStepFromItself) {
+TEST(UvGrid, snapsOneToTheLastCode) {
   EXPECT_EQ(UvGrid().snap({1, 0}), glm::u16vec2(65535, 0));
   EXPECT_EQ(UvGrid().snap({0.5f, 0x1p-16f}), glm::u16vec2(32768, 1));
 }
 
-TEST(UvGrid, holdsCoordinatesOutsideTheImageToAStep) {
+TEST(UvGrid, keepsCoordinatesOutsideTheImageWithinAStep) {
   for (const auto& [low, high] : {std::pair{-0.25f, 0.75f},
                                   {-3.0f, 5.0f},
                                   {100.0f, 101.0f},
@@ -52,7 +52,7 @@ TEST(UvGrid, isTheFinestThatHolds) {
   EXPECT_EQ(gridOf({{100, -3}, {100.5f, 5}}).scale_exponent, 3);
 }
 
-TEST(UvGrid, hasItsOriginOnItself) {
+TEST(UvGrid, hasItsOriginOnAMultipleOfItsStep) {
   const UvGrid grid = gridOf({{-0.3f, 0.1f}, {1.9f, 0.2f}});
   const double step = std::ldexp(1.0, grid.scale_exponent - 16);
   EXPECT_EQ(std::fmod(grid.origin.x, step), 0);
@@ -65,9 +65,9 @@ TEST(UvGrid, keepsEqualCoordinatesEqualAndWholeNumbersWhole) {
   EXPECT_EQ(grid.snap({0.1f, 0.2f}), grid.snap({0.1f, 0.2f}));
 }
 
-TEST(UvGrid, ofAnAbsurdRangeIsRefused) { EXPECT_THROW(gridOf({{0, 0}, {1e30f, 0}}), Error); }
+TEST(UvGrid, isRefusedForAHugeRange) { EXPECT_THROW(gridOf({{0, 0}, {1e30f, 0}}), Error); }
 
-TEST(UvGrid, ofAnAbsurdPlaceIsRefused) { EXPECT_THROW(gridOf({{1e20f, 0}, {1e20f, 1}}), Error); }
+TEST(UvGrid, isRefusedForHugeCoordinates) { EXPECT_THROW(gridOf({{1e20f, 0}, {1e20f, 1}}), Error); }
 
 }  // namespace
 }  // namespace lode::ingest

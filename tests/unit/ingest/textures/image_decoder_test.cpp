@@ -70,7 +70,7 @@ TEST(DecodeImage, countsTheTablesOfAWebpInTheMemoryThatItTakes) {
   expectRefused(file, "raise --memory", ErrorCode::kLimit, kMega);
 }
 
-TEST(DecodeImage, refusesWhatIsNoPicture) {
+TEST(DecodeImage, refusesAFileThatIsNoImage) {
   expectRefused({}, "not a JPEG, PNG or WebP");
   const std::string text = "GIF89a and so on";
   expectRefused(std::as_bytes(std::span(text)), "convert it");
@@ -120,7 +120,7 @@ TEST(DecodeImage, refusesSizesAboveTheLimitBeforeItTakesMemory) {
   expectRefused(pngHeader(1, 65537), "the limit is 65536");
 }
 
-TEST(DecodeImage, refusesWhatDoesNotFitTheMemoryBeforeItTakesAny) {
+TEST(DecodeImage, refusesImagesAboveTheMemoryBeforeItAllocates) {
   expectRefused(pngHeader(65536, 65536), "raise --memory", ErrorCode::kLimit);
   expectRefused(pngOf(makePhoto(100, 100)), "raise --memory", ErrorCode::kLimit, 50000);
 }
@@ -133,7 +133,7 @@ TEST(DecodeImage, saysWhenAJpegIsDamagedButShown) {
   EXPECT_NE(damage, "");
 }
 
-TEST(DecodeImage, refusesAJpegOfMoreScansThanATileMayHave) {
+TEST(DecodeImage, refusesAJpegWithMoreScansThanTheLimit) {
   const Image image = makePhoto(64, 64);
   EXPECT_EQ(decoded(test::jpegOf(image, false, 3, test::jpegScans(kMaxJpegScans))).size, image.size);
   expectRefused(test::jpegOf(image, false, 3, test::jpegScans(kMaxJpegScans + 1)), "more than 64 scans");

@@ -53,7 +53,7 @@ TEST_F(TextureImages, haveTheSizesOfTheirHeadersOrAProblem) {
   EXPECT_NE(images[4].problem, "");
 }
 
-TEST_F(TextureImages, thatAnnounceMoreThanTheyMayTakeNameTheRemedy) {
+TEST_F(TextureImages, nameTheRemedyIfTheyExceedTheMemory) {
   writeBytes(models_ / "huge.png", pngHeader(65536, 65536));
   const std::vector<TextureImage> images = surveyed({"huge.png"}, 1ull << 30);
   EXPECT_NE(images[0].problem.find("has 65536 x 65536 pixels"), std::string::npos) << images[0].problem;
@@ -63,7 +63,7 @@ TEST_F(TextureImages, thatAnnounceMoreThanTheyMayTakeNameTheRemedy) {
   EXPECT_EQ(images[0].header.width, 0u);
 }
 
-TEST_F(TextureImages, areTakenUpToTheirShareOfTheMemoryAndNotAByteMore) {
+TEST_F(TextureImages, areAcceptedUpToExactlyTheirMemoryShare) {
   writeBytes(models_ / "a.png", pngOf(makePhoto(300, 200)));
   const uint64_t needed = surveyed({"a.png"})[0].memoryBytes();
   EXPECT_EQ(surveyed({"a.png"}, needed)[0].problem, "");
@@ -74,7 +74,7 @@ TEST_F(TextureImages, areTakenUpToTheirShareOfTheMemoryAndNotAByteMore) {
   EXPECT_THROW(decodeImage(file, needed - file.size() - 1, damage), Error);
 }
 
-TEST_F(TextureImages, whoseFilesAloneTakeTooMuchAreNotRead) {
+TEST_F(TextureImages, areNotReadIfTheirFilesExceedTheMemory) {
   writeBytes(models_ / "a.png", pngOf(makePhoto(300, 200)));
   std::filesystem::resize_file(models_ / "a.png", 1ull << 36);
   const std::vector<TextureImage> images = surveyed({"a.png"}, 1 << 20);
@@ -82,7 +82,7 @@ TEST_F(TextureImages, whoseFilesAloneTakeTooMuchAreNotRead) {
   EXPECT_TRUE(images[0].needs_memory);
 }
 
-TEST_F(TextureImages, ofMoreTilesThanAStoreTakesAreRefusedWithTheirNumber) {
+TEST_F(TextureImages, areRefusedWithTheirCountAboveTheTileLimit) {
   writeBytes(models_ / "a.png", pngHeader(kMaxTextureEdgePx, kMaxTextureEdgePx));
   const uint64_t tiles = tileCount({{}, kMaxTextureEdgePx, kMaxTextureEdgePx, {}});
   std::vector<std::string> names(kMaxTextureTiles / tiles, "a.png");
@@ -99,7 +99,7 @@ TEST_F(TextureImages, ofMoreTilesThanAStoreTakesAreRefusedWithTheirNumber) {
   }
 }
 
-TEST_F(TextureImages, areCountedBeforeAnyIsLookedFor) {
+TEST_F(TextureImages, areCountedBeforeTheyAreSearched) {
   EXPECT_THROW(surveyed(std::vector<std::string>(kMaxTextures + 1, "a.png")), Error);
 }
 

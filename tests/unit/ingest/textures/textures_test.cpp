@@ -108,7 +108,7 @@ TEST_F(Textures, giveTheSameStoreForAnyNumberOfThreads) {
   }
 }
 
-TEST_F(Textures, thatCannotBeReadAreWarningsAndHaveNoTiles) {
+TEST_F(Textures, causeWarningsAndHaveNoTilesIfUnreadable) {
   write("text.png", "not a picture");
   writeBytes(models_ / "huge.png", test::pngHeader(70000, 1));
   writeBytes(models_ / "good.png", pngOf(makePhoto(4, 4)));
@@ -121,12 +121,12 @@ TEST_F(Textures, thatCannotBeReadAreWarningsAndHaveNoTiles) {
   EXPECT_EQ(reader.textures().textures[4].width, 4u);
 }
 
-TEST_F(Textures, thatAreMissingFailAStrictBuild) {
+TEST_F(Textures, failAStrictBuildIfMissing) {
   EXPECT_THROW(built({"missing.png"}, true), Error);
   EXPECT_FALSE(std::filesystem::exists(store_));
 }
 
-TEST_F(Textures, thatDoNotFitTheMemoryFailTheBuildAndSayWhatToDo) {
+TEST_F(Textures, failTheBuildWithAdviceAboveTheMemory) {
   writeBytes(models_ / "large.png", pngOf(makePhoto(2000, 2000)));
   memory_bytes_ = 20 << 20;
   try {
@@ -141,7 +141,7 @@ TEST_F(Textures, thatDoNotFitTheMemoryFailTheBuildAndSayWhatToDo) {
   EXPECT_FALSE(std::filesystem::exists(store_));
 }
 
-TEST_F(Textures, ofTooManyTilesFailTheBuildBeforeTheModelIsRead) {
+TEST_F(Textures, failTheBuildBeforeItReadsTheModelAboveTheTileLimit) {
   writeBytes(models_ / "a.png", test::pngHeader(65536, 65536));
   write("a.ply", quad(std::vector<std::string>(60, "a.png")) + "what is not read is not refused");
   std::filesystem::resize_file(models_ / "a.ply", std::filesystem::file_size(models_ / "a.ply") - 60);

@@ -13,7 +13,7 @@
 namespace lode::ingest {
 namespace {
 
-TEST(InOrder, handsResultsOnAsThePiecesCameThoughALaterOneEndsSooner) {
+TEST(InOrder, deliversResultsInOrderEvenIfALaterPieceEndsFirst) {
   std::latch second_done(1);
   std::vector<int> results;
   FixedHelpers helpers(2);
@@ -30,7 +30,7 @@ TEST(InOrder, handsResultsOnAsThePiecesCameThoughALaterOneEndsSooner) {
   EXPECT_EQ(results, (std::vector<int>{1, 2}));
 }
 
-TEST(InOrder, hasOnePieceUnderWayAndTwoThatWaitForEachHelper) {
+TEST(InOrder, runsOneAndQueuesTwoPiecesPerHelper) {
   std::atomic<int> under_way = 0, most = 0;
   FixedHelpers helpers(2);
   InOrder<int> pieces(helpers, [&](int&&) { --under_way; });
@@ -43,7 +43,7 @@ TEST(InOrder, hasOnePieceUnderWayAndTwoThatWaitForEachHelper) {
   EXPECT_EQ(under_way, 0);
 }
 
-TEST(InOrder, worksOnTheCallersThreadWhereThereIsNoHelper) {
+TEST(InOrder, worksOnTheCallersThreadWithoutAHelper) {
   std::thread::id where;
   bool is_handed_on = false;
   FixedHelpers none(0);
@@ -56,7 +56,7 @@ TEST(InOrder, worksOnTheCallersThreadWhereThereIsNoHelper) {
   EXPECT_TRUE(is_handed_on);
 }
 
-TEST(InOrder, doesTheOldestPieceThatWaitsItselfWhenAsManyWaitAsMay) {
+TEST(InOrder, runsTheOldestWaitingPieceItselfIfTheQueueIsFull) {
   std::latch first_begun(1), second_begun(1);
   std::thread::id where;
   std::vector<int> results;
@@ -81,7 +81,7 @@ TEST(InOrder, doesTheOldestPieceThatWaitsItselfWhenAsManyWaitAsMay) {
   EXPECT_EQ(results, (std::vector<int>{1, 2, 3, 4}));
 }
 
-TEST(InOrder, callsAHelperThatComesWhilePiecesWait) {
+TEST(InOrder, callsAHelperThatBecomesFreeWhilePiecesWait) {
   constexpr auto kPatience = std::chrono::seconds(20);
   std::latch first_begun(1);
   std::binary_semaphore third_begun(0);
@@ -139,7 +139,7 @@ TEST(InOrder, makesNoMoreThreadsThanThereAreHelpers) {
   EXPECT_LE(threads_made, 3) << "two of its own, and the caller's";
 }
 
-TEST(InOrder, waitsForPiecesThatHaveBegunWhenItGoes) {
+TEST(InOrder, waitsForStartedPiecesOnDestruction) {
   std::latch begun(3);
   std::atomic<int> done = 0;
   FixedHelpers helpers(3);
@@ -155,7 +155,7 @@ TEST(InOrder, waitsForPiecesThatHaveBegunWhenItGoes) {
   EXPECT_EQ(done, 3);
 }
 
-TEST(InOrder, throwsWhatAPieceHasThrown) {
+TEST(InOrder, rethrowsTheExceptionOfAPiece) {
   FixedHelpers helpers(2);
   InOrder<int> pieces(helpers, [](int&&) {});
   EXPECT_THROW(
