@@ -67,7 +67,7 @@ class AcceptorTest : public testing::Test {
   int handed_ = 0;
 };
 
-TEST_F(AcceptorTest, aConnectionThatThereIsNoMemoryForLosesItsPlaceAndTheNextIsTaken) {
+TEST_F(AcceptorTest, acceptsTheNextConnectionAfterOneFailsForLackOfMemory) {
   hand_throws_ = true;
   EXPECT_FALSE(isTakenWithin(50ms));
   EXPECT_EQ(admission_.count(), 0u);
@@ -76,14 +76,14 @@ TEST_F(AcceptorTest, aConnectionThatThereIsNoMemoryForLosesItsPlaceAndTheNextIsT
   EXPECT_TRUE(isTakenWithin(60s));
 }
 
-TEST_F(AcceptorTest, openedAgainAfterItsLoopWasThrownOutItTakesTheNext) {
+TEST_F(AcceptorTest, acceptsTheNextConnectionAfterAnUncaughtException) {
   hand_throws_what_nobody_catches_ = true;
   EXPECT_FALSE(isTakenWithin(50ms));
   hand_throws_what_nobody_catches_ = false;
   EXPECT_TRUE(isTakenWithin(60s));
 }
 
-TEST_F(AcceptorTest, whereverMemoryRunsOutTheNextConnectionIsTaken) {
+TEST_F(AcceptorTest, acceptsTheNextConnectionWhereverMemoryRunsOut) {
   ASSERT_TRUE(isTakenWithin(60s));
   for (size_t nth = 0, failed = 1; failed > 0; ++nth) {
     connect();

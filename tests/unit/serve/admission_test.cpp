@@ -21,34 +21,34 @@ std::vector<bool> letIn(Admission& admission, const std::vector<const char*>& ad
   return in;
 }
 
-TEST(Admission, takesANetworkOf64BitsOfIpv6ForOneAddress) {
+TEST(Admission, countsAnIpv6NetworkOf64BitsAsOneAddress) {
   Admission admission(10, 1);
   std::vector<Slot> slots;
   EXPECT_EQ(letIn(admission, {"2001:db8:0:1::1", "2001:db8:0:1:ffff::9", "2001:db8:0:2::1"}, slots),
             std::vector<bool>({true, false, true}));
 }
 
-TEST(Admission, takesAnIpv4AddressInIpv6FormForTheSame) {
+TEST(Admission, countsAnIpv4MappedAddressAsItsIpv4Address) {
   Admission admission(10, 1);
   std::vector<Slot> slots;
   EXPECT_EQ(letIn(admission, {"::ffff:192.0.2.7", "192.0.2.7", "192.0.2.8"}, slots),
             std::vector<bool>({true, false, true}));
 }
 
-TEST(Admission, takesLoopbackInIpv6FormForLoopback) {
+TEST(Admission, treatsIpv4MappedLoopbackAsLoopback) {
   Admission admission(proto::kMaxConnectionsPerAddress + 1, {});
   std::vector<Slot> slots;
   const std::vector<const char*> addresses(proto::kMaxConnectionsPerAddress + 1, "::ffff:127.0.0.1");
   EXPECT_EQ(std::ranges::count(letIn(admission, addresses, slots), false), 0);
 }
 
-TEST(Admission, takesNoNetworkOfIpv6ForAnIpv4Address) {
+TEST(Admission, doesNotMistakeAnIpv6NetworkForAnIpv4Address) {
   Admission admission(10, 1);
   std::vector<Slot> slots;
   EXPECT_EQ(letIn(admission, {"192.0.2.7", "0:0:c000:207::1"}, slots), std::vector<bool>({true, true}));
 }
 
-TEST(Admission, countsUnderAnAddressThoseThatAreThere) {
+TEST(Admission, countsOnlyOpenConnectionsOfAnAddress) {
   Admission admission(10, 2);
   for (int i = 0; i < 3; ++i) {
     std::vector<Slot> slots;
@@ -61,7 +61,7 @@ TEST(Admission, countsUnderAnAddressThoseThatAreThere) {
   EXPECT_EQ(admission.count(), 0u);
 }
 
-TEST(Admission, takesNoMoreThanItsTotal) {
+TEST(Admission, admitsNoMoreThanItsTotal) {
   Admission admission(1, {});
   const std::optional<Slot> first = admission.enter();
   EXPECT_TRUE(first);

@@ -65,7 +65,7 @@ TEST_F(BlobReaderTest, theFirstReadOfABlobIsHotIfThePageCacheHasIt) {
   EXPECT_EQ(bytes_, blob(2));
 }
 
-TEST_F(BlobReaderTest, onTmpfsEveryReadIsHot) {
+TEST_F(BlobReaderTest, readsEveryBlobHotOnTmpfs) {
   if (!fs::is_directory("/dev/shm")) GTEST_SKIP();
   std::string name = "/dev/shm/lode-serve-XXXXXX";
   const fs::path folder = mkdtemp(name.data());
@@ -79,7 +79,7 @@ TEST_F(BlobReaderTest, onTmpfsEveryReadIsHot) {
   fs::remove_all(folder);
 }
 
-TEST_F(BlobReaderTest, aRangeIsThePartThatItsOffsetNames) {
+TEST_F(BlobReaderTest, readsTheRangeAtAnOffset) {
   const std::vector<std::byte> all = blob(1);
   const std::vector<std::byte> expected(all.begin() + 700, all.begin() + 1200);
   const BlobReader reader = open();
@@ -90,7 +90,7 @@ TEST_F(BlobReaderTest, aRangeIsThePartThatItsOffsetNames) {
   }
 }
 
-TEST_F(BlobReaderTest, theColdWayGivesTheSameBytes) {
+TEST_F(BlobReaderTest, readsTheSameBytesCold) {
   const std::vector<std::byte> all = blob(1);
   const BlobReader reader = open();
   for (int time = 0; time < 2; ++time) {
@@ -100,7 +100,7 @@ TEST_F(BlobReaderTest, theColdWayGivesTheSameBytes) {
   }
 }
 
-TEST_F(BlobReaderTest, aDamagedBlobIsReportedOnceHoweverOftenItIsAskedFor) {
+TEST_F(BlobReaderTest, reportsADamagedBlobOnce) {
   const BlobReader reader = open();
   damageBlob(2);
   for (int i = 0; i < 100; ++i) EXPECT_EQ(read(reader, {2, 0, 100}, bytes_), ReadResult::kDamaged);
@@ -166,7 +166,7 @@ TEST_F(BlobReaderTest, aReadThatTheSystemRefusesIsUnreadableAndNotDamaged) {
             "until it can be read");
 }
 
-TEST_F(BlobReaderTest, aStoreThatCanBeReadAgainIsServedAtOnceAndReported) {
+TEST_F(BlobReaderTest, servesAndReportsAReadableStoreAgainAtOnce) {
   options_.report_unreadable_every = std::chrono::seconds(0);
   const BlobReader reader = open();
   std::vector<std::byte> bytes(100);
@@ -181,7 +181,7 @@ TEST_F(BlobReaderTest, aStoreThatCanBeReadAgainIsServedAtOnceAndReported) {
   EXPECT_EQ(reports_[5], "the store of model 'a' can be read again");
 }
 
-TEST_F(BlobReaderTest, aStoreOfWhichSomeBlobsCannotBeReadFillsNoLog) {
+TEST_F(BlobReaderTest, limitsLogLinesForAPartlyUnreadableStore) {
   const BlobReader reader = open();
   std::vector<std::byte> bytes(100);
   for (int time = 0; time < 1000; ++time) {
@@ -211,7 +211,7 @@ TEST_F(BlobReaderTest, aStoreThatIsReplacedOrRemovedIsNotCalledChangedInPlace) {
   EXPECT_TRUE(reports_.empty()) << reports_.front();
 }
 
-TEST_F(BlobReaderTest, knowsWhetherAFileIsTheOneThatItHasOpen) {
+TEST_F(BlobReaderTest, recognizesItsOpenFile) {
   const BlobReader reader = open();
   struct stat file {};
   ASSERT_EQ(::stat(path_.c_str(), &file), 0);

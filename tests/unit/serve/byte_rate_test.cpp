@@ -17,7 +17,7 @@ using Clock = ByteRate::Clock;
 
 constexpr Clock::time_point kFirstTake{1000s};
 
-TEST(ByteRate, thatIsNoneNeverMakesAnybodyWait) {
+TEST(ByteRate, delaysNobodyIfUnlimited) {
   ByteRate rate(0);
   EXPECT_FALSE(rate.limited());
   for (int i = 0; i < 100; ++i) EXPECT_EQ(rate.take(1u << 30, kFirstTake), kFirstTake);
@@ -31,14 +31,14 @@ TEST(ByteRate, givesTurnsInOrderAsFarApartAsTheirBytesLast) {
   EXPECT_EQ(rate.take(10'000, kFirstTake) - first, 30ms);
 }
 
-TEST(ByteRate, whatIsGivenBackIsTheNexts) {
+TEST(ByteRate, passesReturnedBytesToTheNextTurn) {
   ByteRate rate(1'000'000);
   const auto first = rate.take(10'000, kFirstTake);
   rate.give(4'000);
   EXPECT_EQ(rate.take(10'000, kFirstTake) - first, 6ms);
 }
 
-TEST(ByteRate, isKeptByWhoComesLateAndSavedByNobody) {
+TEST(ByteRate, holdsForLateTurnsAndSavesUpNothing) {
   ByteRate rate(1'000'000);
   Clock::time_point now = kFirstTake;
   uint64_t bytes = 0;
@@ -86,7 +86,7 @@ TEST_F(ServerRates, allTogetherGetNoMoreThanTheRateAndEachHasAShare) {
   EXPECT_GT(*std::ranges::min_element(seconds), 0.5 * *std::ranges::max_element(seconds));
 }
 
-TEST_F(ServerRates, whatIsNoBlobDoesNotWaitForItsTurn) {
+TEST_F(ServerRates, delayOnlyBlobs) {
   options_.bytes_per_second_per_connection = 10'000;
   start();
   test::TestClient client = connect();

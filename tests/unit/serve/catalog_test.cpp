@@ -98,11 +98,11 @@ TEST_F(CatalogTest, refusesAFolderWithoutStores) {
   EXPECT_NE(errorOf({folder_.path()}).find("lodestreamd build"), std::string::npos);
 }
 
-TEST_F(CatalogTest, refusesAStoreThatIsNotThere) {
+TEST_F(CatalogTest, refusesAMissingStore) {
   EXPECT_NE(errorOf({store("none")}).find("none.lode"), std::string::npos);
 }
 
-TEST_F(CatalogTest, refusesANameThatCannotBeSent) {
+TEST_F(CatalogTest, refusesAnInvalidModelName) {
   writeSmallStore(store("a"));
   fs::rename(store("a"), folder_.path() / "a\nb.lode");
   EXPECT_NE(errorOf({folder_.path()}).find("UTF-8"), std::string::npos);
@@ -132,14 +132,14 @@ TEST_F(CatalogTest, refusesAPipe) {
   EXPECT_NE(errorOf({store("a")}).find("not a regular file"), std::string::npos);
 }
 
-TEST_F(CatalogTest, reopenedOffersNothingOfAFolderWhoseStoresHaveGone) {
+TEST_F(CatalogTest, offersNothingFromAnEmptiedFolderAfterAReload) {
   writeSmallStore(store("a"));
   const auto before = open({folder_.path()});
   fs::remove(store("a"));
   EXPECT_TRUE(reopen(*before)->models().empty());
 }
 
-TEST_F(CatalogTest, reopenedKeepsWhatIsAsItWasAndTakesWhatIsNew) {
+TEST_F(CatalogTest, keepsUnchangedAndTakesNewStoresOnAReload) {
   writeSmallStore(store("a"), 1);
   writeSmallStore(store("b"), 2);
   writeSmallStore(store("c"), 3);
@@ -155,7 +155,7 @@ TEST_F(CatalogTest, reopenedKeepsWhatIsAsItWasAndTakesWhatIsNew) {
   EXPECT_TRUE(reports_.empty());
 }
 
-TEST_F(CatalogTest, aStoreThatIsNoneWhenReopenedIsCountedAndTheReasonIsThatOfTheStart) {
+TEST_F(CatalogTest, skipsAnInvalidStoreOnAReloadWithTheSameReason) {
   writeSmallStore(store("a"), 1);
   const auto before = open({folder_.path()});
   std::ofstream(store("junk")) << "junk\n";
@@ -169,7 +169,7 @@ TEST_F(CatalogTest, aStoreThatIsNoneWhenReopenedIsCountedAndTheReasonIsThatOfThe
   EXPECT_EQ(reports_[0].find(folder_.path().string()), std::string::npos) << "no path in the log";
 }
 
-TEST_F(CatalogTest, skipsAStoreOfAFolderThatCannotBeOpenedAndSaysWhy) {
+TEST_F(CatalogTest, skipsAnInvalidStoreOfAFolderAndNamesTheReason) {
   writeSmallStore(store("a"), 1);
   std::ofstream(store("junk")) << "junk\n";
   writeSmallStore(store("cut"), 2);
@@ -198,19 +198,19 @@ TEST_F(CatalogTest, refusesAFolderOfWhichNoStoreCanBeOpened) {
   EXPECT_THROW(openCatalog(std::vector{folder_.path()}, options_, &skipped_), Error);
 }
 
-TEST_F(CatalogTest, refusesANamedFileThatCannotBeOpenedThoughOthersCan) {
+TEST_F(CatalogTest, refusesAnInvalidNamedFileBesideValidOnes) {
   writeSmallStore(store("a"), 1);
   std::ofstream(store("junk")) << "junk\n";
   EXPECT_THROW(openCatalog(std::vector{store("a"), store("junk")}, options_, &skipped_), Error);
 }
 
-TEST_F(CatalogTest, refusesAFolderWithAStoreThatCannotBeOpenedIfStrict) {
+TEST_F(CatalogTest, refusesAFolderWithAnInvalidStoreIfStrict) {
   writeSmallStore(store("a"), 1);
   std::ofstream(store("junk")) << "junk\n";
   EXPECT_NE(errorOf({folder_.path()}).find("junk.lode"), std::string::npos);
 }
 
-TEST_F(CatalogTest, aStoreThatIsDamagedWhenReopenedLeavesWhatThereWas) {
+TEST_F(CatalogTest, keepsTheOldStoreIfTheNewOneIsDamagedOnAReload) {
   writeSmallStore(store("a"), 1);
   const auto before = open({folder_.path()});
   replace("a", 2);

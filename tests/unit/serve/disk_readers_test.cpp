@@ -176,7 +176,7 @@ TEST_F(DiskReadersTest, aStoreThatHangsDelaysNoOtherStoreBeforeItsDeadline) {
   for (const auto& one : hung) EXPECT_FALSE(hasEnded(one));
 }
 
-TEST_F(DiskReadersTest, storesThatHangDelayOthersOnlyUntilTheirThreadsAreReplaced) {
+TEST_F(DiskReadersTest, replaceTheThreadsOfHangingStores) {
   start();
   const std::array names{"a", "b", "c", "d", "e", "f", "g", "h"};
   size_t hanging = 0;
@@ -198,7 +198,7 @@ TEST_F(DiskReadersTest, storesThatHangDelayOthersOnlyUntilTheirThreadsAreReplace
   }
 }
 
-TEST_F(DiskReadersTest, whileAStoreHangsItsOtherReadsEndAtOnce) {
+TEST_F(DiskReadersTest, endOtherReadsOfAHangingStoreAtOnce) {
   start();
   storage_.hang("a");
   std::vector<std::future<Read>> waiting;
@@ -229,7 +229,7 @@ TEST_F(DiskReadersTest, aStoreIsReadAgainWhenItsStorageAnswers) {
   }
 }
 
-TEST_F(DiskReadersTest, threadsThatHangHaveALimitThatLeavesTheServerRunning) {
+TEST_F(DiskReadersTest, limitTheNumberOfHangingThreads) {
   start({.threads = 2, .max_threads = 4, .reads_per_store = 2});
   const std::array names{"a", "b"};
   std::vector<std::future<Read>> hung;
@@ -281,7 +281,7 @@ TEST_F(DiskReadersTest, storesTakeTurnsHoweverManyReadsOneHas) {
   for (auto& each : many) EXPECT_EQ(each.get().result, ReadResult::kDone);
 }
 
-TEST_F(DiskReadersTest, joinWaitsForNoLateReadAndEndsWaitingOnes) {
+TEST_F(DiskReadersTest, joinWithoutWaitingForLateReads) {
   start();
   storage_.hang("a");
   auto first = read("a"), second = read("a");

@@ -69,7 +69,7 @@ TEST_F(HealthEndpointTest, refusesOtherPathsAndMethods) {
   EXPECT_TRUE(ask("POST /metrics HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 405 "));
 }
 
-TEST_F(HealthEndpointTest, closesOnWhatIsNotHttp) { EXPECT_EQ(ask("nonsense\r\n\r\n"), ""); }
+TEST_F(HealthEndpointTest, closesOnAnythingButHttp) { EXPECT_EQ(ask("nonsense\r\n\r\n"), ""); }
 
 TEST_F(HealthEndpointTest, answersTheNextWhileOthersSayNothing) {
   std::vector<tcp::socket> silent;
@@ -77,14 +77,14 @@ TEST_F(HealthEndpointTest, answersTheNextWhileOthersSayNothing) {
   EXPECT_TRUE(get("/healthz").starts_with("HTTP/1.1 200 "));
 }
 
-TEST_F(HealthEndpointTest, answersTheNextAtOnceHoweverManySayNothing) {
+TEST_F(HealthEndpointTest, answersAtOnceDespiteManySilentClients) {
   std::vector<tcp::socket> silent;
   for (int i = 0; i < 40; ++i) silent.push_back(connect());
   EXPECT_TRUE(get("/healthz").starts_with("HTTP/1.1 200 "));
   EXPECT_EQ(readAll(silent.front()), "") << "who has waited longest had to go";
 }
 
-TEST_F(HealthEndpointTest, takesMoreAskersOnceSomeHaveGone) {
+TEST_F(HealthEndpointTest, acceptsMoreClientsOnceSomeHaveLeft) {
   {
     std::vector<tcp::socket> silent;
     for (int i = 0; i < 40; ++i) silent.push_back(connect());
@@ -92,7 +92,7 @@ TEST_F(HealthEndpointTest, takesMoreAskersOnceSomeHaveGone) {
   EXPECT_TRUE(get("/healthz").starts_with("HTTP/1.1 200 "));
 }
 
-TEST_F(HealthEndpointTest, thatIsTakenIsAnErrorThatNamesTheOption) {
+TEST_F(HealthEndpointTest, failsWithTheNameOfTheOptionIfItsAddressIsInUse) {
   asio::io_context other;
   try {
     const HealthEndpoint second(other, endpoint_.address(), {});
@@ -114,12 +114,12 @@ TEST(HealthRequest, isAwaitedUntilItsHeadIsComplete) {
   EXPECT_FALSE(parsed->head_only);
 }
 
-TEST(HealthRequest, tellsMethodsApart) {
+TEST(HealthRequest, distinguishesMethods) {
   EXPECT_TRUE(parseHealthRequest("HEAD /healthz HTTP/1.0\r\n\r\n")->head_only);
   EXPECT_FALSE(parseHealthRequest("POST /healthz HTTP/1.1\r\n\r\n")->known_method);
 }
 
-TEST(HealthRequest, thatIsNotHttpOrTooLongIsRefused) {
+TEST(HealthRequest, isRefusedIfTooLongOrNotHttp) {
   for (const char* text : {"hello\r\n\r\n", "GET /\r\n\r\n", "GET / LODE/1\r\n\r\n", "\r\n\r\n"})
     EXPECT_THROW(parseHealthRequest(text), Error) << text;
   EXPECT_THROW(parseHealthRequest(std::string(kMaxHealthRequestBytes, 'x')), Error);

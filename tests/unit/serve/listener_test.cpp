@@ -20,7 +20,7 @@ TEST(ListenAddress, hasTheDefaultPortIfNoneIsNamed) {
   EXPECT_EQ(parseListenAddress("[::1]").port, 7400);
 }
 
-TEST(ListenAddress, refusesWhatIsNone) {
+TEST(ListenAddress, refusesInvalidAddresses) {
   for (const char* text : {"", ":7400", "host:", "host:x", "host:1x", "host:65536", "host:-1", "::1", "[::1",
                            "7455", "7455:7400", "[::1]7400", "[]:1"})
     EXPECT_THROW(parseListenAddress(text), Error) << text;

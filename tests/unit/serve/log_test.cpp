@@ -75,7 +75,7 @@ TEST_P(LogTest, writesItsLinesInOrderBeforeItEnds) {
   EXPECT_LT(text.find("i=3)"), text.find("i=17)"));
 }
 
-TEST_P(LogTest, livesOnAndCountsWhenItsReaderIsGone) {
+TEST_P(LogTest, countsLostLinesAfterItsReaderIsGone) {
   closeReader();
   Log log(options());
   for (int i = 0; i < 20; ++i) log.write(LogKind::kServer, "nobody reads this");
@@ -83,7 +83,7 @@ TEST_P(LogTest, livesOnAndCountsWhenItsReaderIsGone) {
   EXPECT_EQ(log.linesDropped(), 20u);
 }
 
-TEST_P(LogTest, neverWaitsForAReaderThatStandsStill) {
+TEST_P(LogTest, neverWaitsForAStalledReader) {
   fill();
   {
     Log log(options());
@@ -93,7 +93,7 @@ TEST_P(LogTest, neverWaitsForAReaderThatStandsStill) {
   EXPECT_EQ(readAll().find("nobody"), std::string::npos);
 }
 
-TEST_P(LogTest, saysWhatWasLostWhenItsReaderGoesOn) {
+TEST_P(LogTest, reportsLostLinesOnceItsReaderContinues) {
   fill();
   {
     Log log(options());
@@ -113,7 +113,7 @@ TEST_P(LogTest, leavesTheFlagsThatOthersShareAsTheyAre) {
   EXPECT_EQ(fcntl(writer_, F_GETFL), before);
 }
 
-TEST_P(LogTest, boundsTenThousandLinesOfOneKindAndSaysHowManyMore) {
+TEST_P(LogTest, limitsLinesOfOneKindAndCountsTheRest) {
   {
     Log log(options());
     for (int i = 0; i < 10'000; ++i) log.write(LogKind::kDamagedStore, "a blob is damaged");
@@ -150,7 +150,7 @@ TEST_P(LogTest, takesLinesFromManyThreads) {
   EXPECT_EQ(lines(readAll()), 48u);
 }
 
-TEST(LogReason, isSaidInAnOperatorsWords) {
+TEST(LogReason, isDescribedForOperators) {
   EXPECT_EQ(reasonOf(std::bad_alloc()), "the system has no memory left");
   EXPECT_EQ(reasonOf(std::runtime_error("the disk is gone")), "the disk is gone");
 }
@@ -162,7 +162,7 @@ constexpr auto kTime = std::chrono::sys_days(std::chrono::year(2026) / 11 / 22) 
 const std::vector<LogField> kFields{
     {"requests", uint64_t{12}}, {"seconds", 1.5}, {"peer", std::string_view("::1")}};
 
-TEST(LogLine, inTextIsTimeKindMessageAndFields) {
+TEST(LogLine, hasTimeKindMessageAndFieldsInText) {
   EXPECT_EQ(
       logLine(false, kTime, LogKind::kConnectionEnd, "closed by the client", kFields),
       "2026-11-22T03:18:12.007Z connection: closed by the client (requests=12, seconds=1.5, peer=::1)\n");
@@ -170,7 +170,7 @@ TEST(LogLine, inTextIsTimeKindMessageAndFields) {
             "2026-11-22T03:18:12.007Z server: stopping\n");
 }
 
-TEST(LogLine, inJsonIsOneObject) {
+TEST(LogLine, isOneObjectInJson) {
   const std::string line = logLine(true, kTime, LogKind::kDamagedStore, "a \"blob\"", kFields);
   EXPECT_EQ(std::ranges::count(line, '\n'), 1);
   EXPECT_EQ(nlohmann::ordered_json::parse(line),
@@ -179,7 +179,7 @@ TEST(LogLine, inJsonIsOneObject) {
                     "requests":12,"seconds":1.5,"peer":"::1"})"));
 }
 
-TEST(LogLine, bearsNothingThatCouldForgeALineOrMoveACursor) {
+TEST(LogLine, replacesLineBreaksAndTerminalControls) {
   for (const bool json : {false, true}) {
     const std::string line =
         logLine(json, kTime, LogKind::kRefused, "x\n2026 server: all is well\x1b[2J\xff", {});
@@ -190,7 +190,7 @@ TEST(LogLine, bearsNothingThatCouldForgeALineOrMoveACursor) {
   }
 }
 
-TEST(LogLine, neverIsLongerThanAPipeTakesWhole) {
+TEST(LogLine, isNeverLongerThanAnAtomicPipeWrite) {
   const std::string quotes(100'000, '"');
   const std::vector<LogField> fields(7, LogField{"field", std::string_view(quotes)});
   for (const bool json : {false, true}) {
@@ -224,13 +224,13 @@ TEST(LogLimit, letsABurstThroughAndThenSoManyASecond) {
   EXPECT_EQ(admitted(limit, LogKind::kDamagedStore, 10'000, kFirstLine + 1h), 50);
 }
 
-TEST(LogLimit, ofOneKindDoesNotTouchAnother) {
+TEST(LogLimit, countsEachKindSeparately) {
   LogLimit limit;
   admitted(limit, LogKind::kDamagedStore, 10'000, kFirstLine);
   EXPECT_TRUE(limit.admit(LogKind::kRefused, kFirstLine));
 }
 
-TEST(LogLimit, tellsOnceHowManyWereLeftOutWhenThereIsRoomAgain) {
+TEST(LogLimit, reportsOmittedLinesOnceItAllowsMore) {
   LogLimit limit;
   admitted(limit, LogKind::kRefused, 60, kFirstLine);
   EXPECT_EQ(limit.takeLeftOut(LogKind::kRefused, kFirstLine), 0u);
@@ -239,7 +239,7 @@ TEST(LogLimit, tellsOnceHowManyWereLeftOutWhenThereIsRoomAgain) {
   EXPECT_EQ(limit.takeLeftOut(LogKind::kDamagedStore, kFirstLine + 2s), 0u);
 }
 
-TEST(LogLimit, bearsAClockThatStandsOrGoesBack) {
+TEST(LogLimit, toleratesAClockThatStopsOrGoesBack) {
   LogLimit limit;
   EXPECT_EQ(admitted(limit, LogKind::kSystem, 100, kFirstLine), 50);
   EXPECT_EQ(admitted(limit, LogKind::kSystem, 100, kFirstLine - 10s), 0);

@@ -15,7 +15,7 @@ namespace {
 
 using namespace test;
 
-TEST(MemoryBudget, isNeverExceededAndAllComesBack) {
+TEST(MemoryBudget, isNeverExceededAndFullyReturned) {
   MemoryBudget budget(1 << 20);
   {
     std::vector<std::unique_ptr<MemoryAccount>> accounts;
@@ -43,7 +43,7 @@ TEST(MemoryBudget, aPoliteConnectionHasRoomHoweverManyAreGreedy) {
   }
 }
 
-TEST(MemoryBudget, theMoreGreedyThereAreTheLessEachMayTake) {
+TEST(MemoryBudget, allowsEachConnectionLessTheMoreAreGreedy) {
   MemoryBudget budget(64 << 20);
   std::vector<std::unique_ptr<MemoryAccount>> greedy;
   for (int i = 0; i < 100; ++i) {
@@ -54,7 +54,7 @@ TEST(MemoryBudget, theMoreGreedyThereAreTheLessEachMayTake) {
   EXPECT_LT(greedy.back()->held(), greedy.front()->held() / 2);
 }
 
-TEST(MemoryBudget, leavesAnEighthToThoseWhoAreIn) {
+TEST(MemoryBudget, reservesAnEighthForAdmittedConnections) {
   MemoryBudget budget(1 << 20);
   std::vector<std::unique_ptr<MemoryAccount>> accounts;
   while (true) {
@@ -65,7 +65,7 @@ TEST(MemoryBudget, leavesAnEighthToThoseWhoAreIn) {
   EXPECT_TRUE(accounts[0]->tryTake(32 << 10));
 }
 
-TEST(MemoryBudget, whatIsOnItsWayOutPressesNobodyAndGrowsNoMore) {
+TEST(MemoryBudget, excludesOutgoingDataFromItsPressure) {
   MemoryBudget budget(1 << 20);
   MemoryAccount staying(budget);
   staying.take(100 << 10);
@@ -89,7 +89,7 @@ TEST(MemoryBudget, whatIsOnItsWayOutPressesNobodyAndGrowsNoMore) {
   EXPECT_FALSE(budget.relieved());
 }
 
-TEST(MemoryBudget, isByDefaultAnEighthOfWhatAServiceUnitsMemoryHighLeaves) {
+TEST(MemoryBudget, defaultsToAnEighthOfTheMemoryHighOfAServiceUnit) {
   const lode::test::WorkFolder root;
   const auto group = root.path() / "sys/fs/cgroup/system.slice/lodestreamd.service";
   std::filesystem::create_directories(root.path() / "proc/self");
@@ -102,7 +102,7 @@ TEST(MemoryBudget, isByDefaultAnEighthOfWhatAServiceUnitsMemoryHighLeaves) {
 
 using SessionMemoryTest = SessionTest;
 
-TEST_F(SessionMemoryTest, requestsAndAnswersAreChargedAndGivenBack) {
+TEST_F(SessionMemoryTest, chargesAndReturnsRequestsAndAnswers) {
   open();
   const uint64_t before = memory_.held();
   request(RequestClass::kVisible, 1, 30, 1);
@@ -149,7 +149,7 @@ TEST_F(SessionMemoryTest, aRefusedSessionGivesItsRequestsBackBeforeItsLastWordIs
   EXPECT_EQ(memory_.held(), kOpenModelBytes + session_.controlBytes());
 }
 
-TEST_F(SessionMemoryTest, aModelThatThereIsNoMemoryForIsNotOpened) {
+TEST_F(SessionMemoryTest, opensNoModelWithoutMemory) {
   send(proto::Hello{});
   session_.takeControl();
   MemoryAccount others(budget_);
@@ -162,7 +162,7 @@ TEST_F(SessionMemoryTest, aModelThatThereIsNoMemoryForIsNotOpened) {
   EXPECT_FALSE(session_.closing());
 }
 
-TEST_F(SessionMemoryTest, aRequestThatThereIsNoMemoryForIsRefusedAndTheSessionGoesOn) {
+TEST_F(SessionMemoryTest, refusesARequestWithoutMemoryAndContinues) {
   open();
   MemoryAccount others(budget_);
   others.take(budget_.limit() / 4 * 3);

@@ -22,7 +22,7 @@ void allocate(size_t bytes) {
   ::operator delete(::operator new(bytes));
 }  // compilers may elide new expressions, but not these calls
 
-TEST(MemoryReserve, givesABlockToWhatFindsNoMemory) {
+TEST(MemoryReserve, providesABlockWhenMemoryRunsOut) {
   MemoryReserve reserve;
   for (size_t i = 0; i < 3; ++i) {
     const auto failing = FailingAllocations::nthOf(std::this_thread::get_id(), 0);
@@ -32,7 +32,7 @@ TEST(MemoryReserve, givesABlockToWhatFindsNoMemory) {
   EXPECT_EQ(reserve.refill(), 0u);
 }
 
-TEST(MemoryReserve, isNotTouchedByWhoAsksForMuch) {
+TEST(MemoryReserve, isNotUsedForLargeAllocations) {
   MemoryReserve reserve;
   {
     const auto failing = FailingAllocations::ofSize(kMuch, kMuch);
@@ -99,7 +99,7 @@ size_t countOf(size_t bytes) {
   std::_Exit(0);
 }
 
-TEST(MemoryReserveDeathTest, isThereOnEveryThreadEvenAfterManyHaveAskedForMuch) {
+TEST(MemoryReserveDeathTest, existsOnEveryThreadEvenAfterLargeAllocations) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(askWhereThereIsNone(), testing::ExitedWithCode(0), "0 much, 128 little");
 }

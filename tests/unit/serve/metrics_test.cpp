@@ -64,7 +64,7 @@ TEST(Metrics, putDurationsIntoCumulativeBuckets) {
   expectLine(text, "lodestream_request_send_seconds_bucket{class=\"prefetch\",le=\"+Inf\"} 2");
 }
 
-TEST(Metrics, sayWhatIsSoNow) {
+TEST(Metrics, reportCurrentValues) {
   ServerGauges gauges;
   gauges.connections = 12;
   gauges.memory_bytes = 345;

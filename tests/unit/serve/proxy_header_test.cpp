@@ -60,7 +60,7 @@ TEST(ProxyHeader, namesTheClientInBinary) {
   expectClient(binary(0x21, 0x21, six), "2001::9");
 }
 
-TEST(ProxyHeader, skipsWhatABalancerAddsAfterTheAddresses) {
+TEST(ProxyHeader, skipsExtraFieldsAfterTheAddresses) {
   expectClient(binary(0x21, 0x11,
                       kFour + std::string("\x04\x00\x03"
                                           "abc",
@@ -68,7 +68,7 @@ TEST(ProxyHeader, skipsWhatABalancerAddsAfterTheAddresses) {
                "192.0.2.7");
 }
 
-TEST(ProxyHeader, namesNobodyWhereTheBalancerSpeaksForItself) {
+TEST(ProxyHeader, givesNoClientForTheBalancersOwnConnection) {
   expectNobody("PROXY UNKNOWN\r\n");
   expectNobody("PROXY UNKNOWN ffff::1 ffff::2 1 2\r\n");
   expectNobody(binary(0x20, 0x00, ""));
@@ -85,14 +85,14 @@ TEST(ProxyHeader, isAwaitedByteByByte) {
   }
 }
 
-TEST(ProxyHeader, isRefusedAtTheFirstByteThatCannotBe) {
+TEST(ProxyHeader, isRefusedAtTheFirstInvalidByte) {
   EXPECT_NE(headerRefusal(std::string_view("\x38\0\0\0\1", 5)).find("does not begin with one"),
             std::string::npos);
   EXPECT_NE(headerRefusal("GET / HTTP/1.1").find("does not begin with one"), std::string::npos);
   EXPECT_NE(headerRefusal("PROXZ").find("does not begin with one"), std::string::npos);
 }
 
-TEST(ProxyHeader, withALineThatIsWrongIsRefused) {
+TEST(ProxyHeader, isRefusedWithAnInvalidLine) {
   for (const char* line :
        {"PROXY TCP5 1.1.1.1 1.1.1.1 1 1\r\n", "PROXY TCP4 1.1.1 1.1.1.1 1 1\r\n",
         "PROXY TCP4 ::1 ::1 1 1\r\n", "PROXY TCP6 1.1.1.1 1.1.1.1 1 1\r\n",
@@ -101,13 +101,13 @@ TEST(ProxyHeader, withALineThatIsWrongIsRefused) {
     EXPECT_NE(headerRefusal(line), "accepted") << line;
 }
 
-TEST(ProxyHeader, withoutAnEndIsRefusedAtItsLimit) {
+TEST(ProxyHeader, isRefusedWithoutAnEndAtItsLimit) {
   const std::string endless = "PROXY UNKNOWN " + std::string(200, 'x');
   EXPECT_FALSE(parse(std::string_view(endless).substr(0, 106)));
   EXPECT_NE(headerRefusal(endless.substr(0, 107)).find("does not end"), std::string::npos);
 }
 
-TEST(ProxyHeader, inBinaryWithABadHeadIsRefused) {
+TEST(ProxyHeader, isRefusedInBinaryWithAnInvalidHead) {
   EXPECT_NE(headerRefusal(binary(0x11, 0x11, kFour)).find("version or command"), std::string::npos);
   EXPECT_NE(headerRefusal(binary(0x22, 0x11, kFour)).find("version or command"), std::string::npos);
   EXPECT_NE(headerRefusal(binary(0x21, 0x11, kFour.substr(0, 11))).find("cut off"), std::string::npos);

@@ -25,19 +25,19 @@ class RefusalsTest : public testing::Test {
   Refusals refusals_;
 };
 
-TEST_F(RefusalsTest, keepNoMoreThanTheirMostWaiting) {
+TEST_F(RefusalsTest, limitTheWaitingConnections) {
   for (size_t i = 0; i < Refusals::kMost + 10; ++i) refusals_.refuse(connection(), {}, {});
   EXPECT_EQ(refusals_.size(), Refusals::kMost);
 }
 
-TEST_F(RefusalsTest, underTlsWaitForNoMoreHandshakesThanTheirMost) {
+TEST_F(RefusalsTest, limitTheHandshakesUnderTls) {
   const auto tls = std::make_shared<asio::ssl::context>(asio::ssl::context::tls_server);
   for (size_t i = 0; i < Refusals::kMostHandshakes + 10; ++i)
     refusals_.refuseUnderTls(connection(), tls, {}, {});
   EXPECT_EQ(refusals_.size(), Refusals::kMostHandshakes);
 }
 
-TEST_F(RefusalsTest, waitNoLongerThanTheyLinger) {
+TEST_F(RefusalsTest, closeAfterTheirLingerTime) {
   refusals_.refuse(connection(), {}, {});
   refusals_.sweep(Refusals::Clock::time_point(Refusals::kLinger) - std::chrono::milliseconds(1));
   EXPECT_EQ(refusals_.size(), 1u);
@@ -45,7 +45,7 @@ TEST_F(RefusalsTest, waitNoLongerThanTheyLinger) {
   EXPECT_EQ(refusals_.size(), 0u);
 }
 
-TEST_F(RefusalsTest, forgetWhomTheyToldOnceItHasGone) {
+TEST_F(RefusalsTest, forgetAConnectionOnceItHasClosed) {
   refusals_.refuse(connection(), {}, {});
   clients_.clear();
   acceptor_.close();

@@ -59,7 +59,7 @@ class ServerAccess : public ServerTest {
   }
 };
 
-TEST_F(ServerAccess, withoutAKnownTokenNobodyIsLetIn) {
+TEST_F(ServerAccess, aConnectionWithoutAKnownTokenIsRefused) {
   writeTokens("right never *\n");
   start();
   for (const char* token : {"", "wrong", "right "}) {
@@ -71,7 +71,7 @@ TEST_F(ServerAccess, withoutAKnownTokenNobodyIsLetIn) {
   EXPECT_EQ(greet(client, "right"), FrameType::kWelcome);
 }
 
-TEST_F(ServerAccess, eachWrongTokenIsAnsweredLaterThanTheOneBeforeAndARightOneAtOnce) {
+TEST_F(ServerAccess, wrongTokensAreAnsweredEverLaterAndARightOneAtOnce) {
   writeTokens("right never *\n");
   options_.wrong_token_delay = 20ms;
   start();
@@ -102,7 +102,7 @@ TEST_F(ServerAccess, aDelayedAnswerHoldsNeitherAConnectionsPlaceNorItsMemory) {
   EXPECT_FALSE(waiting.hasReceived());
 }
 
-TEST_F(ServerAccess, anAddressWhoseManyWrongTokensWaitIsNotHeard) {
+TEST_F(ServerAccess, anAddressWithManyDelayedWrongTokensIsBlocked) {
   writeTokens("right never *\n");
   options_.wrong_token_delay = WrongTokens::kLongestDelay;
   start();
@@ -121,7 +121,7 @@ TEST_F(ServerAccess, anAddressWhoseManyWrongTokensWaitIsNotHeard) {
   EXPECT_EQ(proto::decode<proto::ErrorMessage>(answer->body).code, WireError::kLimit);
 }
 
-TEST_F(ServerAccess, aTokenThatHasExpiredIsNone) {
+TEST_F(ServerAccess, anExpiredTokenIsRefused) {
   writeTokens("old 2020-01-31T12:00:00Z *\n");
   start();
   TestClient client = connect();
@@ -129,7 +129,7 @@ TEST_F(ServerAccess, aTokenThatHasExpiredIsNone) {
   client.expectErrorAndEnd(WireError::kUnauthorized);
 }
 
-TEST_F(ServerAccess, aTokenListsAndOpensItsModelsAndNoOther) {
+TEST_F(ServerAccess, aTokenListsAndOpensOnlyItsModels) {
   writeTokens("some never b\n");
   start();
   TestClient client = connect();
@@ -141,7 +141,7 @@ TEST_F(ServerAccess, aTokenListsAndOpensItsModelsAndNoOther) {
   client.expect<proto::Opened>(FrameType::kOpened);
 }
 
-TEST_F(ServerAccess, aTokenTakenAwayEndsItsSessionsAtTheReloadAndNoOther) {
+TEST_F(ServerAccess, aRemovedTokenEndsOnlyItsSessionsOnAReload) {
   writeTokens("one never *\ntwo never *\n");
   start();
   TestClient first = connect(), second = connect();
@@ -153,7 +153,7 @@ TEST_F(ServerAccess, aTokenTakenAwayEndsItsSessionsAtTheReloadAndNoOther) {
   EXPECT_EQ(list(second), (std::vector<std::string>{"a", "b"}));
 }
 
-TEST_F(ServerAccess, aTokenFileThatIsWrongAtTheReloadLeavesWhatThereWas) {
+TEST_F(ServerAccess, anInvalidTokenFileKeepsTheOldTokensOnAReload) {
   writeTokens("one never *\n");
   start();
   writeTokens("one sometimes *\n");
@@ -162,7 +162,7 @@ TEST_F(ServerAccess, aTokenFileThatIsWrongAtTheReloadLeavesWhatThereWas) {
   EXPECT_EQ(greet(client, "one"), FrameType::kWelcome);
 }
 
-TEST_F(ServerAccess, aFolderOfStoresThatIsGoneAtTheReloadLeavesWhatThereWas) {
+TEST_F(ServerAccess, aMissingFolderOfStoresKeepsTheOldModelsOnAReload) {
   const std::filesystem::path models = folder_.path() / "models";
   std::filesystem::create_directory(models);
   writeSmallStore(models / "c.lode", 3);
@@ -206,12 +206,12 @@ TEST_F(ServerAccess, aReloadThatFailsIsLoggedWithoutAFolder) {
     EXPECT_EQ(said.find(folder), std::string::npos) << said;
 }
 
-TEST_F(ServerAccess, aReloadThatRefusesAStoreIsOneInPart) {
+TEST_F(ServerAccess, aReloadThatSkipsAStoreIsLoggedAsPartial) {
   const std::string said = logOfReloadAfter([&] { std::ofstream(folder_.path() / "junk.lode") << "junk\n"; });
   EXPECT_NE(said.find("reloaded partly"), std::string::npos) << said;
 }
 
-TEST_F(ServerAccess, aReloadTakesWhatIsNewAndSaysWhatWasReplaced) {
+TEST_F(ServerAccess, aReloadOffersNewModelsAndAnnouncesReplacedOnes) {
   start();
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
@@ -232,7 +232,7 @@ TEST_F(ServerAccess, aReloadTakesWhatIsNewAndSaysWhatWasReplaced) {
   EXPECT_NE(later.open("a").summary.build_id, opened.summary.build_id);
 }
 
-TEST_F(ServerAccess, behindABalancerItsHeaderSaysWhoTheClientIs) {
+TEST_F(ServerAccess, aBalancersHeaderGivesTheAddressOfTheClient) {
   options_.proxy_protocol = true;
   options_.max_connections_per_address = 1;
   start();
@@ -248,7 +248,7 @@ TEST_F(ServerAccess, behindABalancerItsHeaderSaysWhoTheClientIs) {
   other.open("a");
 }
 
-TEST_F(ServerAccess, behindABalancerAConnectionWithoutItsHeaderIsClosed) {
+TEST_F(ServerAccess, aConnectionWithoutTheBalancersHeaderIsClosed) {
   options_.proxy_protocol = true;
   start();
   TestClient client = connect();
@@ -256,7 +256,7 @@ TEST_F(ServerAccess, behindABalancerAConnectionWithoutItsHeaderIsClosed) {
   EXPECT_FALSE(client.receive());
 }
 
-TEST_F(ServerAccess, underTlsASessionIsTheSame) {
+TEST_F(ServerAccess, aSessionIsTheSameUnderTls) {
   writePair("first");
   start();
   TlsClient client(server_->port());
@@ -268,13 +268,13 @@ TEST_F(ServerAccess, underTlsASessionIsTheSame) {
   EXPECT_EQ(client.receive(), FrameType::kBlob);
 }
 
-TEST_F(ServerAccess, nothingOlderThanTls13IsSpoken) {
+TEST_F(ServerAccess, aTlsVersionBelow13IsRefused) {
   writePair("first");
   start();
   EXPECT_FALSE(TlsClient(server_->port(), TLS1_2_VERSION).connected());
 }
 
-TEST_F(ServerAccess, aPlainClientOfATlsServerIsLetGoAndOthersServed) {
+TEST_F(ServerAccess, aPlainClientOfATlsServerIsDisconnectedAndOthersAreServed) {
   writePair("first");
   start();
   TestClient plain = connect();
@@ -285,7 +285,7 @@ TEST_F(ServerAccess, aPlainClientOfATlsServerIsLetGoAndOthersServed) {
   EXPECT_TRUE(client.connected());
 }
 
-TEST_F(ServerAccess, underTlsWhoIsRefusedIsToldSoToo) {
+TEST_F(ServerAccess, aRefusedClientGetsAnErrorUnderTlsToo) {
   options_.max_connections = 1;
   writePair("first");
   start();
@@ -302,7 +302,7 @@ TEST_F(ServerAccess, underTlsWhoIsRefusedIsToldSoToo) {
   EXPECT_EQ(served.receive(), FrameType::kWelcome);
 }
 
-TEST_F(ServerAccess, underTlsRefusedClientsThatNeverShakeHandsAreClosed) {
+TEST_F(ServerAccess, refusedClientsWithoutATlsHandshakeAreClosed) {
   options_.max_connections = 1;
   writePair("first");
   start();
@@ -317,7 +317,7 @@ TEST_F(ServerAccess, underTlsRefusedClientsThatNeverShakeHandsAreClosed) {
   EXPECT_EQ(refused.receive(), FrameType::kError);
 }
 
-TEST_F(ServerAccess, aClientThatNeverShakesHandsIsLetGo) {
+TEST_F(ServerAccess, aClientWithoutATlsHandshakeIsDisconnected) {
   options_.handshake_deadline = 40ms;
   writePair("first");
   start();
@@ -325,7 +325,7 @@ TEST_F(ServerAccess, aClientThatNeverShakesHandsIsLetGo) {
   EXPECT_FALSE(silent.receive());
 }
 
-TEST_F(ServerAccess, aNewCertificateIsTakenAndSessionsOfTheOldGoOn) {
+TEST_F(ServerAccess, aNewCertificateIsUsedAndOldSessionsContinue) {
   writePair("first");
   start();
   TlsClient before(server_->port());
@@ -341,7 +341,7 @@ TEST_F(ServerAccess, aNewCertificateIsTakenAndSessionsOfTheOldGoOn) {
   EXPECT_TRUE(TlsClient(server_->port()).connected()) << "what is wrong leaves what there was";
 }
 
-TEST_F(ServerAccess, beyondLoopbackTokensOrPublicAndTlsOrInsecureAreNeeded) {
+TEST_F(ServerAccess, listeningBeyondLoopbackNeedsTokensOrPublicAndTlsOrInsecure) {
   options_.listen = "0.0.0.0:0";
   const auto starts = [&](bool tokens, bool tls, bool public_ok, bool insecure) {
     ServeOptions options = options_;
@@ -390,7 +390,7 @@ TEST_F(ServerAccess, aKeyThatOthersCanReadOrWriteIsRefusedUnlessInsecure) {
   }
 }
 
-TEST_F(ServerAccess, aKeyThatIsNotTheCertificatesIsOneLineThatSaysSo) {
+TEST_F(ServerAccess, aKeyOfAnotherCertificateIsRefused) {
   writePair("first");
   lode::test::writeCertificate(folder_.path() / "other.crt", options_.tls_key);
   EXPECT_THROW(Server{options_}, Error);

@@ -94,7 +94,7 @@ TEST_F(ServerEnds, aHandshakeThatFailsIsLoggedAsTlsInTheWordsOfOpenSsl) {
   EXPECT_EQ(end()["why"], "http request");
 }
 
-TEST_F(ServerEnds, anOlderTlsIsLoggedAsWhatItIs) {
+TEST_F(ServerEnds, anOldTlsVersionIsLoggedAsUnsupported) {
   startUnderTls();
   const TlsClient client(server_->port(), TLS1_2_VERSION);
   EXPECT_EQ(end()["why"], "unsupported protocol");
@@ -121,7 +121,7 @@ TEST_F(ServerEnds, aFailedHandshakeAndAWrongHeaderAreMistakesInTheLog) {
   EXPECT_EQ(end()["kind"], "mistake");
 }
 
-TEST_F(ServerEnds, whoBreaksARuleIsLoggedWithTheWordsThatItIsTold) {
+TEST_F(ServerEnds, aProtocolMistakeIsLoggedWithTheWordsSentToTheClient) {
   start();
   TestClient client = connect();
   client.open("a");
@@ -133,7 +133,7 @@ TEST_F(ServerEnds, whoBreaksARuleIsLoggedWithTheWordsThatItIsTold) {
   EXPECT_EQ(end().value("why", ""), proto::decode<proto::ErrorMessage>(frame->body).message);
 }
 
-TEST_F(ServerEnds, whatIsNoFrameIsLoggedWithTheWordsThatItsSenderIsTold) {
+TEST_F(ServerEnds, anInvalidFrameIsLoggedWithTheWordsSentToTheClient) {
   start();
   TestClient client = connect();
   client.sendText("GET / HTTP/1.1\r\n");
@@ -141,14 +141,14 @@ TEST_F(ServerEnds, whatIsNoFrameIsLoggedWithTheWordsThatItsSenderIsTold) {
   EXPECT_EQ(end().value("why", ""), told.message);
 }
 
-TEST_F(ServerEnds, whoClosesBeforeTheFirstByteOfAHandshakeHasJustClosed) {
+TEST_F(ServerEnds, closingBeforeATlsHandshakeIsNoFailure) {
   startUnderTls();
   { connect(); }
   EXPECT_EQ(end()["reason"], "client");
   EXPECT_EQ(refused("tls"), 0);
 }
 
-TEST_F(ServerEnds, whoClosesBeforeTheFirstByteOfAHeaderHasJustClosed) {
+TEST_F(ServerEnds, closingBeforeABalancerHeaderIsNoFailure) {
   startBehindABalancer();
   { connect(); }
   EXPECT_EQ(end()["reason"], "client");
@@ -176,7 +176,7 @@ TEST_F(ServerEnds, aWrongHeaderIsAcceptedRefusedAndEndedOnceEach) {
   expectCountedOnce("proxy_header");
 }
 
-TEST_F(ServerEnds, whoIsRefusedAtTheDoorIsNotAmongThoseAccepted) {
+TEST_F(ServerEnds, aRefusedConnectionIsNotCountedAsAccepted) {
   options_.max_connections = 1;
   start();
   TestClient served = connect();
@@ -187,7 +187,7 @@ TEST_F(ServerEnds, whoIsRefusedAtTheDoorIsNotAmongThoseAccepted) {
   EXPECT_EQ(metric("lodestream_connections_accepted_total"), 1);
 }
 
-TEST_F(ServerEnds, ofWhoseTokenIsNoneAnyMoreIsLoggedAndCountedAsThatThoughTheClientStays) {
+TEST_F(ServerEnds, aRevokedTokenIsLoggedAndCountedAsTheReasonOfAnEnd) {
   options_.token_file = folder_.path() / "tokens";
   std::ofstream(options_.token_file) << "one never *\n";
   start();
@@ -201,12 +201,12 @@ TEST_F(ServerEnds, ofWhoseTokenIsNoneAnyMoreIsLoggedAndCountedAsThatThoughTheCli
   EXPECT_EQ(ended("broken"), 0);
 }
 
-TEST_F(ServerEnds, ofAModelsBlobsAreCountedFromTheStart) {
+TEST_F(ServerEnds, damagedBlobsOfAModelAreCountedFromZero) {
   start();
   EXPECT_EQ(metric("lodestream_model_damaged_blobs_total{model=\"a\"}"), 0);
 }
 
-TEST_F(ServerEnds, ofACertificateIsInTheMetricsAndAPastOneInTheLog) {
+TEST_F(ServerEnds, certificateExpiryIsInTheMetricsAndLoggedOncePast) {
   startUnderTls();
   const double now = static_cast<double>(std::time(nullptr));
   EXPECT_NEAR(metric("lodestream_certificate_expires_seconds"), now + 3600, 120);
@@ -218,7 +218,7 @@ TEST_F(ServerEnds, ofACertificateIsInTheMetricsAndAPastOneInTheLog) {
   EXPECT_NE(lode::test::readBytes(path_).find("the certificate has expired"), std::string::npos);
 }
 
-TEST_F(ServerEnds, ofTokensThatHaveAllExpiredIsLogged) {
+TEST_F(ServerEnds, theExpiryOfAllTokensIsLogged) {
   options_.token_file = folder_.path() / "tokens";
   std::ofstream(options_.token_file) << "one 2020-01-01T00:00:00Z *\ntwo 2999-01-01T00:00:00Z *\n";
   start();
@@ -233,7 +233,7 @@ TEST_F(ServerEnds, ofTokensThatHaveAllExpiredIsLogged) {
   EXPECT_EQ(log.find(kWarning, first + 1), std::string::npos) << "not of the first file";
 }
 
-TEST_F(ServerEnds, ofAModelThatATokenNamesAndNobodyOffersIsLogged) {
+TEST_F(ServerEnds, aTokenForAnUnknownModelIsLogged) {
   options_.token_file = folder_.path() / "tokens";
   std::ofstream(options_.token_file) << "one never a bunny\n";
   start();

@@ -28,7 +28,7 @@ bool isGivenUp(TestClient& client, Clock::duration within) {
   return static_cast<bool>(error);
 }
 
-TEST_F(ServerFaults, aClientThatPingsAndNeverReadsIsGivenUp) {
+TEST_F(ServerFaults, aClientThatPingsButNeverReadsIsDisconnected) {
   options_.write_deadline = 100ms;
   start();
   TestClient client = connect();
@@ -43,7 +43,7 @@ TEST_F(ServerFaults, aClientThatPingsAndNeverReadsIsGivenUp) {
   expectServed();
 }
 
-TEST_F(ServerFaults, aClientThatReadsIsNotGivenUpHoweverLongItsWindowIsShut) {
+TEST_F(ServerFaults, aReadingClientWithAShutWindowIsKept) {
   options_.write_deadline = 50ms;
   start();
   TestClient client = connect();
@@ -52,7 +52,7 @@ TEST_F(ServerFaults, aClientThatReadsIsNotGivenUpHoweverLongItsWindowIsShut) {
   EXPECT_FALSE(isGivenUp(client, 300ms));
 }
 
-TEST_F(ServerFaults, everyRefusedConnectionIsToldWhyAndTakesNobodysPlace) {
+TEST_F(ServerFaults, everyRefusedConnectionGetsAnErrorAndTakesNoSlot) {
   options_.max_connections = 2;
   start();
   std::optional<TestClient> first(std::in_place, server_->port());
@@ -69,7 +69,7 @@ TEST_F(ServerFaults, everyRefusedConnectionIsToldWhyAndTakesNobodysPlace) {
   EXPECT_TRUE(isLetInSoon()) << "though the refused are still there";
 }
 
-TEST_F(ServerFaults, anAddressHasAsManyConnectionsAsItMay) {
+TEST_F(ServerFaults, theLimitOfConnectionsPerAddressIsEnforced) {
   options_.max_connections = 2;
   options_.max_connections_per_address = 1;
   start();
@@ -80,7 +80,7 @@ TEST_F(ServerFaults, anAddressHasAsManyConnectionsAsItMay) {
   other.open("a");  // refused clients occupy no slot
 }
 
-TEST_F(ServerFaults, withoutADescriptorLeftAConnectionIsToldSo) {
+TEST_F(ServerFaults, aConnectionWithoutAFreeDescriptorGetsAnError) {
   rlimit before{};
   getrlimit(RLIMIT_NOFILE, &before);
   start();
@@ -110,7 +110,7 @@ TEST_F(ServerFaults, withoutADescriptorLeftAConnectionIsToldSo) {
   expectServed();
 }
 
-TEST_F(ServerFaults, theLimitOfOpenFilesIsRaisedToWhatItMayBe) {
+TEST_F(ServerFaults, theLimitOfOpenFilesIsRaisedToItsMaximum) {
   rlimit before{};
   getrlimit(RLIMIT_NOFILE, &before);
   rlimit few = before;

@@ -99,7 +99,7 @@ TEST_F(ServerHostile, everyBodyCutAtEveryLengthIsRefusedOrTaken) {
   expectServed();
 }
 
-TEST_F(ServerHostile, aClientThatShutsDownItsSendingSideHasGone) {
+TEST_F(ServerHostile, aClientThatShutsDownItsSendingSideIsDisconnected) {
   start();
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
@@ -109,7 +109,7 @@ TEST_F(ServerHostile, aClientThatShutsDownItsSendingSideHasGone) {
   expectServed();
 }
 
-TEST_F(ServerHostile, connectionsThatAreResetInTheMiddleHarmNobody) {
+TEST_F(ServerHostile, connectionsResetMidwayHarmNobody) {
   start();
   for (int i = 0; i < 100; ++i) {
     TestClient client = connect();
@@ -137,7 +137,7 @@ TEST_F(ServerHostile, aFrameThatComesMoreSlowlyThanTheIdleDeadlineEndsItsConnect
   EXPECT_TRUE(error) << "it is still there";
 }
 
-TEST_F(ServerHostile, aClientThatReadsSlowlyGetsAllAndHoldsNobodyUp) {
+TEST_F(ServerHostile, aSlowReaderGetsAllItsBlobsAndDelaysNobody) {
   start();
   TestClient slow = connect();
   slow.socket().set_option(asio::socket_base::receive_buffer_size(4096));

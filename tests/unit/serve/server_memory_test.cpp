@@ -64,7 +64,7 @@ class ServerMemory : public ServerTest {
   }
 };
 
-TEST_F(ServerMemory, memoryIsTakenByWhatHasComeNotByWhatIsAnnounced) {
+TEST_F(ServerMemory, isChargedForReceivedNotForAnnouncedBytes) {
   options_.memory_budget_bytes = 4u << 20;
   start();
   std::vector<std::unique_ptr<TestClient>> many;
@@ -86,7 +86,7 @@ TEST_F(ServerMemory, greedyConnectionsAreRefusedAndPoliteOnesServed) {
   for (int i = 0; i < 5; ++i) expectServed();
 }
 
-TEST_F(ServerMemory, whenItIsUsedUpThoseWhoHoldMoreThanMostAreClosedAndThePoliteAreNot) {
+TEST_F(ServerMemory, closesGreedyButNotPoliteConnectionsWhenExhausted) {
   options_.memory_budget_bytes = 4u << 20;
   options_.handshake_deadline = 400ms;  // the sweep runs four times within the shortest deadline
   start();
@@ -126,7 +126,7 @@ TEST_F(ServerMemory, theGreediestAreClosedFirst) {
   EXPECT_FALSE(someEnded(modest));
 }
 
-TEST_F(ServerMemory, noMoreAreClosedThanNeededWhenTheyAreInTheMiddleOfAFrame) {
+TEST_F(ServerMemory, closesNoMoreConnectionsThanNeeded) {
   options_.memory_budget_bytes = 4u << 20;
   start();
   Clients quiet = openMany(20), greedy = openMany(70);
@@ -143,7 +143,7 @@ TEST_F(ServerMemory, noMoreAreClosedThanNeededWhenTheyAreInTheMiddleOfAFrame) {
   for (const auto& client : quiet) EXPECT_FALSE(hasEnded(*client));
 }
 
-TEST_F(ServerMemory, aFloodThatUsesItUpKeepsNobodyOutForLong) {
+TEST_F(ServerMemory, admitsClientsSoonAfterAnExhaustingFlood) {
   options_.memory_budget_bytes = 4u << 20;
   start();
   Clients flood = openMany(40);
@@ -157,7 +157,7 @@ TEST_F(ServerMemory, aFloodThatUsesItUpKeepsNobodyOutForLong) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s);
 }
 
-TEST_F(ServerMemory, aFrameThatThereIsNoRoomForIsGivenBackWithItsMemory) {
+TEST_F(ServerMemory, isReturnedAfterAFrameThatDoesNotFit) {
   options_.memory_budget_bytes =
       4u << 20;  // 1/64 of 3/4 of it is 48 KB: above 64 KB every request of memory fails
   start();
@@ -172,7 +172,7 @@ TEST_F(ServerMemory, aFrameThatThereIsNoRoomForIsGivenBackWithItsMemory) {
       << server_->memoryHeld() << " while the client is still connected";
 }
 
-TEST_F(ServerMemory, whatTheDiskIsAskedForIsNoGreedOfTheClients) {
+TEST_F(ServerMemory, doesNotCountDiskReadsAsGreed) {
   options_.memory_budget_bytes = 5'736'000;  // a connection may hold two chunks and eight requests of it
   start();
   TestClient client = connect();
@@ -194,7 +194,7 @@ TEST_F(ServerMemory, whatTheDiskIsAskedForIsNoGreedOfTheClients) {
   }
 }
 
-TEST_F(ServerMemory, whenMemoryIsShortTheNextConnectionIsToldSo) {
+TEST_F(ServerMemory, refusesTheNextConnectionWithAnErrorWhenShort) {
   // Connections are admitted up to 7/8 of the budget: room for seven connections and their Hellos.
   options_.memory_budget_bytes = kPlainConnectionBytes * 15 / 2 * 8 / 7;
   start();
@@ -207,7 +207,7 @@ TEST_F(ServerMemory, whenMemoryIsShortTheNextConnectionIsToldSo) {
   connect().expectErrorAndEnd(WireError::kLimit);
 }
 
-TEST_F(ServerMemory, aConnectionThatThereIsNoMemoryForGivesItsPlaceBack) {
+TEST_F(ServerMemory, releasesTheSlotOfAConnectionWithoutMemory) {
   options_.max_connections = 1;
   start();
   {
@@ -219,7 +219,7 @@ TEST_F(ServerMemory, aConnectionThatThereIsNoMemoryForGivesItsPlaceBack) {
   EXPECT_TRUE(isLetInSoon());
 }
 
-TEST_F(ServerMemory, whereverItRunsOutWhileAConnectionIsTakenTheNextIsServed) {
+TEST_F(ServerMemory, mayRunOutAnywhereDuringAnAcceptAndTheNextIsServed) {
   start();
   expectServed();
   for (size_t nth = 0, failed = 1; failed > 0; ++nth) {
@@ -232,7 +232,7 @@ TEST_F(ServerMemory, whereverItRunsOutWhileAConnectionIsTakenTheNextIsServed) {
   expectServed();
 }
 
-TEST_F(ServerMemory, whereverItRunsOutWhileASessionIsServedTheNextIsServed) {
+TEST_F(ServerMemory, mayRunOutAnywhereDuringASessionAndTheNextIsServed) {
   options_.threads = 1;
   start();
   expectServed();

@@ -12,14 +12,14 @@ namespace {
 
 using namespace test;
 
-TEST_F(ServerTest, saysWhereItListensAndWhatItServes) {
+TEST_F(ServerTest, reportsItsAddressAndItsModels) {
   start();
   EXPECT_NE(server_->port(), 0);
   EXPECT_EQ(server_->address(), "127.0.0.1:" + std::to_string(server_->port()));
   EXPECT_EQ(server_->models(), (std::vector<std::string>{"a", "b"}));
 }
 
-TEST_F(ServerTest, firstBlobsFollowOpenUnasked) {
+TEST_F(ServerTest, sendsTheFirstBlobsAfterOpenUnrequested) {
   start();
   TestClient client = connect();
   const proto::Opened opened = client.open("a");
@@ -62,7 +62,7 @@ TEST_F(ServerTest, pingIsAnsweredWhileTheWindowIsShut) {
   EXPECT_LE(body_bytes, proto::kInitialWindowBytes);
 }
 
-TEST_F(ServerTest, aClientThatDoesNotReadHoldsNobodyUp) {
+TEST_F(ServerTest, servesOthersBesideAClientThatDoesNotRead) {
   options_.threads = 1;
   start();
   TestClient slow = connect();
@@ -77,7 +77,7 @@ TEST_F(ServerTest, aClientThatDoesNotReadHoldsNobodyUp) {
   expectServed();
 }
 
-TEST_F(ServerTest, aClientThatOnlyAsksAndNeverReadsIsHeldBack) {
+TEST_F(ServerTest, appliesBackPressureToAClientThatNeverReads) {
   options_.threads = 1;
   options_.write_deadline = 500ms;
   start();
@@ -105,7 +105,7 @@ TEST_F(ServerTest, manyClientsAreServedAtOnce) {
   for (std::thread& client : clients) client.join();
 }
 
-TEST_F(ServerTest, connectionsAboveTheLimitAreToldSo) {
+TEST_F(ServerTest, refusesConnectionsAboveTheLimitWithAnError) {
   options_.max_connections = 2;
   start();
   std::optional<TestClient> first(std::in_place, server_->port());
@@ -123,7 +123,7 @@ TEST_F(ServerTest, connectionsAboveTheLimitAreToldSo) {
   }
 }
 
-TEST_F(ServerTest, aFrameThatIsNoneIsAnsweredAndTheConnectionCloses) {
+TEST_F(ServerTest, answersAnInvalidFrameAndCloses) {
   start();
   TestClient http = connect();
   http.sendText("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
@@ -143,7 +143,7 @@ TEST_F(ServerTest, aMalformedBodyIsAnsweredAndTheConnectionCloses) {
   client.expectErrorAndEnd(WireError::kMalformed);
 }
 
-TEST_F(ServerTest, beforeHelloALargeBodyIsRefused) {
+TEST_F(ServerTest, refusesALargeBodyBeforeHello) {
   start();
   TestClient client = connect();
   client.sendBytes(proto::encodeFrameHeader(
@@ -158,7 +158,7 @@ TEST_F(ServerTest, aVersionThatItDoesNotSpeakIsRefused) {
   client.expectErrorAndEnd(WireError::kVersion);
 }
 
-TEST_F(ServerTest, aClientThatNeverGreetsIsLetGo) {
+TEST_F(ServerTest, disconnectsAClientThatSendsNoHello) {
   options_.handshake_deadline = 40ms;
   start();
   TestClient silent = connect(), half = connect();
@@ -167,7 +167,7 @@ TEST_F(ServerTest, aClientThatNeverGreetsIsLetGo) {
   EXPECT_FALSE(half.receive());
 }
 
-TEST_F(ServerTest, aClientThatFallsSilentIsLetGo) {
+TEST_F(ServerTest, disconnectsASilentClient) {
   options_.idle_deadline = 40ms;
   start();
   TestClient client = connect();
@@ -304,7 +304,7 @@ TEST_F(ServerTest, aPortInUseIsOneLineThatNamesAddressAndRemedy) {
   }
 }
 
-TEST_F(ServerTest, listensBeyondLoopbackOnlyIfBothAreSaid) {
+TEST_F(ServerTest, listensBeyondLoopbackOnlyIfPublicAndInsecureAreSet) {
   options_.listen = "0.0.0.0:0";
   const auto code = [&](bool public_ok, bool insecure) -> std::optional<ErrorCode> {
     options_.public_ok = public_ok;

@@ -10,7 +10,7 @@ using namespace test;
 
 using SessionHandlesTest = SessionTest;
 
-TEST_F(SessionHandlesTest, saysThatItUnderstandsCloseToWhomAsks) {
+TEST_F(SessionHandlesTest, confirmsTheCloseFeatureIfAClientOffersIt) {
   send(
       proto::Hello{proto::kProtocolVersion, proto::kProtocolVersion, proto::kFeatureClose | 1u << 5, "", ""});
   EXPECT_EQ(only<proto::Welcome>(FrameType::kWelcome).features, proto::kFeatureClose);
@@ -40,7 +40,7 @@ TEST_F(SessionHandlesTest, aChunkOfAClosedHandleIsNotSent) {
   EXPECT_FALSE(session_.finishChunk());
 }
 
-TEST_F(SessionHandlesTest, anUnaskedChunkOfAClosedHandleIsNotSentNorTakenForAnothers) {
+TEST_F(SessionHandlesTest, sendsNoUnrequestedChunkOfAClosedHandle) {
   send(proto::Hello{});
   send(proto::Open{"a", {}}, 1);
   send(proto::Open{"b", {}}, 2);
@@ -56,7 +56,7 @@ TEST_F(SessionHandlesTest, anUnaskedChunkOfAClosedHandleIsNotSentNorTakenForAnot
   EXPECT_TRUE(next->first());
 }
 
-TEST_F(SessionHandlesTest, aClosedHandleIsUnknownAndNotGivenAgain) {
+TEST_F(SessionHandlesTest, neverReusesAClosedHandle) {
   open();
   send(proto::Close{1});
   control();
@@ -66,13 +66,13 @@ TEST_F(SessionHandlesTest, aClosedHandleIsUnknownAndNotGivenAgain) {
   expectClosedWith(WireError::kMalformed);
 }
 
-TEST_F(SessionHandlesTest, closingWhatIsNotOpenClosesTheConnection) {
+TEST_F(SessionHandlesTest, closesTheConnectionOnCloseOfAnUnknownHandle) {
   open();
   send(proto::Close{9});
   expectClosedWith(WireError::kMalformed);
 }
 
-TEST_F(SessionHandlesTest, whoClosesMayOpenAsOftenAsHeLikes) {
+TEST_F(SessionHandlesTest, opensModelsWithoutLimitIfTheyAreClosed) {
   send(proto::Hello{});
   for (uint32_t i = 1; i <= 10 * proto::kMaxOpenModels; ++i) {
     send(proto::Open{"a", {}});
@@ -82,7 +82,7 @@ TEST_F(SessionHandlesTest, whoClosesMayOpenAsOftenAsHeLikes) {
   }
 }
 
-TEST_F(SessionHandlesTest, aReplacedModelIsSaidOnceOfEachHandleAndServedOnUntilReopened) {
+TEST_F(SessionHandlesTest, announcesAReplacedModelOncePerHandleAndKeepsServingIt) {
   open();
   send(proto::Open{"b", {}});
   control();
@@ -96,7 +96,7 @@ TEST_F(SessionHandlesTest, aReplacedModelIsSaidOnceOfEachHandleAndServedOnUntilR
   EXPECT_EQ(only<proto::Opened>(FrameType::kOpened, 4).summary.build_id, modelAt(0).summary.build_id);
 }
 
-TEST_F(SessionHandlesTest, aRemovedModelIsServedOnToWhoHasItAndOpenedByNobody) {
+TEST_F(SessionHandlesTest, keepsServingARemovedModelButDoesNotOpenIt) {
   open();
   served_.catalog = catalogOf({model("b")});
   session_.servedSetChanged();
@@ -107,7 +107,7 @@ TEST_F(SessionHandlesTest, aRemovedModelIsServedOnToWhoHasItAndOpenedByNobody) {
   EXPECT_EQ(only<proto::ErrorMessage>(FrameType::kError, 4).code, WireError::kNoSuchModel);
 }
 
-TEST_F(SessionHandlesTest, aParkedRequestIsPassedByUntilItsBytesAreThere) {
+TEST_F(SessionHandlesTest, passesOverAParkedRequestUntilItsBytesArrive) {
   open();
   send(proto::Credit{1 << 30});
   request(RequestClass::kVisible, 1, 30, 9);
@@ -121,7 +121,7 @@ TEST_F(SessionHandlesTest, aParkedRequestIsPassedByUntilItsBytesAreThere) {
   EXPECT_EQ(session_.beginChunk()->header, cold->header);
 }
 
-TEST_F(SessionHandlesTest, aRequestThatEndedWhileItWasParkedIsNotMistakenForALaterOne) {
+TEST_F(SessionHandlesTest, distinguishesACancelledParkedRequestFromALaterOne) {
   open();
   request(RequestClass::kVisible, 1, 3, 9);
   const auto cold = session_.beginChunk();
@@ -133,7 +133,7 @@ TEST_F(SessionHandlesTest, aRequestThatEndedWhileItWasParkedIsNotMistakenForALat
   EXPECT_EQ(session_.beginChunk()->blob, 4u);
 }
 
-TEST_F(SessionHandlesTest, aParkedRequestKeepsItsPlaceWhenItIsReprioritised) {
+TEST_F(SessionHandlesTest, keepsAParkedRequestParkedOnANewPriority) {
   open();
   request(RequestClass::kVisible, 1, 3, 1);
   const auto cold = session_.beginChunk();
@@ -145,7 +145,7 @@ TEST_F(SessionHandlesTest, aParkedRequestKeepsItsPlaceWhenItIsReprioritised) {
   EXPECT_EQ(session_.beginChunk()->header.request, 1u);
 }
 
-TEST_F(SessionHandlesTest, unaskedBlobsWaitInOrderAndLetRequestsPass) {
+TEST_F(SessionHandlesTest, sendsUnrequestedBlobsInOrderAndLetsRequestsPass) {
   send(proto::Hello{});
   send(proto::Open{"a", {}});
   control();

@@ -55,7 +55,7 @@ TEST_F(SessionQueueTest, anUrgentRequestOvertakesBetweenChunks) {
   EXPECT_EQ(sendChunk(), 1u);
 }
 
-TEST_F(SessionQueueTest, reprioritisingReordersAndKeepsWhatWasSent) {
+TEST_F(SessionQueueTest, reordersOnReprioritiseAndKeepsSentChunks) {
   open();
   send(proto::Credit{1 << 30});
   request(RequestClass::kVisible, 1, 30, 5);
@@ -99,7 +99,7 @@ TEST_F(SessionQueueTest, aChunkCancelledWhileItIsReadIsNotSent) {
   EXPECT_EQ(only<proto::Cancelled>(FrameType::kCancelled).request, 1u);
 }
 
-TEST_F(SessionQueueTest, aChunkThatIsReadWhenTheSessionIsRefusedIsNotSent) {
+TEST_F(SessionQueueTest, sendsNoChunkAfterTheSessionIsRefused) {
   open();
   request(RequestClass::kVisible, 1, 30, 1);
   ASSERT_TRUE(session_.beginChunk());
@@ -110,7 +110,7 @@ TEST_F(SessionQueueTest, aChunkThatIsReadWhenTheSessionIsRefusedIsNotSent) {
   expectClosedWith(WireError::kMalformed);
 }
 
-TEST_F(SessionQueueTest, aNumberUsedAgainWhileItsOldChunkIsReadStartsAnew) {
+TEST_F(SessionQueueTest, restartsARequestNumberReusedDuringARead) {
   open();
   request(RequestClass::kVisible, 1, 3, 5);
   ASSERT_TRUE(session_.beginChunk());
@@ -124,7 +124,7 @@ TEST_F(SessionQueueTest, aNumberUsedAgainWhileItsOldChunkIsReadStartsAnew) {
   EXPECT_EQ(chunk->header.offset_bytes, 0u);
 }
 
-TEST_F(SessionQueueTest, anAbandonedChunkComesAgain) {
+TEST_F(SessionQueueTest, repeatsAnAbandonedChunk) {
   open();
   request(RequestClass::kVisible, 1, 3, 5);
   const auto first = session_.beginChunk();
@@ -134,7 +134,7 @@ TEST_F(SessionQueueTest, anAbandonedChunkComesAgain) {
   EXPECT_EQ(second->header, first->header);
 }
 
-TEST_F(SessionQueueTest, oneChunkIsUnderWayAtATime) {
+TEST_F(SessionQueueTest, readsOneChunkAtATime) {
   open();
   request(RequestClass::kVisible, 1, 3, 5);
   request(RequestClass::kVisible, 2, 4, 5);
@@ -142,7 +142,7 @@ TEST_F(SessionQueueTest, oneChunkIsUnderWayAtATime) {
   EXPECT_FALSE(session_.beginChunk());
 }
 
-TEST_F(SessionQueueTest, aBlobThatCannotBeReadEndsItsRequestAlone) {
+TEST_F(SessionQueueTest, endsOnlyTheRequestOfAnUnreadableBlob) {
   open();
   request(RequestClass::kVisible, 1, 3, 5, 31);
   request(RequestClass::kVisible, 2, 4, 4);
@@ -154,7 +154,7 @@ TEST_F(SessionQueueTest, aBlobThatCannotBeReadEndsItsRequestAlone) {
   EXPECT_FALSE(session_.beginChunk());
 }
 
-TEST_F(SessionQueueTest, anUnaskedBlobThatCannotBeReadIsAnErrorToItsOpen) {
+TEST_F(SessionQueueTest, answersOpenWithAnErrorForAnUnreadableFirstBlob) {
   send(proto::Hello{});
   send(proto::Open{"a", {}}, 21);
   send(proto::Open{"b", {}}, 22);
@@ -180,13 +180,13 @@ TEST_F(SessionQueueTest, anUnknownBlobIsAnErrorThatEndsItsRequest) {
   EXPECT_FALSE(session_.closing());
 }
 
-TEST_F(SessionQueueTest, anUnknownHandleCloses) {
+TEST_F(SessionQueueTest, closesOnAnUnknownHandle) {
   open();
   send(proto::Requests{2, {}});
   expectClosedWith(WireError::kMalformed);
 }
 
-TEST_F(SessionQueueTest, aRequestNumberInUseCloses) {
+TEST_F(SessionQueueTest, closesOnARequestNumberInUse) {
   open();
   request(RequestClass::kVisible, 1, 30, 1);
   request(RequestClass::kVisible, 1, 31, 1);
@@ -201,7 +201,7 @@ TEST_F(SessionQueueTest, aRequestNumberMayBeUsedAgainOnceItHasEnded) {
   EXPECT_EQ(sendChunk(), 1u);
 }
 
-TEST_F(SessionQueueTest, moreOpenRequestsThanTheLimitClose) {
+TEST_F(SessionQueueTest, closesOnMoreOpenRequestsThanTheLimit) {
   open();
   for (uint32_t i = 1; i <= limits_.max_open_requests; ++i) request(RequestClass::kVisible, i, 30, 1);
   EXPECT_TRUE(control().empty());
@@ -209,7 +209,7 @@ TEST_F(SessionQueueTest, moreOpenRequestsThanTheLimitClose) {
   expectClosedWith(WireError::kLimit);
 }
 
-TEST_F(SessionQueueTest, theWindowIsWhatWasGrantedAtTheStart) {
+TEST_F(SessionQueueTest, beginsWithTheInitialWindow) {
   open();
   const uint64_t unasked = 2 * proto::kBlobChunkHeaderBytes + 300 + kSmall;
   request(RequestClass::kVisible, 1, 30, 1);
@@ -233,7 +233,7 @@ TEST_F(SessionQueueTest, creditIsCumulativeAndNeverShrinks) {
   EXPECT_EQ(sent_bytes_ - before, 20'000u);
 }
 
-TEST_F(SessionQueueTest, whatAClientsWindowHoldsUpIsToldFromWhatTheServerTakes) {
+TEST_F(SessionQueueTest, distinguishesWaitsForTheWindowFromServerTime) {
   open();
   request(RequestClass::kVisible, 1, 30, 1);
   EXPECT_FALSE(session_.waitsForWindow());
@@ -255,7 +255,7 @@ TEST_F(SessionQueueTest, whatAClientsWindowHoldsUpIsToldFromWhatTheServerTakes) 
   EXPECT_EQ(session_.heldSince(*chunk, now_), 2s);
 }
 
-TEST_F(SessionQueueTest, aWindowHoldsUpUntilTheLeastChunkFits) {
+TEST_F(SessionQueueTest, waitsForTheWindowUntilTheLeastChunkFits) {
   open();
   request(RequestClass::kVisible, 1, 30, 1);
   while (sendChunk()) {
@@ -269,7 +269,7 @@ TEST_F(SessionQueueTest, aWindowHoldsUpUntilTheLeastChunkFits) {
   EXPECT_TRUE(session_.beginChunk());
 }
 
-TEST_F(SessionQueueTest, aWindowHoldsNobodyUpWhoseRequestsWaitForTheDisk) {
+TEST_F(SessionQueueTest, doesNotWaitForTheWindowWhileRequestsWaitForTheDisk) {
   open();
   EXPECT_FALSE(session_.waitsForWindow());
   request(RequestClass::kVisible, 1, 30, 1);
@@ -357,7 +357,7 @@ TEST_F(SessionQueueTest, everyRequestHasExactlyOneEnding) {
   for (uint32_t id = 1; id < next; ++id) EXPECT_EQ(endings[id], 1) << id;
 }
 
-TEST_F(SessionQueueTest, aWindowThatOpensByCrumbsDoesNotCutBlobsToCrumbs) {
+TEST_F(SessionQueueTest, sendsNoTinyChunksIfTheWindowOpensSlowly) {
   open();
   request(RequestClass::kVisible, 1, 30, 1);
   while (sendChunk()) {

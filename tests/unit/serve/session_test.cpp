@@ -72,7 +72,7 @@ TEST_F(SessionTest, openIsAnsweredAndFollowedByPageAndCoarsestLod) {
   EXPECT_FALSE(session_.beginChunk());
 }
 
-TEST_F(SessionTest, aClientThatKnowsTheBuildIsSentNothingUnasked) {
+TEST_F(SessionTest, sendsNothingUnrequestedIfTheClientKnowsTheBuild) {
   send(proto::Hello{});
   control();
   send(proto::Open{"a", model("a").summary.build_id}, 2);
@@ -122,7 +122,7 @@ TEST_F(SessionTest, answersPingWithItsPayload) {
   EXPECT_EQ(only<proto::Pong>(FrameType::kPong, 4).payload, 77u);
 }
 
-TEST_F(SessionTest, takesAPongThatItDidNotAskForAndSaysNothing) {
+TEST_F(SessionTest, ignoresAnUnrequestedPong) {
   send(proto::Hello{});
   control();
   send(proto::Pong{77});
@@ -177,21 +177,21 @@ TEST_F(SessionTest, refusesAMalformedBodyByName) {
   EXPECT_TRUE(session_.closing());
 }
 
-TEST_F(SessionTest, takesNothingAfterItsClosingError) {
+TEST_F(SessionTest, readsNothingAfterItsClosingError) {
   sendRaw(200, 0);
   control();
   send(proto::Hello{});
   EXPECT_TRUE(control().empty());
 }
 
-TEST_F(SessionTest, mustBeGreetedBeforeItsDeadline) {
+TEST_F(SessionTest, closesAConnectionThatSendsNoHello) {
   EXPECT_EQ(session_.deadline(), now_ + limits_.handshake);
   now_ += 5s;
   sendRaw(200, proto::kFlagOptional);
   EXPECT_EQ(session_.deadline(), now_ - 5s + limits_.handshake) << "frames before Hello win no time";
 }
 
-TEST_F(SessionTest, eachFrameWinsTheClientAnotherIdleDeadline) {
+TEST_F(SessionTest, extendsTheIdleDeadlineOnEachFrame) {
   send(proto::Hello{});
   EXPECT_EQ(session_.deadline(), now_ + limits_.idle);
   now_ += 100s;
@@ -199,7 +199,7 @@ TEST_F(SessionTest, eachFrameWinsTheClientAnotherIdleDeadline) {
   EXPECT_EQ(session_.deadline(), now_ + limits_.idle);
 }
 
-TEST_F(SessionTest, anUnknownFrameWinsNoTimeHoweverOptional) {
+TEST_F(SessionTest, doesNotExtendTheIdleDeadlineOnAnUnknownFrame) {
   send(proto::Hello{});
   const auto deadline = session_.deadline();
   now_ += 100s;
@@ -222,7 +222,7 @@ TEST_F(SessionTest, drainingSaysGoAwayAndLetsRequestsEnd) {
   EXPECT_TRUE(session_.finished());
 }
 
-TEST_F(SessionTest, drainingAnswersWhatWasRequestedBeforeTheClientHeardOfIt) {
+TEST_F(SessionTest, answersRequestsThatCrossGoAway) {
   open();
   session_.drain("stopping", now_);
   control();
@@ -234,7 +234,7 @@ TEST_F(SessionTest, drainingAnswersWhatWasRequestedBeforeTheClientHeardOfIt) {
   EXPECT_TRUE(session_.finished());
 }
 
-TEST_F(SessionTest, drainingWaitsNoLongerForAClientToHearThanItsDeadline) {
+TEST_F(SessionTest, drainsNoLongerThanItsDeadlineForASilentClient) {
   open();
   session_.drain("stopping", now_);
   EXPECT_FALSE(session_.stopWaitingForPong(now_ + proto::kHearDeadline - 1ms));
@@ -258,13 +258,13 @@ TEST_F(SessionTest, drainingAnswersFramesAsBeforeUntilTheLastRequestHasEnded) {
   EXPECT_TRUE(session_.finished());
 }
 
-TEST_F(SessionTest, drainedBeforeItGreetsItSaysGoAwayAndEnds) {
+TEST_F(SessionTest, sendsGoAwayAndEndsIfDrainedBeforeHello) {
   session_.drain("stopping", now_);
   EXPECT_EQ(only<proto::GoAway>(FrameType::kGoAway).reason, "stopping");
   EXPECT_TRUE(session_.finished());
 }
 
-TEST_F(SessionTest, whatOneFrameIsAnsweredWithIsBounded) {
+TEST_F(SessionTest, limitsTheAnswersToOneFrame) {
   open();
   proto::Requests requests{1, {}};
   for (uint32_t i = 1; i <= proto::kMaxRequestsPerFrame; ++i)

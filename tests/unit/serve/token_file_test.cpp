@@ -32,7 +32,7 @@ void expectRefused(const std::string& text, const std::string& why) {
   EXPECT_NE(tokenRefusal(text).find(why), std::string::npos) << tokenRefusal(text);
 }
 
-TEST(TokenFile, grantsWhatATokensLineSays) {
+TEST(TokenFile, grantsTheModelsInATokensLine) {
   const TokenFile file = TokenFile::parse(
       "# for the museum\n\nm1 never bunny \"old town\" \"a \\\"b\\\"\"\r\n   m2\tnever\t*\n");
   ASSERT_EQ(file.size(), 2u);
@@ -45,24 +45,24 @@ TEST(TokenFile, grantsWhatATokensLineSays) {
   EXPECT_TRUE(all->allows("anything"));
 }
 
-TEST(TokenFile, takesNoTokenButWhatIsInIt) {
+TEST(TokenFile, acceptsOnlyItsTokens) {
   const TokenFile file = TokenFile::parse("secret never *\n");
   for (const char* token : {"", "s", "secre", "secret ", "Secret", "secrets", "never", "#"})
     EXPECT_EQ(file.find(token, kNow), nullptr) << token;
   EXPECT_NE(file.find("secret", kNow), nullptr);
 }
 
-TEST(TokenFile, readsNoCommentForModels) {
+TEST(TokenFile, ignoresComments) {
   const TokenFile file =
       TokenFile::parse("  # of the museum\na never bunny # not gyroid\nb never \"#1\" x#y\n");
   EXPECT_EQ(file.modelsNamed(), (std::vector<std::string>{"#1", "bunny", "x#y"}));
 }
 
-TEST(TokenFile, takesTheFirstTokenBehindAByteOrderMark) {
+TEST(TokenFile, readsTheFirstTokenAfterAByteOrderMark) {
   EXPECT_NE(TokenFile::parse("\xef\xbb\xbfsecret never *\n").find("secret", kNow), nullptr);
 }
 
-TEST(TokenFile, isLookedThroughToItsEndWhicheverTokenIsThere) {
+TEST(TokenFile, isSearchedToItsEndForEveryToken) {
   std::string text;
   for (size_t i = 1000; i < 1000 + kMaxTokens; ++i) text += "t" + std::to_string(i) + " never *\n";
   const TokenFile file = TokenFile::parse(text);
@@ -94,7 +94,7 @@ TEST(TokenFile, takesATokenThatExpiresInAFarFuture) {
     EXPECT_NE(TokenFile::parse(std::string("secret ") + time + " *").find("secret", kNow), nullptr) << time;
 }
 
-TEST(TokenFile, thatIsWrongIsRefusedWithItsLine) {
+TEST(TokenFile, isRefusedWithTheLineOfAnError) {
   expectRefused("a never *\nb\n", "line 2 of the token file: it names no model");
   expectRefused("a never\n", "line 1 of the token file: it names no model");
   expectRefused("a tomorrow *\n", "line 1 of the token file: the second word");
@@ -107,14 +107,14 @@ TEST(TokenFile, thatIsWrongIsRefusedWithItsLine) {
   expectRefused("\"\" never *\n", "a token is 1 to 512 bytes");
 }
 
-TEST(TokenFile, withATimeThatCannotBeIsRefused) {
+TEST(TokenFile, isRefusedWithAnInvalidTime) {
   for (const char* time : {"2026-02-29T00:00:00Z", "2026-13-01T00:00:00Z", "2026-01-01T24:00:00Z",
                            "2026-01-01T00:60:00Z", "2026-01-01", "2026-01-01T00:00:00",
                            "2026-01-01t00:00:00Z", "2026-01-01T00:00:00+01", "-026-01-01T00:00:00Z"})
     expectRefused(std::string("a ") + time + " *\n", "neither never nor a time");
 }
 
-TEST(TokenFile, withoutATokenIsRefused) {
+TEST(TokenFile, isRefusedWithoutAToken) {
   expectRefused("", "holds no token");
   expectRefused("# nothing\n\n", "holds no token");
 }
@@ -125,14 +125,14 @@ TEST(TokenFile, neverTellsATokenInAnError) {
     EXPECT_EQ(tokenRefusal(text).find("hush"), std::string::npos) << tokenRefusal(text);
 }
 
-TEST(TokenFile, withMoreTokensThanItsLimitIsRefused) {
+TEST(TokenFile, isRefusedWithMoreTokensThanItsLimit) {
   std::string text;
   for (size_t i = 0; i < kMaxTokens; ++i) text += "t" + std::to_string(i) + " never *\n";
   EXPECT_EQ(TokenFile::parse(text).size(), kMaxTokens);
   EXPECT_NE(tokenRefusal(text + "last never *\n", ErrorCode::kLimit).find("line 4097"), std::string::npos);
 }
 
-TEST(TokenFile, isNamedByWhatIsWrongWithIt) {
+TEST(TokenFile, isNamedInItsErrors) {
   const test::WorkFolder folder;
   const auto expectNamed = [&](const std::filesystem::path& path) {
     try {

@@ -113,7 +113,7 @@ class WorkerTest : public testing::Test {
   std::optional<Worker> worker_;
 };
 
-TEST_F(WorkerTest, aColdReadHoldsUpNoAnswerOfItsConnection) {
+TEST_F(WorkerTest, answersOtherFramesDuringAColdRead) {
   const auto client = connect();
   const proto::Opened opened = client->open("a");
   client->blobs(2);
@@ -133,7 +133,7 @@ TEST_F(WorkerTest, aColdReadHoldsUpNoAnswerOfItsConnection) {
   EXPECT_EQ(blobs[0].second, store::Reader(store_).readBlob(kColdBlob));
 }
 
-TEST_F(WorkerTest, anUrgentRequestIsReadThoughFinishedReadsOfOthersWaitForTheWindow) {
+TEST_F(WorkerTest, readsAnUrgentRequestWhileFinishedReadsWaitForTheWindow) {
   letDiskAnswer();
   const auto client = connect();
   const proto::Opened opened = client->open("cold");
@@ -161,7 +161,7 @@ TEST_F(WorkerTest, anUrgentRequestIsReadThoughFinishedReadsOfOthersWaitForTheWin
   }
 }
 
-TEST_F(WorkerTest, aReadThatTheSystemRefusesEndsItsRequestAsOneThatCanBeRepeated) {
+TEST_F(WorkerTest, endsARequestWithAFailedReadAsRepeatable) {
   letDiskAnswer();
   const auto client = connect();
   const proto::Opened opened = client->open("a");

@@ -23,7 +23,7 @@ TEST_F(WrongTokensTest, delayTheAnswersOfAnAddressTwiceAsLongEachTime) {
   }
 }
 
-TEST_F(WrongTokensTest, ofOneAddressDelayNoOther) {
+TEST_F(WrongTokensTest, delayOnlyTheirOwnAddress) {
   for (int i = 0; i < 20; ++i) tokens_.add(1, now_);
   EXPECT_EQ(tokens_.add(2, now_)->until() - now_, 50ms);
 }
@@ -36,7 +36,7 @@ TEST_F(WrongTokensTest, areForgottenAfterAPause) {
   EXPECT_EQ(tokens_.add(1, now_)->until() - now_, 50ms);
 }
 
-TEST_F(WrongTokensTest, thatWaitAtOneAddressAreBounded) {
+TEST_F(WrongTokensTest, areLimitedInWaitingPerAddress) {
   std::vector<WrongTokens::Wait> waits;
   for (uint32_t i = 0; i < WrongTokens::kMostWaitingPerAddress; ++i) {
     EXPECT_FALSE(tokens_.blocks(1, now_));
@@ -49,7 +49,7 @@ TEST_F(WrongTokensTest, thatWaitAtOneAddressAreBounded) {
   EXPECT_FALSE(tokens_.blocks(1, now_));
 }
 
-TEST_F(WrongTokensTest, thatWaitAtAllAddressesAreBounded) {
+TEST_F(WrongTokensTest, areLimitedInWaitingForAllAddresses) {
   std::vector<WrongTokens::Wait> waits;
   for (uint64_t address = 0; address < WrongTokens::kMostWaiting; ++address)
     waits.push_back(*tokens_.add(address, now_));
@@ -62,7 +62,7 @@ TEST_F(WrongTokensTest, thatWaitAtAllAddressesAreBounded) {
   EXPECT_EQ(tokens_.waiting(), 0u);
 }
 
-TEST_F(WrongTokensTest, ofManyAddressesTakeBoundedMemoryAndForgetTheOldestFirst) {
+TEST_F(WrongTokensTest, forgetTheOldestAddressesAboveTheLimit) {
   const auto waits = tokens_.add(0, now_);
   for (uint64_t address = 1; address < 5 * WrongTokens::kMostAddresses; ++address)
     tokens_.add(address, now_ += 1ms);
