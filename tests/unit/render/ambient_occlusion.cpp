@@ -99,7 +99,7 @@ TEST_F(Occlusion, isStrongestInTheCreaseAndFadesAwayFromIt) {
                 pair.factor(kWidthPx / 2, kHeightPx / 2 + away * (y + 1)) + 0.02);
 }
 
-TEST_F(Occlusion, goesUpToTheOutlineOfWhatItDarkens) {
+TEST_F(Occlusion, reachesTheOutlineOfADarkenedSurface) {
   const Pair pair = drawBoth(floorAndWall(), atCrease());
   uint32_t first = 0;
   while (showsMagenta(pair.before.pixel(first, kHeightPx / 2))) ++first;
@@ -107,7 +107,7 @@ TEST_F(Occlusion, goesUpToTheOutlineOfWhatItDarkens) {
   for (uint32_t x = first; x < first + 3; ++x) EXPECT_LT(pair.factor(x, kHeightPx / 2), 0.9) << x - first;
 }
 
-TEST_F(Occlusion, leavesAPlaneAsItWasAtWhateverAngle) {
+TEST_F(Occlusion, doesNotDarkenAPlaneAtAnyAngle) {
   const Mesh plane = makeGrid(60, 60, {.attributes = {AttributeSet::kColour}, .extent = 6000, .bump = 0});
   const glm::dvec3 middle(3000, 3000, 0);
   for (const double degrees : {90, 60, 30, 15, 7, 3, 1}) {
@@ -121,7 +121,7 @@ TEST_F(Occlusion, leavesAPlaneAsItWasAtWhateverAngle) {
   }
 }
 
-TEST_F(Occlusion, leavesAPlaneNearlyAsItWasWhileItFadesByAPixel) {
+TEST_F(Occlusion, hardlyDarkensAPlaneThatFadesByAPixel) {
   const core::View view = lookAt({2000, 2000, 5000}, {2000, 2000, 1000});
   const double pixel = 2 * 4000 * std::tan(view.fov_y_rad / 2) / kHeightPx;
   const auto at = [](double z) {
@@ -194,7 +194,7 @@ TEST_F(Occlusion, darkensTheWallCloseBehindABox) {
   EXPECT_EQ(pair.factor(kWidthPx / 2, kHeightPx / 2), 1) << "the box";
 }
 
-TEST_F(Occlusion, leavesAllViewsButTheLitSurfaceAsTheyAreToTheBit) {
+TEST_F(Occlusion, changesOnlyTheLitSurfaceMode) {
   for (const render::ColorModeTraits& mode : render::colorModes()) {
     render::DrawStyle style = magentaBehind();
     style.show = mode.mode;
@@ -220,7 +220,7 @@ TEST_F(Occlusion, isTheSameOfALargeModelFromAfarAndOfASmallOneCloseUp) {
       EXPECT_NEAR(small.after.pixel(x, y)[1], large.after.pixel(x, y)[1], 1);
 }
 
-TEST_F(Occlusion, reachesAsFarInALargePictureAsInASmallOne) {
+TEST_F(Occlusion, isIndependentOfTheSizeOfThePicture) {
   core::View twice = atCrease();
   twice.width_px *= 2;
   twice.height_px *= 2;
@@ -228,7 +228,7 @@ TEST_F(Occlusion, reachesAsFarInALargePictureAsInASmallOne) {
   for (uint32_t y = 60; y < 90; ++y) EXPECT_NEAR(small.factor(100, y), large.factor(200, 2 * y + 1), 0.1);
 }
 
-TEST_F(Occlusion, seesAllModelsOfAPictureAsIfTheyWereOne) {
+TEST_F(Occlusion, treatsAllModelsOfAPictureAsOne) {
   const std::vector<Mesh> meshes = floorAndWall();
   const core::View view = atCrease();
   const render::Framebuffer target(view.width_px, view.height_px);
@@ -241,7 +241,7 @@ TEST_F(Occlusion, seesAllModelsOfAPictureAsIfTheyWereOne) {
   EXPECT_EQ(resolved(target).rgba, drawBoth(meshes, view).after.rgba);
 }
 
-TEST_F(Occlusion, leavesTheNextPictureOfAnySizeAsItWouldBeWithoutTheLast) {
+TEST_F(Occlusion, isIndependentOfThePreviousPicture) {
   const auto renderer = rendererOf(floorAndWall());
   render::AmbientOcclusion occlusion;
   for (const uint32_t width_px : {200u, 333u, 77u, 1u}) {

@@ -33,7 +33,7 @@ TEST(BlockAllocator, neverHandsOutOverlappingRanges) {
   }
 }
 
-TEST(BlockAllocator, joinsWhatIsReleasedInAnyOrder) {
+TEST(BlockAllocator, joinsReleasedRangesInAnyOrder) {
   for (const auto& order : {std::vector{0, 1, 2}, std::vector{2, 1, 0}, std::vector{0, 2, 1}}) {
     BlockAllocator allocator(300);
     std::vector<uint32_t> offsets;

@@ -25,7 +25,7 @@ TEST(ChangedRegions, matchANodeWithItselfInAnotherLod) {
             (std::vector<ChangedRegion>{{kHere, {0}, {0}}}));
 }
 
-TEST(ChangedRegions, areApartWhereNodesAreAndHaveOneSideWhereTheOtherHasNothing) {
+TEST(ChangedRegions, areSeparateForUnrelatedNodesAndMayHaveOneSideOnly) {
   const std::vector leaving{kElsewhere, kHere.child(2)};
   const std::vector arriving{kHere.child(2).child(4), kRootKey.child(7)};
   EXPECT_EQ(changedRegions(leaving, arriving),

@@ -33,7 +33,7 @@ std::vector<SeenCluster> seenOf(const render::DrawItem& item, const core::View& 
   return seen;
 }
 
-TEST(ClusterCulling, leavesOutOfAPartWhatIsNotInThePicture) {
+TEST(ClusterCulling, leavesOutClustersOutsideThePicture) {
   const Mesh mesh = clusteredPlain();
   const render::DrawItem item = itemOf(mesh);
   const core::View view = lookAt({1000, 1000, 700}, {1000, 1000, 0});
@@ -71,7 +71,7 @@ TEST(ClusterCulling, takesAllOfAPartThatIsWhollyInThePicture) {
   EXPECT_EQ(triangles, mesh.triangles.size());
 }
 
-TEST(ClusterCulling, takesNothingOfAPartBehindTheCamera) {
+TEST(ClusterCulling, keepsNoClusterBehindTheCamera) {
   const render::DrawItem item = itemOf(clusteredPlain());
   EXPECT_TRUE(seenOf(item, lookAt({2048, 2048, 9000}, {2048, 2048, 18000})).empty());
 }

@@ -51,7 +51,7 @@ TEST_F(Shown, normalsAreColoursOfTheModelsAxes) {
   }
 }
 
-TEST_F(Shown, wireframeHasBrightLinesAroundDimTrianglesThatHideWhatIsBehind) {
+TEST_F(Shown, wireframeHasBrightLinesAroundDimOpaqueTriangles) {
   std::vector<Mesh> meshes{squareAt(0, 0, 500, 1000, {255, 255, 255, 255})};
   for (uint32_t i = 0; i < 400; ++i)
     meshes.push_back(squareAt(i % 20 * 50, i / 20 * 50, 0, 50, {255, 255, 255, 255}));
@@ -100,7 +100,7 @@ TEST_F(Shown, whiteInTheSunKeepsItsShading) {
   EXPECT_GT(greens.size(), 60u);
 }
 
-TEST_F(Shown, exposureMultipliesWhatIsDark) {
+TEST_F(Shown, exposureBrightensDarkSurfaces) {
   const Mesh square = squareAt(0, 0, 0, 1000, {40, 40, 40, 255});
   const auto brightness = [&](float exposure) {
     render::DrawStyle style = magentaBehind();
@@ -171,7 +171,7 @@ TEST(ShownColours, areExplainedForTheNodesThatAreDrawn) {
   EXPECT_EQ(legendOf(ColorMode::kNodes, drawn, 1), expected);
 }
 
-TEST(ShownColours, tellAModelsPlacesApartAndNameItThere) {
+TEST(ShownColours, differBetweenInstancesAndNameThem) {
   std::vector<render::DrawItem> drawn{partOf(kRootKey), partOf(kRootKey), partOf(kRootKey)};
   drawn[0].instance = {7, "rock"};
   drawn[1].instance = drawn[2].instance = {8, "tree"};
@@ -182,7 +182,7 @@ TEST(ShownColours, tellAModelsPlacesApartAndNameItThere) {
   EXPECT_NE(expected[0].colour, expected[1].colour);
 }
 
-TEST(ShownColours, areExplainedForEachModelOfASceneBeforeTheSecondPlaceOfOne) {
+TEST(ShownColours, areExplainedForEachModelBeforeASecondInstance) {
   std::vector<render::DrawItem> drawn;
   for (uint32_t model = 0; model < 2; ++model)
     for (uint32_t nth = 1; nth <= 20; ++nth)
@@ -194,19 +194,19 @@ TEST(ShownColours, areExplainedForEachModelOfASceneBeforeTheSecondPlaceOfOne) {
   EXPECT_EQ(legend[1].colour, colourOf(ColorMode::kNodes, drawn[20], 1, 101));
 }
 
-TEST(ShownColours, sayOfNormalsWhichWayEachOfSixColoursFaces) {
+TEST(ShownColours, explainTheSixDirectionsOfNormals) {
   const auto legend = legendOf(ColorMode::kNormals, {}, 1);
   ASSERT_EQ(legend.size(), 6u);
   EXPECT_EQ(legend[5], (render::LegendEntry{{128, 128, 0}, "faces -z"}));
 }
 
-TEST(ShownColours, areNotAllThatExplainsAPicture) {
+TEST(ShownColours, haveATextExplanationInUnlitAndWireframeModes) {
   for (const ColorMode show : {ColorMode::kUnlit, ColorMode::kWireframe})
     EXPECT_FALSE(traitsOf(show).explanation.empty());
   EXPECT_TRUE(traitsOf(ColorMode::kSurface).explanation.empty());
 }
 
-TEST(ShownColours, areExplainedForTheFirstOfVeryManyNodesAndTheOthersCounted) {
+TEST(ShownColours, areExplainedForTheFirstNodesAndTheOthersAreCounted) {
   std::vector<render::DrawItem> drawn;
   for (unsigned i = 0; i < 64; ++i) drawn.push_back(partOf(kRootKey.child(i / 8).child(i % 8)));
   const auto legend = legendOf(ColorMode::kNodes, drawn, 1);
@@ -229,13 +229,13 @@ TEST(Light, standsAboveTheModelHoweverTheCameraIsTilted) {
   }
 }
 
-TEST(Light, isThereForACameraThatLiesOnItsSide) {
+TEST(Light, existsForACameraOnItsSide) {
   const render::Light light = render::lightFor(lookAt({0, 0, 5}, {0, 0, 0}, {1, 0, 0}), {0, 1, 0});
   EXPECT_NEAR(glm::length(light.to_sun), 1, 1e-5);
   EXPECT_GT(light.to_sun.z, 0.3f);
 }
 
-TEST_F(Shown, agesAreColoursThatGetColderUntilAPartIsOldAndTheLegendHasThemAll) {
+TEST_F(Shown, agesHaveColoursThatCoolDownAndAreAllInTheLegend) {
   const auto colourAt = [](float age_s) {
     render::DrawItem part;
     part.age_s = age_s;

@@ -72,7 +72,7 @@ struct Frames {
   }
 };
 
-TEST(CrossFade, letsChildrenTakeTheirParentsPixelsInAQuarterOfASecond) {
+TEST(CrossFade, replacesAParentByItsChildrenInAQuarterOfASecond) {
   Frames frames;
   frames.show(1, {kNode});
   EXPECT_FALSE(frames.fade.fading());
@@ -88,7 +88,7 @@ TEST(CrossFade, letsChildrenTakeTheirParentsPixelsInAQuarterOfASecond) {
   EXPECT_TRUE(std::ranges::all_of(frames.fade.items(), &FadedItem::whole));
 }
 
-TEST(CrossFade, isOfEachRegionByItsOwnClock) {
+TEST(CrossFade, timesEachRegionSeparately) {
   const NodeKey other = kRootKey.child(6);
   Frames frames;
   frames.show(0, {kNode, other});
@@ -143,7 +143,7 @@ TEST(CrossFade, showsOneSurfaceAtEachPixelHoweverChangesFollowOneAnother) {
   }
 }
 
-TEST(CrossFade, switchesAtOnceWhereTheStepIsLarge) {
+TEST(CrossFade, switchesAtOnceIfTheStepIsLarge) {
   Frames frames;
   frames.show(1, {kNode}, 1000);
   frames.show(2, kChildren);
@@ -151,7 +151,7 @@ TEST(CrossFade, switchesAtOnceWhereTheStepIsLarge) {
   EXPECT_EQ(frames.fade.items().size(), 3u);
 }
 
-TEST(CrossFade, isBetweenLodsOfANode) {
+TEST(CrossFade, fadesBetweenLodsOfANode) {
   Frames frames;
   frames.show(1, {kNode});
   frames.meshes.clear();
@@ -170,7 +170,7 @@ TEST(CrossFade, switchesAtOnceToAnotherBuildOfTheModel) {
   EXPECT_EQ(frames.shareOf(kNode), 1);
 }
 
-TEST(CrossFade, switchesAtOnceWhereTheCameraSeesWhatOneSideLeavesOut) {
+TEST(CrossFade, switchesAtOnceIfTheCameraSeesALeftOutNode) {
   const core::LeftOut ahead{kNode.child(7), {{450, 450, -10}, {550, 550, 10}}};
   Frames frames;
   frames.take(kChildren, 0, {ahead});
@@ -187,7 +187,7 @@ TEST(CrossFade, switchesAtOnceWhereTheCameraSeesWhatOneSideLeavesOut) {
   EXPECT_FALSE(frames.fade.fading());
 }
 
-TEST(CrossFade, doesNotHeedWhatWasLeftOutBeforeAnEarlierFade) {
+TEST(CrossFade, ignoresNodesLeftOutBeforeAnEarlierFade) {
   const core::LeftOut ahead{kNode.child(7), {{450, 450, -10}, {550, 550, 10}}};
   const NodeKey other = kRootKey.child(6);
   Frames frames;
@@ -203,7 +203,7 @@ TEST(CrossFade, doesNotHeedWhatWasLeftOutBeforeAnEarlierFade) {
   EXPECT_FLOAT_EQ(frames.shareOf(kNode), 0.75f);
 }
 
-TEST(CrossFade, endsAboveAndAroundAPlaceThatIsLeftOutToo) {
+TEST(CrossFade, endsInRegionsAboveALeftOutNode) {
   Frames frames;
   frames.take(kChildren, 0, {{kNode.child(7), {{450, 450, -10}, {550, 550, 10}}}});
   frames.draw(1, kAway);
@@ -216,7 +216,7 @@ TEST(CrossFade, endsAboveAndAroundAPlaceThatIsLeftOutToo) {
   EXPECT_EQ(frames.shareOf(kRootKey), 1);
 }
 
-TEST(CrossFade, isWhereAFallbackCoversWhatIsLeftOut) {
+TEST(CrossFade, fadesWhereAFallbackCoversALeftOutNode) {
   Frames frames;
   frames.take({kNode.child(0), kNode.child(7)}, 0,
               {{kNode.child(7).child(1), {{450, 450, -10}, {550, 550, 10}}}});
@@ -225,7 +225,7 @@ TEST(CrossFade, isWhereAFallbackCoversWhatIsLeftOut) {
   EXPECT_TRUE(frames.fade.fading());
 }
 
-TEST(CrossFade, tellsHowLongEachPartIsInThePictureWhetherItFadesOrNot) {
+TEST(CrossFade, givesTheAgeOfEachPartDuringAndAfterAFade) {
   const NodeKey other = kRootKey.child(6);
   Frames frames;
   frames.show(1, {kNode, other});
@@ -243,7 +243,7 @@ TEST(CrossFade, tellsHowLongEachPartIsInThePictureWhetherItFadesOrNot) {
   EXPECT_EQ(ageOf(other), 5);
 }
 
-TEST(CrossFade, tellsWhichCutsMeshesAreStillDrawn) {
+TEST(CrossFade, givesTheOldestCutThatIsStillDrawn) {
   Frames frames;
   frames.show(1, {kNode});
   const uint64_t first = frames.serial;

@@ -153,7 +153,7 @@ TEST(CutExchange, needsOnlyMeshesOfTheOlderCutAndOfTheStepsThatAreDone) {
   });
 }
 
-TEST(CutExchange, drawsTheNewerCutWhereARegionHasChangedHandsAndTheOlderElsewhere) {
+TEST(CutExchange, drawsTheNewerCutOnlyInExchangedRegions) {
   forRandomExchanges([](const Cut& from, const Cut& to, OneExchange& exchange) {
     const std::set<const Mesh*> of_from = meshesOf(from), of_to = meshesOf(to);
     const size_t steps = (exchange.steps().size() + 1) / 2;
@@ -192,7 +192,7 @@ void expectSoundFallbacks(const Cut& cut, std::initializer_list<const Cut*> cuts
   EXPECT_EQ(instances, cut.left_out.size()) << "each has one fallback";
 }
 
-TEST(CutExchange, keepsForEachPlaceThatIsLeftOutTheNearestFallback) {
+TEST(CutExchange, keepsTheNearestFallbackOfEachLeftOutNode) {
   forRandomExchanges([](const Cut& from, const Cut& to, OneExchange& exchange) {
     expectSoundFallbacks(from, {&from});
     for (size_t steps = 0; steps <= exchange.steps().size(); ++steps) {
@@ -221,7 +221,7 @@ std::shared_ptr<Cut> cutOfChildren(std::initializer_list<CutPart> parts) {
 
 NodeKey child(unsigned octant) { return kRootKey.child(octant); }
 
-TEST(CutExchange, takesFirstWhatIsInSightAndThereWhatWasLeftOutOrCoarsest) {
+TEST(CutExchange, exchangesVisibleLeftOutOrCoarseRegionsFirst) {
   const auto from = cutOfChildren(
       {{child(0), 1, true, 2, aMesh()}, {child(1), 1, true, 8, aMesh()}, {child(2), 1, true, 9, aMesh()}});
   from->left_out = {{child(3), {}}};
@@ -235,7 +235,7 @@ TEST(CutExchange, takesFirstWhatIsInSightAndThereWhatWasLeftOutOrCoarsest) {
   EXPECT_EQ(order, (std::vector{child(3), child(1), child(0), child(2)}));
 }
 
-TEST(CutExchange, tellsOfAPartThatBothHaveTheNewerCutsError) {
+TEST(CutExchange, givesSharedPartsTheNewerCutsError) {
   const auto both = aMesh();
   const auto from = cutOfChildren(
       {{child(0), 0, true, 5, both}, {child(1), 1, true, 8, aMesh()}, {child(2), 1, true, 8, aMesh()}});
@@ -248,7 +248,7 @@ TEST(CutExchange, tellsOfAPartThatBothHaveTheNewerCutsError) {
   EXPECT_EQ(mixture->max_error_px, 8);
 }
 
-TEST(CutExchange, measuresWhatIsLeftOfTheOlderCutInTheNewerOnesPixels) {
+TEST(CutExchange, measuresPartsOfTheOlderCutInTheNewerCutsPixels) {
   const auto from = cutOfChildren(
       {{child(0), 1, true, 5, aMesh()}, {child(1), 1, true, 8, aMesh()}, {child(2), 1, true, 8, aMesh()}});
   const auto to = cutOfChildren(
@@ -270,7 +270,7 @@ TEST(CutExchange, measuresWhatIsLeftOfTheOlderCutInTheNewerOnesPixels) {
 }
 
 /// Shows newer cuts before those in progress are complete.
-TEST(CutExchange, coversTheModelOnceWhereWhatWasDrawnBeforeIsAMixtureItself) {
+TEST(CutExchange, coversTheModelOnceIfTheDrawnCutIsAMixture) {
   for (uint32_t seed = 0; seed < kSeeds; ++seed) {
     SCOPED_TRACE(seed);
     Meshes meshes;
@@ -300,7 +300,7 @@ class TwoInstances {
   CutExchange exchange{from, to};
 };
 
-TEST(CutExchange, takesTheRegionsOfAllPlacesByWhatIsInSightAndCoarsest) {
+TEST(CutExchange, ordersTheRegionsOfAllInstancesByVisibilityAndError) {
   std::vector<std::pair<uint32_t, NodeKey>> order;
   const TwoInstances instances;
   for (const ExchangeStep& step : instances.exchange.steps().subspan(1)) {
@@ -310,7 +310,7 @@ TEST(CutExchange, takesTheRegionsOfAllPlacesByWhatIsInSightAndCoarsest) {
   EXPECT_EQ(order, (std::vector<std::pair<uint32_t, NodeKey>>{{0, child(0)}, {1, child(0)}, {1, child(1)}}));
 }
 
-TEST(CutExchange, drawsAtEachPlaceWhatHasChangedHandsThere) {
+TEST(CutExchange, exchangesTheRegionsOfEachInstanceSeparately) {
   TwoInstances instances;
   EXPECT_EQ(instances.exchange.after(2), (CutExchange::Cuts{instances.to[0], instances.from[1]}));
   const CutExchange::Cuts mixed = instances.exchange.after(3);
@@ -320,7 +320,7 @@ TEST(CutExchange, drawsAtEachPlaceWhatHasChangedHandsThere) {
   EXPECT_EQ(instances.exchange.after(4), instances.to);
 }
 
-TEST(CutExchange, mixesAnewOnlyWhereMoreIsDone) {
+TEST(CutExchange, rebuildsOnlyTheMixturesOfChangedInstances) {
   const auto before = cutOfChildren({{child(0), 1, true, 9, aMesh()}, {child(1), 1, true, 2, aMesh()}});
   const auto next = cutOfChildren({{child(0), 0, true, 1, aMesh()}, {child(1), 0, true, 1, aMesh()}});
   const auto other_before = cutOfChildren({{child(0), 1, true, 8, aMesh()}, {child(1), 1, true, 1, aMesh()}});

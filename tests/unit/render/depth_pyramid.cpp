@@ -31,7 +31,7 @@ float farthestOf(const FarthestDepths& depths, uint32_t column, uint32_t row, ui
   return farthest;
 }
 
-TEST_F(DepthPyramidTest, holdsOnEachLevelTheFarthestOfItsSquaresWhateverTheSize) {
+TEST_F(DepthPyramidTest, storesTheFarthestDepthOfEachSquareOnEveryLevel) {
   render::Renderer renderer;
   renderer.show(
       cutOf({makeSphere(40, 30, {.attributes = {AttributeSet::kNormal}, .origin = {500, 500, 500}})}));

@@ -7,14 +7,14 @@
 namespace lode::render {
 namespace {
 
-TEST(MeanThreshold, isThatOfItsPartsWhereTheyHaveTheSame) {
+TEST(MeanThreshold, isTheThresholdOfItsPartsIfTheyAgree) {
   MeanThreshold mean;
   mean.add(10, 8);
   mean.add(1000, 8);
   EXPECT_NEAR(mean.px(), 8, 1e-9);
 }
 
-TEST(MeanThreshold, isThatOfPartsThatWouldTakeAsMuch) {
+TEST(MeanThreshold, isTheUniformThresholdWithTheSameWork) {
   MeanThreshold half_coarse;  // a quarter of the surface at 4 pixels, three quarters at 1
   half_coarse.add(25, 4);
   half_coarse.add(600, 1);
@@ -31,7 +31,7 @@ TEST(MeanThreshold, countsPartsOfSeveralPlacesTogether) {
   EXPECT_EQ((one += other).px(), both.px());
 }
 
-TEST(Coarsening, isOfTheFinestThreshold) {
+TEST(Coarsening, isRelativeToTheFinestThreshold) {
   ShownThresholds shown;
   shown.drawn.add(10, 6);
   shown.complete.add(10, 12);
@@ -41,7 +41,7 @@ TEST(Coarsening, isOfTheFinestThreshold) {
   EXPECT_NEAR(coarsening->complete, 6, 1e-9);
 }
 
-TEST(Coarsening, isNotLessThanNone) {
+TEST(Coarsening, isAtLeastOne) {
   ShownThresholds shown;
   shown.drawn.add(10, 0.5);
   shown.complete.add(10, 0.5);
@@ -49,7 +49,7 @@ TEST(Coarsening, isNotLessThanNone) {
   EXPECT_EQ(coarseningOf(shown, 2)->complete, 1);
 }
 
-TEST(Coarsening, isNotKnownOfAPictureOfNothing) { EXPECT_FALSE(coarseningOf({}, 1)); }
+TEST(Coarsening, isUnknownForAnEmptyPicture) { EXPECT_FALSE(coarseningOf({}, 1)); }
 
 }  // namespace
 }  // namespace lode::render

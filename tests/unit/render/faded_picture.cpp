@@ -104,7 +104,7 @@ TEST_F(FadedPicture, showsThreeSurfacesInTurnWithoutTheBackground) {
   EXPECT_NEAR(shares.green, kPixels / 2, 0.03 * kPixels);
 }
 
-TEST_F(FadedPicture, isDrawnAtOnceWhereNothingIsToFade) {
+TEST_F(FadedPicture, isDrawnAtOnceWithoutFading) {
   Squares squares;
   squares.show(kRed, 0);
   squares.show(kGreen, 1);
@@ -113,7 +113,7 @@ TEST_F(FadedPicture, isDrawnAtOnceWhereNothingIsToFade) {
   EXPECT_FALSE(squares.renderer.fading());
 }
 
-TEST_F(FadedPicture, keepsWhatLeavesOnTheGpuUntilItIsGone) {
+TEST_F(FadedPicture, keepsLeavingMeshesOnTheGpuUntilTheyHaveFaded) {
   Squares squares;
   squares.show(kRed, 0);
   squares.show(kGreen, 1);
@@ -158,7 +158,7 @@ TEST_F(FadedPicture, fadesAtOnePlaceOfAModelAndStaysAtAnother) {
 }
 
 /// A budget for two grids, not three.
-TEST_F(FadedPicture, isGivenUpWhereThereIsNoRoomForWhatLeaves) {
+TEST_F(FadedPicture, isAbandonedIfLeavingMeshesDoNotFit) {
   const auto cutOfGrid = [](uint32_t seed) {
     auto cut = std::make_shared<Cut>();
     cut->parts.push_back({kRootKey, 0, true, 0,

@@ -16,12 +16,12 @@ class FrameTimer : public GlTest {
   }
 };
 
-TEST_F(FrameTimer, hasNothingToTellBeforeAFrame) {
+TEST_F(FrameTimer, reportsNothingBeforeAFrame) {
   render::FrameTimer timer;
   EXPECT_FALSE(timer.take());
 }
 
-TEST_F(FrameTimer, tellsEachFrameOnceWithWhatBelongsToIt) {
+TEST_F(FrameTimer, reportsEachFrameOnceWithItsData) {
   render::FrameTimer timer;
   for (int number = 1; number < 20; ++number) {
     frame(timer, number);
@@ -35,7 +35,7 @@ TEST_F(FrameTimer, tellsEachFrameOnceWithWhatBelongsToIt) {
   }
 }
 
-TEST_F(FrameTimer, tellsTheNumberThatItGaveAFrame) {
+TEST_F(FrameTimer, reportsTheNumberOfAFrame) {
   render::FrameTimer timer;
   frame(timer, 1);  // pending while the next begins
   const std::optional<uint64_t> number = timer.begin();
@@ -51,7 +51,7 @@ TEST_F(FrameTimer, numbersNoFrameThatIsNotTimed) {
   EXPECT_FALSE(timer.begin());
 }
 
-TEST_F(FrameTimer, leavesOutFramesThatComeWhileAsManyAsFitAreUnderWay) {
+TEST_F(FrameTimer, skipsFramesWhileTooManyAreInFlight) {
   render::FrameTimer timer;
   for (int number = 1; number <= kMostUnderWay + 3; ++number) frame(timer, number);
   glFinish();

@@ -35,7 +35,7 @@ int mixedPixels(const render::Image& image) {
   return mixed;
 }
 
-TEST_F(Samples, ofAPixelAreMixedWhereThereAreSeveralAndAreOneWhereOneIsAskedFor) {
+TEST_F(Samples, areMixedUnlessThereIsOnlyOne) {
   const render::Framebuffer several(kWidthPx, kHeightPx), one(kWidthPx, kHeightPx, 1);
   const render::Image mixed = slantedSquare(several), plain = slantedSquare(one);
   EXPECT_GT(mixedPixels(mixed), 50);
@@ -45,7 +45,7 @@ TEST_F(Samples, ofAPixelAreMixedWhereThereAreSeveralAndAreOneWhereOneIsAskedFor)
     EXPECT_TRUE(std::equal(plain.pixel(x, y), plain.pixel(x, y) + 4, mixed.pixel(x, y)));
 }
 
-TEST_F(Samples, areAsManyAsAreSaid) {
+TEST_F(Samples, areAsManyAsReported) {
   for (const int asked : {1, 2, 4}) {
     const render::Framebuffer target(kWidthPx, kHeightPx, asked);
     target.bindForDrawing();

@@ -36,7 +36,7 @@ class GpuCullingTest : public GlTest {
   }
 };
 
-TEST_F(GpuCullingTest, findsWhatIsOfMorePlacementsThanADispatchTakes) {
+TEST_F(GpuCullingTest, cullsMorePlacementsThanADispatchHolds) {
   constexpr uint32_t kPlacements = 70'000;
   render::MeshResidency meshes({});
   meshes.show(plainCut());
@@ -74,7 +74,7 @@ render::Image drawReading(uint64_t most_readable_bytes, const std::shared_ptr<co
   return target.readPixels();
 }
 
-TEST_F(GpuCullingTest, drawsWhatIsInAPageThatIsLargerThanShadersMayRead) {
+TEST_F(GpuCullingTest, drawsMeshesInAPageLargerThanTheShaderLimit) {
   render::Renderer renderer;
   renderer.show(plainCut());
   renderer.uploadInRenderThread({.wait = true});
@@ -84,7 +84,7 @@ TEST_F(GpuCullingTest, drawsWhatIsInAPageThatIsLargerThanShadersMayRead) {
   EXPECT_EQ(drawReading(uint64_t{1} << 40, plainCut(), view).rgba, picture.rgba);
 }
 
-TEST_F(GpuCullingTest, leavesOutWhatIsBesideThePicture) {
+TEST_F(GpuCullingTest, leavesOutClustersOutsideThePicture) {
   render::MeshResidency meshes({});
   meshes.show(plainCut());
   meshes.uploadInRenderThread({.wait = true});

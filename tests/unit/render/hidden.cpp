@@ -128,7 +128,7 @@ TEST_P(HiddenBy, isNotDrawnAgainWhileTheCameraRests) {
   EXPECT_EQ(told[first + 2], told[first + 1]);
 }
 
-TEST_P(HiddenBy, isNotToldByAPictureOfAnotherSize) {
+TEST_P(HiddenBy, isNotDeterminedByAPictureOfAnotherSize) {
   TwoWays ways(GetParam());
   ways.show(scene());
   for (const uint32_t size_px : {600u, 150u, 31u, 1u, 450u}) {
@@ -164,7 +164,7 @@ TEST_P(HiddenBy, changesNoFade) {
   EXPECT_GT(fading, 5);
 }
 
-TEST_P(HiddenBy, showsAtOnceOfAPartThatLeavesAndHasComeBack) {
+TEST_P(HiddenBy, showsAReturningPartAtOnce) {
   TwoWays ways(GetParam());
   const auto cut = scene(1), other = scene(11);
   ways.show(cut);
@@ -207,7 +207,7 @@ class TwoPlaces {
   render::InstanceDrawer drawer_;
 };
 
-TEST_P(HiddenBy, isLeftOutOfEachPlaceByWhatStandsAtOthers) {
+TEST_P(HiddenBy, isLeftOutBehindOtherInstances) {
   TwoPlaces all(scene(), OcclusionCulling::kOff), seen(scene(), GetParam());
   for (const int frame : {24, 8, 23, 9, 0}) {
     const core::View view = viewAt(frame);
@@ -230,7 +230,7 @@ TEST_P(HiddenBy, isLeftOutOfEachPlaceByWhatStandsAtOthers) {
   }
 }
 
-TEST_P(HiddenBy, showsAtOnceOfAPlaceThatHasLeftSightAndComesBack) {
+TEST_P(HiddenBy, showsAReturningInstanceAtOnce) {
   TwoPlaces all(scene(), OcclusionCulling::kOff), seen(scene(), GetParam());
   for (const int frame : {8, 8, 8, 23, 24}) {
     const core::View view = viewAt(frame);
@@ -246,7 +246,7 @@ TEST_P(HiddenBy, showsAtOnceOfAPlaceThatHasLeftSightAndComesBack) {
   }
 }
 
-TEST_F(Hidden, isToldByTheFarthestSampleOfEachSquare) {
+TEST_F(Hidden, isDeterminedByTheFarthestSampleOfEachSquare) {
   const core::View view = lookAt({1500, 1500, 3000}, {1500, 1500, 1000});
   render::Renderer renderer;
   renderer.show(cutOf(std::vector{squareAt(1500, 0, 1000, 4000, {255, 0, 0, 255})}));
@@ -270,7 +270,7 @@ TEST_F(Hidden, isToldByTheFarthestSampleOfEachSquare) {
   }
 }
 
-TEST_F(Hidden, isToldByWhatShowsInAnySampleOfAPixel) {
+TEST_F(Hidden, isDeterminedByAllSamplesOfAPixel) {
   const core::View view = lookAt({1500, 1500, 3000}, {1500, 1500, 1000});
   const render::Framebuffer target(kWidthPx, kHeightPx);
   render::DepthReader reader;

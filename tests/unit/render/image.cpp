@@ -21,7 +21,7 @@
 namespace lode::render {
 namespace {
 
-TEST(WritePng, writesAPictureThatReadsBackAsItWas) {
+TEST(WritePng, writesAPictureThatReadsBackUnchanged) {
   Image image{37, 21, {}};
   std::mt19937 random(3);
   for (uint32_t i = 0; i < 37 * 21; ++i) {

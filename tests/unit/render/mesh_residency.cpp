@@ -26,7 +26,7 @@ int uploadSlowly(MeshResidency& residency, Look look) {
   return frames;
 }
 
-TEST_F(Residency, drawsARegionOfACutOnlyWhenAllOfItIsThereAndTheOneBeforeUntilThen) {
+TEST_F(Residency, drawsTheOldRegionUntilAllOfTheNewOneIsUploaded) {
   MeshResidency residency({});
   residency.show(cutOf(std::vector{gridOf(1), gridOf(2)}));
   residency.uploadInRenderThread({.wait = true});
@@ -49,7 +49,7 @@ TEST_F(Residency, drawsARegionOfACutOnlyWhenAllOfItIsThereAndTheOneBeforeUntilTh
                 {first, second}, {first.child(0), first.child(1), second}, {nodes.begin(), nodes.end()}}));
 }
 
-TEST_F(Residency, drawsACutOfAnotherBuildOnlyWhenAllOfItIsThere) {
+TEST_F(Residency, drawsACutOfAnotherBuildOnlyWhenAllOfItIsUploaded) {
   MeshResidency residency({});
   residency.show(cutOf(std::vector{gridOf(1), gridOf(2)}));
   residency.uploadInRenderThread({.wait = true});
@@ -63,7 +63,7 @@ TEST_F(Residency, drawsACutOfAnotherBuildOnlyWhenAllOfItIsThere) {
 }
 
 /// One of the second cut's four regions is in progress when the third cut is shown.
-TEST_F(Residency, turnsToANewerCutOnceARegionOfTheOneUnderWayHasTakenItsPlace) {
+TEST_F(Residency, switchesToANewerCutAfterOneRegionOfTheCurrentOne) {
   const auto cutFrom = [](uint32_t seed) {
     return cutOf(std::vector{gridOf(seed), gridOf(seed + 1), gridOf(seed + 2), gridOf(seed + 3)});
   };
@@ -86,7 +86,7 @@ TEST_F(Residency, turnsToANewerCutOnceARegionOfTheOneUnderWayHasTakenItsPlace) {
 }
 
 /// Otherwise it would wait for a region with many parts when a camera starts to move.
-TEST_F(Residency, turnsAtOnceToANewerCutThatIsMuchCoarser) {
+TEST_F(Residency, switchesAtOnceToAMuchCoarserCut) {
   MeshResidency residency({});
   residency.show(cutOf(std::vector{gridOf(1)}));
   residency.uploadInRenderThread({.wait = true});
@@ -101,7 +101,7 @@ TEST_F(Residency, turnsAtOnceToANewerCutThatIsMuchCoarser) {
 }
 
 /// While the camera moves, pictures may have a lower resolution.
-TEST_F(Residency, comparesCutsOfPicturesOfOtherResolutionsByWhatTheEyeSees) {
+TEST_F(Residency, comparesCutsOfDifferentResolutionsByAngularError) {
   const auto isOvertaken = [](uint32_t older_px, uint32_t newer_px) {
     const auto pictured = [](uint32_t seed, uint32_t height_px) {
       auto cut = std::make_shared<core::Cut>(*cutOf(std::vector{gridOf(seed)}));
@@ -122,7 +122,7 @@ TEST_F(Residency, comparesCutsOfPicturesOfOtherResolutionsByWhatTheEyeSees) {
   EXPECT_FALSE(isOvertaken(360, 720));
 }
 
-TEST_F(Residency, givesOutTheMixturesThatItMakesAndKeepsThemWhileTheyAreDrawn) {
+TEST_F(Residency, publishesItsMixturesAndKeepsThemWhileDrawn) {
   MeshResidency residency({});
   residency.show(cutOf(std::vector{gridOf(1), gridOf(2)}));
   residency.uploadInRenderThread({.wait = true});
@@ -139,7 +139,7 @@ TEST_F(Residency, givesOutTheMixturesThatItMakesAndKeepsThemWhileTheyAreDrawn) {
   EXPECT_EQ(taken, drawn);
 }
 
-TEST_F(Residency, givesUpWhatHasLostItsPlaceBeforeTheRestOfTheCutIsThere) {
+TEST_F(Residency, evictsReplacedMeshesBeforeTheCutIsComplete) {
   const uint64_t mesh_bytes = core::drawnBytes(*gridOf(1));
   const auto page_bytes = static_cast<uint32_t>(mesh_bytes + 512);
   MeshResidency residency({.budget_bytes = 5 * page_bytes, .spare_bytes = 0, .page_bytes = page_bytes});
@@ -154,7 +154,7 @@ TEST_F(Residency, givesUpWhatHasLostItsPlaceBeforeTheRestOfTheCutIsThere) {
 }
 
 /// The root's fallback uploads first and is drawn for the third child until that is resident.
-TEST_F(Residency, keepsAFallbackThatIsNotNeededForAWhileUntilTheCutIsDrawn) {
+TEST_F(Residency, keepsAnUnneededFallbackUntilTheCutIsDrawn) {
   const auto withFallback = [](std::vector<std::shared_ptr<const Mesh>> meshes, uint32_t seed) {
     auto cut = std::make_shared<core::Cut>(*cutOf(meshes));
     cut->fallbacks.push_back(
@@ -177,7 +177,7 @@ TEST_F(Residency, keepsAFallbackThatIsNotNeededForAWhileUntilTheCutIsDrawn) {
   EXPECT_GT(residency.drawn()[3].index_count, 0u);
 }
 
-TEST_F(Residency, drawsWhatHasComeOfACutThatTurnsOutNotToFitAndThenTheNext) {
+TEST_F(Residency, drawsTheUploadedPartOfATooLargeCutAndThenTheNext) {
   const uint64_t mesh_bytes = core::drawnBytes(*gridOf(1, 31));
   ASSERT_NE(mesh_bytes % 16, 0u) << "two take more than twice as much";
   MeshResidency residency({.budget_bytes = 2 * mesh_bytes, .spare_bytes = 0, .page_bytes = 1024});
@@ -221,7 +221,7 @@ TEST_F(Residency, exchangesTheCutsOfAModelInSeveralPlacesRegionByRegion) {
   EXPECT_TRUE(residency.upToDate());
 }
 
-TEST_F(Residency, hasAMeshThatStandsInSeveralPlacesOnce) {
+TEST_F(Residency, holdsAMeshOfSeveralInstancesOnce) {
   const auto shared = gridOf(1);
   const uint64_t mesh_bytes = core::drawnBytes(*shared);
   MeshResidency residency({.budget_bytes = 2 * mesh_bytes});
@@ -249,7 +249,7 @@ TEST_F(Residency, leavesTheRestOfAFramesBudgetToOthers) {
   EXPECT_EQ(renderer.uploadInRenderThread({.bytes = 10'000}).bytes, 10'000u);
 }
 
-TEST_F(Residency, drawsACutOnlyWhenItsFallbacksAreThereTooAndKeepsThem) {
+TEST_F(Residency, drawsACutOnlyWithItsFallbacksAndKeepsThem) {
   MeshResidency residency({.spare_bytes = 0});
   auto cut = std::make_shared<core::Cut>(*cutOf(std::vector{gridOf(1)}));
   cut->fallbacks.push_back({{kRootKey, 0, false, 0, gridOf(2, 64)}, 0, 1, 0, 0, 0});
@@ -285,7 +285,7 @@ TEST_F(Residency, completesACutAlthoughNewerOnesKeepComing) {
 }
 
 /// Fallbacks upload first, and each cut has different ones.
-TEST_F(Residency, drawsPartsOfCutsWhoseFallbacksAreNeverThereBeforeANewerOneComes) {
+TEST_F(Residency, drawsPartsOfCutsThatAreReplacedBeforeTheirFallbacksArrive) {
   MeshResidency residency({});
   const auto cutWithFallback = [](uint32_t seed) {
     auto cut = std::make_shared<core::Cut>(*cutOf(std::vector{gridOf(seed)}));
@@ -304,7 +304,7 @@ TEST_F(Residency, drawsPartsOfCutsWhoseFallbacksAreNeverThereBeforeANewerOneCome
   EXPECT_GT(drawn.size(), 3u);
 }
 
-TEST_F(Residency, hasWhereClustersAreBesideTheirTriangles) {
+TEST_F(Residency, storesTheBoxesOfClusters) {
   for (const uint8_t attribute : {AttributeSet::kNormal, AttributeSet::kTexture}) {
     Mesh mesh = makeGrid(40, 40, {.attributes = {attribute}, .bump = 0.1});
     core::clusterTriangles(mesh);
@@ -319,7 +319,7 @@ TEST_F(Residency, hasWhereClustersAreBesideTheirTriangles) {
   }
 }
 
-TEST_F(Residency, holdsTrianglesOfAMeshWithoutClustersToBeAnywhereInIt) {
+TEST_F(Residency, givesTrianglesWithoutClustersTheBoxOfTheirMesh) {
   const Mesh mesh = makeGrid(40, 40, {.attributes = {AttributeSet::kNormal}});
   MeshResidency residency({});
   residency.show(GlTest::cutOf({mesh}));

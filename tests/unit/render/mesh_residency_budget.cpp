@@ -26,7 +26,7 @@ TEST_F(Residency, staysWithinItsBudgetWhateverIsShown) {
   }
 }
 
-TEST_F(Residency, keepsOnlyTheSpareBytesOfWhatIsNoLongerDrawn) {
+TEST_F(Residency, keepsOnlyTheSpareBytesOfMeshesNoLongerDrawn) {
   MeshResidency residency({.spare_bytes = 100'000});
   std::vector<std::shared_ptr<const Mesh>> alive;
   for (uint32_t seed = 1; seed < 30; ++seed) {
@@ -52,7 +52,7 @@ TEST_F(Residency, evictsTheLeastRecentlyDrawnFirst) {
   EXPECT_EQ(residency.uploadInRenderThread({.wait = true}), core::drawnBytes(*a));
 }
 
-TEST_F(Residency, forgetsMeshesThatNobodyHoldsAnyMore) {
+TEST_F(Residency, forgetsMeshesWithoutOwners) {
   MeshResidency residency({});
   for (uint32_t seed = 1; seed < 10; ++seed) {
     residency.show(cutOf(std::vector{gridOf(seed)}));
@@ -61,7 +61,7 @@ TEST_F(Residency, forgetsMeshesThatNobodyHoldsAnyMore) {
   EXPECT_LE(residency.meshCount(), 2u);
 }
 
-TEST_F(Residency, triesACutAgainThatHadNoRoomOnceMoreIsAllowed) {
+TEST_F(Residency, retriesATooLargeCutOnceTheBudgetGrows) {
   MeshResidency residency({.budget_bytes = 100'000, .page_bytes = 100'000});
   residency.show(cutOf(std::vector{gridOf(2), gridOf(3), gridOf(4)}));
   residency.uploadInRenderThread({.wait = true});
@@ -73,7 +73,7 @@ TEST_F(Residency, triesACutAgainThatHadNoRoomOnceMoreIsAllowed) {
   EXPECT_TRUE(residency.upToDate());
 }
 
-TEST_F(Residency, refusesACutAboveTheBudgetAndKeepsTheOneBefore) {
+TEST_F(Residency, refusesACutAboveTheBudgetAndKeepsTheOldOne) {
   MeshResidency residency({.budget_bytes = 100'000, .page_bytes = 100'000});
   const auto small = cutOf(std::vector{gridOf(1)});
   residency.show(small);
@@ -105,7 +105,7 @@ TEST_F(Residency, exchangesWithinOneFrameTwoCutsThatDoNotFitTogether) {
   }
 }
 
-TEST_F(Residency, findsRoomForACutThatFitsOnlyAloneInWhateverOrderItsPartsAre) {
+TEST_F(Residency, fitsACutThatNeedsTheWholeBudgetInAnyOrderOfParts) {
   const auto small = [](uint32_t seed) { return gridOf(seed, 16); };
   const auto large = [](uint32_t seed) { return gridOf(seed, 26); };
   const auto page_bytes =
@@ -119,7 +119,7 @@ TEST_F(Residency, findsRoomForACutThatFitsOnlyAloneInWhateverOrderItsPartsAre) {
   }
 }
 
-TEST_F(Residency, drawsEachCutOfSevenEighthsOfItsBudgetThoughEachMeshLeavesHalfOfAPageEmpty) {
+TEST_F(Residency, drawsCutsOfSevenEighthsOfItsBudgetDespiteHalfEmptyPages) {
   const uint64_t mesh_bytes = core::drawnBytes(*gridOf(1));
   const auto page_bytes = static_cast<uint32_t>(mesh_bytes * 19 / 10);
   MeshResidency residency({.budget_bytes = 8 * page_bytes, .page_bytes = page_bytes});

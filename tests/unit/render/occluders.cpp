@@ -27,26 +27,26 @@ const FarthestDepths kWall = [] {
 
 core::ModelBox boxAt(glm::dvec3 middle, double half = 5) { return {middle - half, middle + half}; }
 
-TEST(Occluders, hideWhatIsBehindThem) {
+TEST(Occluders, hideBoxesBehindThem) {
   const Occluders occluders(kTowardsWall, 1, kWall);
   EXPECT_TRUE(occluders.hide(boxAt({0, 0, -6})));
   EXPECT_TRUE(occluders.hide(boxAt({-60, 40, -500}, 100)));
 }
 
-TEST(Occluders, doNotHideWhatIsBeforeThemOrReachesThere) {
+TEST(Occluders, doNotHideBoxesThatReachBeforeThem) {
   const Occluders occluders(kTowardsWall, 1, kWall);
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, 6})));
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, -4})));
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, -5})));  // touches
 }
 
-TEST(Occluders, doNotHideWhatReachesPastTheNearPlaneOrTheEye) {
+TEST(Occluders, doNotHideBoxesThatReachPastTheNearPlaneOrTheEye) {
   const Occluders occluders(kTowardsWall, 1, kWall);
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, 1000}, 4)));
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, 0}, 2000)));
 }
 
-TEST(Occluders, doNotHideWhatShowsThroughOneSquare) {
+TEST(Occluders, doNotHideBoxesVisibleThroughOneSquare) {
   FarthestDepths holed = kWall;
   // Square 3 from the left, 5 from the bottom.
   holed.depths[size_t{5} * holed.columns + 3] = 0;
@@ -63,7 +63,7 @@ TEST(Occluders, doNotHideWhatShowsThroughOneSquare) {
   EXPECT_FALSE(occluders.hide(boxAt({-70, -30, -50}, 40)));  // around it
 }
 
-TEST(Occluders, doNotHideWhatLiesBeforeTheBackground) {
+TEST(Occluders, doNotHideBoxesBeforeTheBackground) {
   FarthestDepths empty = kWall;
   std::ranges::fill(empty.depths, 0.0f);
   EXPECT_FALSE(Occluders(kTowardsWall, 1, empty).hide(boxAt({0, 0, -1e6})));

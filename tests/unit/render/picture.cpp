@@ -30,7 +30,7 @@ void expectSilhouette(const render::Image& image, const Silhouette& silhouette, 
   EXPECT_EQ(strays, 0);
 }
 
-TEST_F(Picture, coversWhatTheProjectionOfTheMeshCovers) {
+TEST_F(Picture, coversTheProjectionOfTheMesh) {
   const double step = 1.0 / 1024;
   const Mesh sphere = makeSphere(48, 24, {.attributes = {AttributeSet::kNormal}, .bump = 0.2});
   for (const glm::dvec3 eye : {glm::dvec3(2, 2, 9), glm::dvec3(-3, 4, 5), glm::dvec3(7.5, -1.25, 3)}) {
@@ -108,7 +108,7 @@ TEST_F(Picture, hasNoCrackAlongABorderOfTwoNodes) {
   }
 }
 
-TEST_F(Picture, wouldShowACrackIfThereWereOne) {
+TEST_F(Picture, showsACrackBetweenSeparatedNodes) {
   for (const CrackCase& test : kCrackCases) {
     EXPECT_GT(lookAlongBorder(test, test.extent / 60).holes, 50);
   }
@@ -146,7 +146,7 @@ TEST_F(Picture, showsTheNearerOfTwoSurfacesInWhateverOrderTheyAreDrawn) {
   }
 }
 
-TEST_F(Picture, isCutOffNoNearerThanOneLatticeStep) {
+TEST_F(Picture, isClippedNoFartherThanOneLatticeStep) {
   const Mesh red = squareAt(0, 0, 100, 2000, {255, 0, 0, 255});
   const render::Image image = drawMeshes({red}, 1, lookAt({1000, 1000, 102}, {1000, 1000, 0}));
   EXPECT_GT(image.pixel(kWidthPx / 2, kHeightPx / 2)[0], 100);
@@ -227,7 +227,7 @@ TEST_F(Picture, isTheSameWhicheverSideTheNormalsOfItsVerticesPointTo) {
   EXPECT_LT(off, inside / 50);
 }
 
-TEST_F(Picture, showsTheAncestorForAllOfItsRegionOnceItHasAPlaceThatTheCutLeavesOut) {
+TEST_F(Picture, showsTheFallbackOnceALeftOutNodeIsVisible) {
   const glm::u8vec4 red(255, 0, 0, 255), green(0, 255, 0, 255);
   auto cut = std::make_shared<core::Cut>(*cutOf({squareAt(100, 100, 100, 100, red)}));
   cut->fallbacks.push_back(
@@ -265,7 +265,7 @@ TEST_F(Picture, showsTheAncestorForAllOfItsRegionOnceItHasAPlaceThatTheCutLeaves
   EXPECT_EQ(renderer.inPicture()[0].node, kRootKey);
 }
 
-TEST_F(Picture, saysWhatThresholdsItShowsAndOfThoseThatItIsToShow) {
+TEST_F(Picture, reportsTheThresholdsOfShownAndWantedParts) {
   const glm::u8vec4 red(255, 0, 0, 255);
   auto cut = std::make_shared<core::Cut>(
       *cutOf({squareAt(100, 100, 100, 100, red), squareAt(200, 100, 100, 100, red),
@@ -287,7 +287,7 @@ TEST_F(Picture, saysWhatThresholdsItShowsAndOfThoseThatItIsToShow) {
   EXPECT_NEAR(shown.complete.px(), mean.px(), 1e-6);
 }
 
-TEST_F(Picture, saysThresholdsAndErrorsInItsOwnPixelsWhateverThoseThatTheCutWasMadeFor) {
+TEST_F(Picture, reportsThresholdsAndErrorsInItsOwnPixels) {
   auto cut = std::make_shared<core::Cut>(*cutOf({squareAt(100, 100, 100, 100, {255, 0, 0, 255})}));
   cut->view.height_px = 2 * kHeightPx;
   cut->threshold_px = cut->parts[0].threshold_px = 8;
@@ -302,7 +302,7 @@ TEST_F(Picture, saysThresholdsAndErrorsInItsOwnPixelsWhateverThoseThatTheCutWasM
   EXPECT_NEAR(drawn.error_px, 3, 1e-6);
 }
 
-TEST_F(Picture, ofAnEmptyCutIsTheBackground) {
+TEST_F(Picture, isTheBackgroundForAnEmptyCut) {
   const render::Image image = drawMeshes({}, 1, lookAt({0, 0, 10}, {0, 0, 0}));
   EXPECT_TRUE(isMagenta(image.pixel(0, 0)));
   EXPECT_TRUE(isMagenta(image.pixel(kWidthPx / 2, kHeightPx / 2)));

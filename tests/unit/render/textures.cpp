@@ -221,7 +221,7 @@ TEST_F(TexturedSquare, showsEverySquareOfACheckeredImageInItsPlaceAtEveryDistanc
   }
 }
 
-TEST_F(TexturedSquare, keepsTheTilesOfTheCutThatIsDrawnUntilTheNextOneIsThere) {
+TEST_F(TexturedSquare, keepsTheTilesOfTheCutThatIsDrawnUntilTheNextIsUploaded) {
   wear({512, 512, checkered});
   const core::View view = above({kSide / 2, kSide / 2}, kSide / 200);
   render::Renderer renderer;
@@ -242,7 +242,7 @@ TEST_F(TexturedSquare, keepsTheTilesOfTheCutThatIsDrawnUntilTheNextOneIsThere) {
   EXPECT_EQ(renderer.textures().tileCount(), 0u);
 }
 
-TEST_F(TexturedSquare, isAsEvenAsItsImageFromAfar) {
+TEST_F(TexturedSquare, looksSmoothFromAfar) {
   wear({1024, 1024, [](uint32_t x, uint32_t y) {
           const uint8_t value = (x / 8 + y / 8) % 2 == 0 ? 255 : 0;
           return glm::u8vec4(value, value, value, 255);
@@ -270,7 +270,7 @@ void expectPaint(const render::Image& image, const render::Image& painted, const
   for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR(pixel[channel], expected[channel], 3) << what;
 }
 
-TEST_F(TexturedSquare, tellsHowManyTexelsLieUnderAPixel) {
+TEST_F(TexturedSquare, showsTheNumberOfTexelsUnderAPixel) {
   const double steps_a_pixel[] = {2, 4, 8, 16, 32};
   for (size_t i = 0; i < std::size(steps_a_pixel); ++i) {
     const core::View view = above({2048, 2048}, steps_a_pixel[i]);
@@ -283,7 +283,7 @@ TEST_F(TexturedSquare, tellsHowManyTexelsLieUnderAPixel) {
   }
 }
 
-TEST_F(TexturedSquare, tellsWhereThereIsNoImage) {
+TEST_F(TexturedSquare, marksSurfacesWithoutAnImage) {
   const core::View view = above({2048, 2048}, 8);
   shown_ = render::ColorMode::kTexels;
   const render::Image image = drawSquare(view, glm::u8vec4(255), AttributeSet::kColour);
@@ -292,7 +292,7 @@ TEST_F(TexturedSquare, tellsWhereThereIsNoImage) {
   expectPaint(image, drawSquare(view, paint, AttributeSet::kColour), "no image");
 }
 
-TEST_F(TexturedSquare, showsTheFinestLevelThatIsThere) {
+TEST_F(TexturedSquare, showsTheFinestResidentLevel) {
   wear({2048, 2048, checkered});
   std::erase_if(tiles_, [](const core::ResidentTile& tile) { return tile.key.level < 2; });
   const core::View view = above({kSide * 0.45, kSide * 0.55}, 0.3 * kSide / 2048);
@@ -306,7 +306,7 @@ TEST_F(TexturedSquare, showsTheFinestLevelThatIsThere) {
   EXPECT_GE(compared, 1000);
 }
 
-TEST_F(TexturedSquare, isDrawnPlainWhileNoTileIsThereOrTheImageIsMissing) {
+TEST_F(TexturedSquare, isDrawnPlainWithoutTilesOrImage) {
   wear({2048, 2048, checkered});
   const core::View view = above({kSide / 2, kSide / 2}, 1);
   tiles_.clear();
@@ -345,7 +345,7 @@ void expectRightHalf(const render::Image& image) {
     }
 }
 
-TEST_F(TexturedSquare, leavesOutWhatTheImageLeavesClear) {
+TEST_F(TexturedSquare, leavesOutClearTexels) {
   wear({64, 64, [](uint32_t x, uint32_t) { return glm::u8vec4(255, 255, 255, x < 32 ? 0 : 255); }});
   const core::View view = above({kSide / 2, kSide / 2}, kSide / 500);
   const render::Image image = drawSquare(view);
@@ -408,7 +408,7 @@ TEST_F(TexturedSquare, uploadsNoMoreThanTheBudgetOfAFrameAllowsButOneTile) {
   EXPECT_FALSE(residency.upToDate());
 }
 
-TEST_F(TexturedSquare, staysWithinItsMemoryAndShowsWhatFits) {
+TEST_F(TexturedSquare, staysWithinItsMemoryAndShowsTheTilesThatFit) {
   wear({2048, 2048, checkered});
   render::TextureResidency residency(4 * uint64_t{render::kTileLayerBytes});
   const std::shared_ptr<const core::Cut> cut = cutOfAllTiles();

@@ -34,7 +34,7 @@ Input tab() {
   return input;
 }
 
-TEST(CameraRig, turnsAboutAModelThatItHasFramedBesideThePanel) {
+TEST(CameraRig, orbitsAboutAModelFramedBesideThePanel) {
   const ModelSummary model = someModel();
   core::Framing framing = zUp();
   framing.covered = 0.3;
@@ -49,7 +49,7 @@ TEST(CameraRig, turnsAboutAModelThatItHasFramedBesideThePanel) {
   EXPECT_NEAR(glm::distance(rig.view().eye_model, middle), distance, 1e-6 * distance);
 }
 
-TEST(CameraRig, framesTheFirstViewAgainForAPanelThatWasHidden) {
+TEST(CameraRig, reframesTheFirstViewWhenThePanelIsHidden) {
   const ModelSummary model = someModel();
   core::Framing framing = zUp();
   framing.covered = 0.3;
@@ -64,7 +64,7 @@ TEST(CameraRig, framesTheFirstViewAgainForAPanelThatWasHidden) {
 }
 
 /// A slow frame may contain several key presses.
-TEST(CameraRig, goesAsManyKindsOnAsTabWasPressedWithinAFrame) {
+TEST(CameraRig, advancesOneCameraKindPerTabWithinAFrame) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);
   Input input = tab();
@@ -82,7 +82,7 @@ double flownBy(CameraRig& rig) {
   return glm::distance(rig.view().eye_model, from);
 }
 
-TEST(CameraRig, isAsFastAsAModelIsLargeThatHasGrown) {
+TEST(CameraRig, adaptsItsSpeedToAGrownModel) {
   ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);
   rig.apply(tab(), 0.016, plainAt(0));
@@ -108,7 +108,7 @@ TEST(CameraRig, goesFromOrbitToFlyToWalkAndBackWithoutMovingAtOnce) {
   }
 }
 
-TEST(CameraRig, walksFromWhereItWasStoodLookingAhead) {
+TEST(CameraRig, walksFromItsGivenPlaceLookingAhead) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);
   rig.apply(tab(), 0.01, plainAt(100));
@@ -144,7 +144,7 @@ core::CameraPath steepPath() {
   return path;
 }
 
-TEST(CameraRig, turnsAboutTheModelsAxisAndNotAboutThatOfAPathsCamera) {
+TEST(CameraRig, orbitsAboutTheModelsUpAxisNotThePathCameras) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), steepPath(), 800, 600);
   EXPECT_EQ(rig.up(), glm::dvec3(0, 0, 1));
@@ -172,7 +172,7 @@ TEST(CameraRig, showsAPathsFirstCameraAsItIsUntilItIsMoved) {
   EXPECT_EQ(rig.view(), wanted);
 }
 
-TEST(CameraRig, goesOnFromStraightAboveWithoutTurningThePicture) {
+TEST(CameraRig, orbitsFromStraightAboveWithoutRollingThePicture) {
   const ModelSummary model = someModel();
   core::CameraPath path;
   path.keys.push_back({0, {512, 512, 3000}, {512, 512, 0}, {0, 1, 0}});
@@ -183,7 +183,7 @@ TEST(CameraRig, goesOnFromStraightAboveWithoutTurningThePicture) {
   EXPECT_GT(rig.view().up.y, 0.99);
 }
 
-TEST(CameraRig, doesNotMoveWhenItIsToldWhatToTurnAbout) {
+TEST(CameraRig, doesNotMoveWhenItGetsANewPivot) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);
   Input drag;
@@ -195,7 +195,7 @@ TEST(CameraRig, doesNotMoveWhenItIsToldWhatToTurnAbout) {
   EXPECT_EQ(rig.view(), before);
 }
 
-TEST(CameraRig, tellsItsCameraByTheModelsAxis) {
+TEST(CameraRig, reportsItsCameraWithTheModelsUpAxis) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);
   Input drag;
@@ -208,14 +208,14 @@ TEST(CameraRig, tellsItsCameraByTheModelsAxis) {
   EXPECT_LT(glm::distance(told.forward, rig.view().forward), 1e-9);
 }
 
-TEST(CameraRig, tellsALeaningCameraAsItLeans) {
+TEST(CameraRig, reportsTheRollOfATiltedCamera) {
   const ModelSummary model = someModel();
   const CameraRig rig(model, zUp(), steepPath(), 800, 600);
   const core::View told = core::toView(rig.camera(), 45, 800, 600, model);
   EXPECT_LT(glm::distance(told.up, rig.view().up), 1e-9);
 }
 
-TEST(CameraRig, tellsACameraThatStandsOnItsHeadAsItStands) {
+TEST(CameraRig, reportsAnUpsideDownCamera) {
   const ModelSummary model = someModel();
   const CameraRig upright(model, zUp(), std::nullopt, 800, 600);
   core::CameraPath path{45, {upright.camera()}};
@@ -242,7 +242,7 @@ TEST(CameraRig, goesToABookmarkWithTheCameraThatItWasSetWith) {
   EXPECT_EQ(rig.view(), set);
 }
 
-TEST(CameraRig, framesTheModelAnewForTheWindowAsItIs) {
+TEST(CameraRig, reframesTheModelForTheCurrentWindowSize) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);
   const double near_model = rig.camera().eye.z;
@@ -253,7 +253,7 @@ TEST(CameraRig, framesTheModelAnewForTheWindowAsItIs) {
   EXPECT_GT(rig.camera().eye.z, 2 * near_model);
 }
 
-TEST(CameraRig, isNotStoodAnywhereWhileItDoesNotWalk) {
+TEST(CameraRig, ignoresAPlaceToStandUnlessItWalks) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);
   const core::View before = rig.view();

@@ -85,7 +85,7 @@ TEST(OrbitCamera, comesCloserButNeverThrough) {
   EXPECT_TRUE(std::isfinite(camera.distanceModel()));
 }
 
-TEST(OrbitCamera, turnsAboutAPointThatKeepsItsPlaceInThePictureAndItsDistance) {
+TEST(OrbitCamera, orbitsAboutAPointThatStaysInPlaceInThePicture) {
   core::View view = startView();
   OrbitCamera camera(view, 10, kY);
   const glm::dvec3 point(1, 2, 4);
@@ -130,7 +130,7 @@ TEST(OrbitCamera, fliesUntilThePointIsInTheMiddleAndNearer) {
   EXPECT_LT(glm::distance(view.eye_model, point), 3);
 }
 
-TEST(OrbitCamera, endsAFlightWhereItIsDragged) {
+TEST(OrbitCamera, endsAFlightWhenDragged) {
   const core::View view = startView();
   OrbitCamera camera(view, 10, kY);
   camera.flyTo({1, 2, 4});
@@ -151,7 +151,7 @@ TEST(FlyCamera, movesAlongItsOwnAxes) {
   EXPECT_NEAR(view.eye_model.z, 5, 1e-12);
 }
 
-TEST(FlyCamera, keepsWhatIsUnderThePointerThereWhenItLooksAround) {
+TEST(FlyCamera, keepsThePointUnderThePointerWhenItLooksAround) {
   core::View view = startView();
   FlyCamera camera(view, 2, kY);
   const glm::dvec3 point(0, 0, -1000);

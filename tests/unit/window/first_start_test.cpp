@@ -7,7 +7,7 @@
 namespace lode::app {
 namespace {
 
-TEST(FirstStart, showsTheHelpUntilItWasSeenThoughItsFolderIsNotThereYet) {
+TEST(FirstStart, showsTheHelpUntilItWasSeen) {
   const test::WorkFolder work;
   const FirstStart first(work.path() / "cache" / "lodestream");
   EXPECT_TRUE(first.isHelpDue());
@@ -17,7 +17,7 @@ TEST(FirstStart, showsTheHelpUntilItWasSeenThoughItsFolderIsNotThereYet) {
   EXPECT_FALSE(FirstStart(work.path() / "cache" / "lodestream").isHelpDue());
 }
 
-TEST(FirstStart, bearsAFolderThatCannotBeWritten) {
+TEST(FirstStart, toleratesAnUnwritableFolder) {
   const FirstStart first("/proc/lodestream");
   first.helpWasSeen();
   EXPECT_TRUE(first.isHelpDue());

@@ -22,7 +22,7 @@ TEST(Flight, fliesItsPathFromTheFirstKeyInEachLapAndEnds) {
   EXPECT_FALSE(flight.cameraAt(4.001));
 }
 
-TEST(Flight, endsThoughItsPathHasOneKey) {
+TEST(Flight, endsEvenIfItsPathHasOneKey) {
   core::CameraPath path = somePath();
   path.keys.pop_back();
   Flight flight(path, 1);
@@ -30,7 +30,7 @@ TEST(Flight, endsThoughItsPathHasOneKey) {
   EXPECT_FALSE(flight.cameraAt(1));
 }
 
-TEST(Flight, tellsForEachLapTheMedianThe99thPercentileAndTheLargestByNearestRank) {
+TEST(Flight, reportsTheMedianThe99thPercentileAndTheMaximumOfEachLap) {
   Flight flight(somePath(), 2);
   flight.cameraAt(0.5);
   for (int i = 1; i <= 200; ++i) {
@@ -53,7 +53,7 @@ TEST(Flight, tellsForEachLapTheMedianThe99thPercentileAndTheLargestByNearestRank
             std::string::npos);
 }
 
-TEST(Flight, givesEachFrameItsOwnWorkThoughThatIsToldLater) {
+TEST(Flight, assignsLateWorkTimesToTheirFrames) {
   Flight flight(somePath(), 1);
   flight.cameraAt(0);
   flight.draw(0, {.triangles = 1});
@@ -66,7 +66,7 @@ TEST(Flight, givesEachFrameItsOwnWorkThoughThatIsToldLater) {
   EXPECT_EQ(json["frames"][1]["work_ms"], 40.0);
 }
 
-TEST(Flight, tellsTheMedianOfWhatItsFramesWereToTakeNotTheMostLenient) {
+TEST(Flight, reportsTheMedianTargetOfItsFrames) {
   Flight flight(somePath(), 1);
   flight.cameraAt(0);
   for (const uint64_t number : {0, 1, 2}) {
@@ -77,7 +77,7 @@ TEST(Flight, tellsTheMedianOfWhatItsFramesWereToTakeNotTheMostLenient) {
 }
 
 /// Simulates a timer that reports frames from before the flight while the flight's frames are pending.
-TEST(Flight, takesNoWorkOfFramesThatWereDrawnBeforeIt) {
+TEST(Flight, ignoresFramesDrawnBeforeIt) {
   Flight flight(somePath(), 1);
   flight.cameraAt(0);
   flight.draw(4, {.triangles = 1});
@@ -88,7 +88,7 @@ TEST(Flight, takesNoWorkOfFramesThatWereDrawnBeforeIt) {
   EXPECT_EQ(json["frames"][0]["work_ms"], 30.0);
 }
 
-TEST(Flight, hasNoFrameOfThePictureThatIsDrawnWhenItIsOver) {
+TEST(Flight, ignoresTheFrameDrawnAfterItsEnd) {
   Flight flight(somePath(), 1);
   flight.cameraAt(0);
   flight.draw(0, {});

@@ -48,7 +48,7 @@ TEST(FrameRateControl, findsAThresholdThatTheMachineCanDrawWithinASecond) {
   }
 }
 
-TEST(FrameRateControl, findsARateThatTheMachineHoldsWithinASecondThoughAFrameTakesLong) {
+TEST(FrameRateControl, findsASustainableRateWithinASecondOfSlowFrames) {
   for (const double fixed_ms : {30.0, 60.0, 90.0, 115.0, 130.0}) {
     SCOPED_TRACE(testing::Message() << fixed_ms << " ms");
     FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
@@ -79,7 +79,7 @@ TEST(FrameRateControl, isNoCoarserThanItHasToBe) {
   }
 }
 
-TEST(FrameRateControl, sharpensWhileTheCameraRestsAndKnowsWhatItFoundWhenItMovesAgain) {
+TEST(FrameRateControl, refinesAtRestAndRestoresItsThresholdOnMotion) {
   FrameRateControl control(60);
   Machine machine(3, 100, 1.5);
   for (int i = 0; i < 60; ++i) machine.frame(control, true);
@@ -126,7 +126,7 @@ TEST(FrameRateControl, givesTheRateBackWhenFramesBecomeCheap) {
   EXPECT_EQ(control.coarsening(), 1);
 }
 
-TEST(FrameRateControl, keepsTheHighestRateThatTheCoarsestThresholdIsEnoughFor) {
+TEST(FrameRateControl, keepsTheHighestRateThatTheCoarsestThresholdSustains) {
   FrameRateControl control(60);
   Machine slow(20, 400, 1.5),
       cheaper(12, 40, 1.5);  // which at 60 frames a second needs almost all that there is
@@ -147,7 +147,7 @@ int changesOfRate(FrameRateControl& control, Machine& machine, int frames) {
   return changes;
 }
 
-TEST(FrameRateControl, seldomTriesARateAgainThatTheCoarsestThresholdWasNotEnoughFor) {
+TEST(FrameRateControl, seldomRetriesAnUnsustainableRate) {
   for (double fixed_ms = 13; fixed_ms <= 36; fixed_ms += 0.5) {
     for (const double sharp_ms : {10.0, 45.0, 100.0}) {
       for (const double power : {1.0, 1.5, 2.0}) {
@@ -179,7 +179,7 @@ TEST(FrameRateControl, halvesNoRateForTwoSlowFrames) {
   EXPECT_NEAR(control.targetMs(), 1000.0 / 60, 1e-9);
 }
 
-TEST(FrameRateControl, thatBeginsCoarseIsFineSoonOnAFastMachine) {
+TEST(FrameRateControl, refinesSoonOnAFastMachineIfItBeginsCoarse) {
   FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
   Machine machine(0.5, 5, 1.5);
   machine.frame(control, true);
@@ -188,7 +188,7 @@ TEST(FrameRateControl, thatBeginsCoarseIsFineSoonOnAFastMachine) {
   EXPECT_EQ(control.coarsening(), 1);
 }
 
-TEST(FrameRateControl, thatBeginsCoarseAsksForTheFirstCutSoThoughTheCameraHasNotMoved) {
+TEST(FrameRateControl, requestsACoarseFirstCutAtRestIfItBeginsCoarse) {
   FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
   control.step(0.1, false);
   EXPECT_EQ(control.coarsening(), 8);
@@ -196,14 +196,14 @@ TEST(FrameRateControl, thatBeginsCoarseAsksForTheFirstCutSoThoughTheCameraHasNot
   EXPECT_EQ(control.coarsening(), 1);
 }
 
-TEST(FrameRateControl, becomesNoFinerByFramesThatLackWhatIsStillToCome) {
+TEST(FrameRateControl, doesNotRefineByIncompleteFrames) {
   FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
   control.step(0.016, true);
   for (int i = 0; i < 100; ++i) control.add(0.5, {8, 100});
   EXPECT_EQ(control.coarsening(), 8);
 }
 
-TEST(FrameRateControl, becomesFinerAndFasterThoughFramesBetweenLackSomething) {
+TEST(FrameRateControl, refinesDespiteIncompleteFramesInBetween) {
   FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
   control.step(0.016, true);
   for (int i = 0; i < 3; ++i) control.add(20, {8, 8});
@@ -213,14 +213,14 @@ TEST(FrameRateControl, becomesFinerAndFasterThoughFramesBetweenLackSomething) {
   EXPECT_LT(control.coarsening(), 8);
 }
 
-TEST(FrameRateControl, becomesFinerByFramesThatAreFastEnoughForAllThatTheyLack) {
+TEST(FrameRateControl, refinesByIncompleteFramesWithTimeForTheRest) {
   FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
   control.step(0.016, true);
   for (int i = 0; i < 100; ++i) control.add(1, {8, 10});
   EXPECT_LT(control.coarsening(), 8);
 }
 
-TEST(FrameRateControl, halvesNoRateForSlowFramesThatShowMoreThanTheCoarsestThresholdAsksFor) {
+TEST(FrameRateControl, keepsTheRateIfSlowFramesAreFinerThanRequested) {
   FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
   control.step(0.016, true);
   for (int i = 0; i < 100; ++i) control.add(300, {4, 4});
@@ -246,7 +246,7 @@ TEST(FrameRateControl, waitsForACoarserCutWhereAFrameOfTheFineOneTakesLonger) {
   EXPECT_FALSE(control.isWorthWaiting(7, 800, 0)) << "hardly coarser";
 }
 
-TEST(FrameRateControl, asksForNothingCoarserThanItMay) {
+TEST(FrameRateControl, neverRequestsMoreThanItsCoarsestThreshold) {
   FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
   control.limitTo(4);
   control.step(0.016, true);
@@ -257,7 +257,7 @@ TEST(FrameRateControl, asksForNothingCoarserThanItMay) {
   EXPECT_EQ(control.coarsening(), 1);
 }
 
-TEST(FrameRateControl, halvesTheRateWhereTheCoarsestThatItMayAskForIsNotEnough) {
+TEST(FrameRateControl, halvesTheRateIfItsCoarsestThresholdIsNotEnough) {
   FrameRateControl control(60);
   control.limitTo(4);
   Machine machine(3, 160, 1.5);  // an eightfold threshold would be enough
@@ -266,7 +266,7 @@ TEST(FrameRateControl, halvesTheRateWhereTheCoarsestThatItMayAskForIsNotEnough) 
   EXPECT_LE(machine.workMs(control.coarsening()), control.targetMs());
 }
 
-TEST(FrameRateControl, waitsForNothingCoarserThanItMayAskFor) {
+TEST(FrameRateControl, neverWaitsForMoreThanItsCoarsestThreshold) {
   FrameRateControl control(60, FrameRateControl::Begin::kCoarse);
   control.limitTo(4);
   control.step(0.016, true);

@@ -49,7 +49,7 @@ void fly(FrameRateControl& control, SlowMachine machine, int frames) {
 
 constexpr double kWantedMs = 1000.0 / 60;
 
-TEST(FrameRateResolution, fallsWherePixelsTakeWhatAFrameMayAndTheThresholdStaysFine) {
+TEST(FrameRateResolution, fallsIfPixelsDominateTheFrameTime) {
   for (const double pixels_ms : {15.0, 20.0, 25.0}) {
     SCOPED_TRACE(testing::Message() << pixels_ms << " ms");
     FrameRateControl control(60);
@@ -60,7 +60,7 @@ TEST(FrameRateResolution, fallsWherePixelsTakeWhatAFrameMayAndTheThresholdStaysF
   }
 }
 
-TEST(FrameRateResolution, staysWhereTrianglesTakeWhatAFrameMay) {
+TEST(FrameRateResolution, staysIfTrianglesDominateTheFrameTime) {
   FrameRateControl control(60);
   SlowMachine machine(5, 150);
   for (int i = 0; i < 600; ++i) {
@@ -70,7 +70,7 @@ TEST(FrameRateResolution, staysWhereTrianglesTakeWhatAFrameMay) {
   EXPECT_GT(control.coarsening(), 2);
 }
 
-TEST(FrameRateResolution, isFoundWithinASecondWhateverIsAskedForFirst) {
+TEST(FrameRateResolution, isFoundWithinASecondFromAnyStart) {
   for (const auto begin : {FrameRateControl::Begin::kFine, FrameRateControl::Begin::kCoarse}) {
     for (const double pixels_ms : {5.0, 20.0, 40.0, 100.0}) {
       for (const double sharp_ms : {0.5, 20.0, 100.0}) {
@@ -96,7 +96,7 @@ int changesOf(FrameRateControl& control, SlowMachine& machine, int frames) {
   return changes;
 }
 
-TEST(FrameRateResolution, seldomChangesWhileWorkStaysTheSameThoughItsCauseIsMistaken) {
+TEST(FrameRateResolution, seldomChangesWhileWorkIsConstantEvenIfMisattributed) {
   for (const double bias : {0.3, 1.0, 3.0}) {
     for (double pixels_ms = 2; pixels_ms <= 60; pixels_ms += 1.5) {
       for (const double sharp_ms : {1.0, 20.0, 60.0, 200.0}) {
@@ -110,7 +110,7 @@ TEST(FrameRateResolution, seldomChangesWhileWorkStaysTheSameThoughItsCauseIsMist
   }
 }
 
-TEST(FrameRateResolution, isGivenBackWhenPixelsBecomeCheap) {
+TEST(FrameRateResolution, isRestoredWhenPixelsBecomeCheap) {
   FrameRateControl control(60);
   fly(control, {30, 40}, 100);
   ASSERT_EQ(control.scale(), 0.5);
@@ -119,7 +119,7 @@ TEST(FrameRateResolution, isGivenBackWhenPixelsBecomeCheap) {
   EXPECT_EQ(control.coarsening(), 1);
 }
 
-TEST(FrameRateResolution, isGivenBackThoughTrianglesTakeWhatAFrameMay) {
+TEST(FrameRateResolution, isRestoredEvenIfTrianglesDominateTheFrameTime) {
   FrameRateControl control(60);
   fly(control, {30, 40}, 100);
   ASSERT_EQ(control.scale(), 0.5);
@@ -127,7 +127,7 @@ TEST(FrameRateResolution, isGivenBackThoughTrianglesTakeWhatAFrameMay) {
   EXPECT_EQ(control.scale(), 1);
 }
 
-TEST(FrameRateResolution, isWholeAtRestAndWhatWasFoundWhenTheCameraMovesAgain) {
+TEST(FrameRateResolution, isFullAtRestAndRestoredOnMotion) {
   FrameRateControl control(60);
   fly(control, {30, 40}, 100);
   const double found = control.scale();
@@ -138,14 +138,14 @@ TEST(FrameRateResolution, isWholeAtRestAndWhatWasFoundWhenTheCameraMovesAgain) {
   EXPECT_EQ(control.scale(), found);
 }
 
-TEST(FrameRateResolution, staysForOneSlowFrame) {
+TEST(FrameRateResolution, ignoresOneSlowFrame) {
   FrameRateControl control(60);
   control.step(0.016, true);
   for (int i = 0; i < 100; ++i) control.add(i % 10 == 0 ? 200 : 8, {1, 1, 0.9, 1});
   EXPECT_EQ(control.scale(), 1);
 }
 
-TEST(FrameRateResolution, makesNothingMoreThanEightTimesAsCoarse) {
+TEST(FrameRateResolution, limitsTheTotalCoarseningToEight) {
   FrameRateControl control(60);
   fly(control, {60, 1000}, 100);
   EXPECT_EQ(control.scale(), 0.5);
@@ -153,7 +153,7 @@ TEST(FrameRateResolution, makesNothingMoreThanEightTimesAsCoarse) {
   EXPECT_GT(control.targetMs(), kWantedMs);
 }
 
-TEST(FrameRateResolution, isNotLearnedOfFramesOfAnother) {
+TEST(FrameRateResolution, ignoresFramesOfAnotherResolution) {
   FrameRateControl control(60);
   control.step(0.016, true);
   for (int i = 0; i < 100; ++i) control.add(200, {1, 1, 0.9, 0.5});

@@ -5,7 +5,7 @@
 namespace lode::app {
 namespace {
 
-TEST(Gamepad, asksForNothingWhileItsSticksAreNearlyAtRest) {
+TEST(Gamepad, doesNotMoveInsideTheDeadZone) {
   const PadMotion motion = motionOf({.left = {0.1, -0.15}, .right = {-0.1, 0.1}, .left_trigger = -0.9});
   EXPECT_EQ(motion.move.right, 0);
   EXPECT_EQ(motion.move.forward, 0);

@@ -16,12 +16,12 @@ stream::StreamStatus statusOf(bool converged) {
   return status;
 }
 
-TEST(Notice, isNothingWhileAllIsWell) {
+TEST(Notice, isEmptyWithoutTrouble) {
   EXPECT_EQ(noticeOf(statusOf(true), false, OnGpu::kAll), Notice());
   EXPECT_EQ(noticeOf({}, false, OnGpu::kAll), Notice());
 }
 
-TEST(Notice, saysOfALostConnectionWhyAndThatItComesBackByItself) {
+TEST(Notice, explainsALostConnectionAndItsReconnect) {
   stream::StreamStatus status = statusOf(false);
   status.trouble = "10.0.0.1:7400 closed the connection";
   const Notice notice = noticeOf(status, false, OnGpu::kAll);
@@ -33,7 +33,7 @@ TEST(Notice, saysOfALostConnectionWhyAndThatItComesBackByItself) {
             std::string::npos);
 }
 
-TEST(Notice, saysOfAStreamThatHasEndedThatThePictureStaysIfThereIsOne) {
+TEST(Notice, explainsThatThePictureStaysAfterTheStreamEnded) {
   stream::StreamStatus status = statusOf(true);
   status.failure = "no such model";
   status.trouble = "closed";
@@ -48,13 +48,13 @@ TEST(Notice, saysOfAStreamThatHasEndedThatThePictureStaysIfThereIsOne) {
   EXPECT_EQ(noticeOf(status, false, OnGpu::kFull).text, "no such model; lodestream list shows what it has");
 }
 
-TEST(Notice, saysOfAPartThatCannotBeHadThatThePictureDoesWithoutIt) {
+TEST(Notice, explainsAnUnavailablePart) {
   stream::StreamStatus status = statusOf(true);
   status.failure = "blob 7 is damaged";
   EXPECT_EQ(noticeOf(status, false, OnGpu::kAll).text, "blob 7 is damaged\nThat part stays at lower detail.");
 }
 
-TEST(Notice, saysOfAPartThatCannotBeReadNowThatTheViewTriesAgain) {
+TEST(Notice, explainsThatAnUnreadablePartIsRetried) {
   stream::StreamStatus status = statusOf(true);
   status.failure = "blob 7 cannot be read now";
   status.failure_may_pass = true;
@@ -89,7 +89,7 @@ TEST(Notice, saysCalmlyThatTheCacheHasNoMoreAndHowToHaveTheRest) {
   EXPECT_EQ(noticeOf(status, true, OnGpu::kAll).kind, Notice::Kind::kFailure) << "there is nothing to see";
 }
 
-TEST(Notice, saysOfflineAsAHintWhereTheCacheHasAllAndAsTroubleWhereItHasNot) {
+TEST(Notice, showsOfflineAsAHintOnlyIfTheCacheIsComplete) {
   EXPECT_EQ(noticeOf(statusOf(true), true, OnGpu::kAll).kind, Notice::Kind::kHint);
   const Notice lacking = noticeOf(statusOf(false), true, OnGpu::kAll);
   EXPECT_EQ(lacking.kind, Notice::Kind::kTrouble);
@@ -103,7 +103,7 @@ TEST(Notice, saysTheFirstThatABuildHasWarnedOfAndHowManyMore) {
   EXPECT_EQ(warningOf(warnings), "build warning: 3 faces dropped\nand 2 more, on stderr");
 }
 
-TEST(Notice, saysOfThreeMissingModelsWhyAndThatTheRestIsShown) {
+TEST(Notice, explainsUpToThreeMissingModels) {
   EXPECT_EQ(missingText({}), "");
   const std::vector<std::string> missing{"rock is missing: a.ply: no such file", "tree is missing", "c", "d"};
   EXPECT_EQ(missingText(std::span(missing).first(1)),
@@ -113,19 +113,19 @@ TEST(Notice, saysOfThreeMissingModelsWhyAndThatTheRestIsShown) {
             "The rest of the scene is shown.");
 }
 
-TEST(Notice, saysOfWhatCannotBeOpenedWhyAndHowToCloseTheWindow) {
+TEST(Notice, explainsAFailedOpenAndHowToCloseTheWindow) {
   const Notice notice = noticeOf(Error(ErrorCode::kInput, "a.lode is damaged: build it again"));
   EXPECT_EQ(notice.kind, Notice::Kind::kFailure);
   EXPECT_EQ(notice.text, "a.lode is damaged: build it again\nEsc or Q closes the window.");
 }
 
-TEST(BuildStage, hasItsPlaceAmongThem) {
+TEST(BuildStage, isNumberedAmongAllStages) {
   EXPECT_EQ(describeStage("scan"), "scan, 1 of 6");
   EXPECT_EQ(describeStage("border"), "border, 4 of 6");
   EXPECT_EQ(describeStage("pack"), "pack, 6 of 6");
 }
 
-TEST(BuildStage, isNamedAloneWhereItIsNotKnown) { EXPECT_EQ(describeStage("polish"), "polish"); }
+TEST(BuildStage, isNotNumberedIfUnknown) { EXPECT_EQ(describeStage("polish"), "polish"); }
 
 const core::ModelBox kModel{{-1, -1, -1}, {1, 1, 1}};
 
@@ -135,17 +135,17 @@ core::View from(glm::dvec3 eye_model) {
   return view;
 }
 
-TEST(LostSight, isNotToldWhereTheModelIsSeen) {
+TEST(LostSight, isNotReportedIfTheModelIsVisible) {
   EXPECT_EQ(lostSightText(kModel, from({0, 0, 5})), "");
   EXPECT_EQ(lostSightText(kModel, from({0, 0, 0})), "") << "from inside";
 }
 
-TEST(LostSight, isToldOfAModelBesideOrBehindTheEye) {
+TEST(LostSight, isReportedIfTheModelIsBesideOrBehindTheEye) {
   for (const glm::dvec3 eye_model : {glm::dvec3(0, 0, -5), glm::dvec3(50, 0, 5)})
     EXPECT_NE(lostSightText(kModel, from(eye_model)).find("out of view"), std::string_view::npos);
 }
 
-TEST(LostSight, isToldOfAModelOfAFewPixels) {
+TEST(LostSight, isReportedIfTheModelCoversOnlyAFewPixels) {
   EXPECT_NE(lostSightText(kModel, from({0, 0, 1e4})).find("a dot"), std::string_view::npos);
 }
 

@@ -13,7 +13,7 @@ const Pacing::TimePoint kBegun{};
 /// Frames of a camera that stops.
 void rest(Pacing& pacing) { pacing.step(1, false, kBegun); }
 
-TEST(Pacing, asksForTheUsersThresholdAtRestAndForCoarserCutsWhileTheCameraMoves) {
+TEST(Pacing, requestsTheUsersThresholdAtRestAndCoarserCutsInMotion) {
   Pacing pacing(kCoarseFirst, kBegun);
   rest(pacing);
   EXPECT_EQ(pacing.askedPx(), 1);
@@ -24,7 +24,7 @@ TEST(Pacing, asksForTheUsersThresholdAtRestAndForCoarserCutsWhileTheCameraMoves)
   EXPECT_GT(pacing.targetMs(), 0);
 }
 
-TEST(Pacing, asksForAFixedThresholdWhateverFramesTake) {
+TEST(Pacing, requestsAFixedThresholdWhateverTheFrameTime) {
   Pacing pacing({.threshold_px = 2, .is_fixed = true, .begin = FrameRateControl::Begin::kCoarse}, kBegun);
   for (int i = 0; i < 10; ++i) {
     pacing.step(0.016, true, kBegun);
@@ -35,7 +35,7 @@ TEST(Pacing, asksForAFixedThresholdWhateverFramesTake) {
   EXPECT_FALSE(pacing.isWorthWaiting(1, false, kBegun));
 }
 
-TEST(Pacing, takesAnotherRateAndAFixedThresholdWhileItGoesOn) {
+TEST(Pacing, acceptsChangesOfRateAndFixedThresholdWhileRunning) {
   Pacing pacing(kCoarseFirst, kBegun);
   pacing.step(0.016, true, kBegun);
   EXPECT_NEAR(pacing.targetMs(), 1000.0 / 60, 1e-9);
@@ -54,7 +54,7 @@ TEST(Pacing, takesAnotherRateAndAFixedThresholdWhileItGoesOn) {
   EXPECT_EQ(pacing.thresholdPx(), kLargestThresholdPx);
 }
 
-TEST(Pacing, learnsNothingOfFramesThatShowNothing) {
+TEST(Pacing, ignoresEmptyFrames) {
   Pacing pacing({}, kBegun);
   for (int i = 0; i < 10; ++i) pacing.measure(800, std::nullopt);
   pacing.step(0.016, true, kBegun);
@@ -76,7 +76,7 @@ TEST(Pacing, keepsThresholdsWithinTheirBounds) {
   EXPECT_EQ(pacing.thresholdPx(), kLeastThresholdPx);
 }
 
-TEST(Pacing, leavesAThresholdBeyondThemUntilAKeyIsPressed) {
+TEST(Pacing, keepsAnOutOfRangeThresholdUntilAKeyIsPressed) {
   Pacing pacing({.threshold_px = 0.05f}, kBegun);
   pacing.sharpen(0);
   EXPECT_EQ(pacing.thresholdPx(), 0.05f);
@@ -109,7 +109,7 @@ void flyOverPixels(Pacing& pacing) {
   }
 }
 
-TEST(Pacing, asksForFewerPixelsWhileTheCameraMovesWhereTheseTakeLong) {
+TEST(Pacing, requestsFewerPixelsInMotionIfPixelsAreSlow) {
   Pacing pacing({}, kBegun);
   flyOverPixels(pacing);
   EXPECT_EQ(pacing.scale(), 0.5);
@@ -119,7 +119,7 @@ TEST(Pacing, asksForFewerPixelsWhileTheCameraMovesWhereTheseTakeLong) {
   EXPECT_TRUE(pacing.asksForFinest());
 }
 
-TEST(Pacing, asksForAllPixelsWhereTheThresholdIsFixed) {
+TEST(Pacing, requestsAllPixelsIfTheThresholdIsFixed) {
   Pacing pacing({.is_fixed = true}, kBegun);
   flyOverPixels(pacing);
   EXPECT_EQ(pacing.scale(), 1);

@@ -53,14 +53,14 @@ TEST(Paint, isMixedInLinearLightBetweenTheVertices) {
   EXPECT_EQ(paintAt(hitOf(part, {0.5, 0.25, 0.25}), {}), glm::u8vec3(188));
 }
 
-TEST(Paint, isNoneWhereTheModelHasNone) {
+TEST(Paint, isAbsentIfTheModelHasNone) {
   const core::CutPart plain = paintedPart(AttributeSet::kNormal);
   EXPECT_FALSE(paintAt(hitOf(plain, {0.5, 0.25, 0.25}), {}));
   const core::CutPart textured = paintedPart(AttributeSet::kTexture);
   EXPECT_FALSE(paintAt(hitOf(textured, {0.5, 0.25, 0.25}), texturedCut({})));
 }
 
-TEST(Paint, isOfTheTexelUnderThePoint) {
+TEST(Paint, isTheTexelUnderThePoint) {
   const core::CutPart part = paintedPart(AttributeSet::kTexture);
   const core::Cut cut = texturedCut({{1, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 1}});
   const double left = 30.5 / 600, right = 510.5 / 600;
@@ -68,12 +68,12 @@ TEST(Paint, isOfTheTexelUnderThePoint) {
   EXPECT_EQ(paintAt(hitOf(part, {0.9 - right, right, 0.1}), cut), glm::u8vec3(5, 0, 0));
 }
 
-TEST(Paint, isOfACoarserTexelWhereAFinerOneHasNotCome) {
+TEST(Paint, isACoarserTexelIfTheFinerOneIsNotResident) {
   const core::CutPart part = paintedPart(AttributeSet::kTexture);
   EXPECT_EQ(paintAt(hitOf(part, {0.5, 0.25, 0.25}), texturedCut({{1, 0, 0, 0}})), glm::u8vec3(9, 10, 0));
 }
 
-TEST(Paint, isThatOfTheTexelDarkenedByTheVertices) {
+TEST(Paint, isTheTexelTimesTheVertexColour) {
   const core::CutPart part = paintedPart(AttributeSet::kTexture | AttributeSet::kColour);
   EXPECT_EQ(paintAt(hitOf(part, {1, 0, 0}), texturedCut({{1, 0, 0, 0}})), glm::u8vec3(0));
 }

@@ -5,7 +5,7 @@
 namespace lode::app {
 namespace {
 
-TEST(RefiningProgress, isAsFarForEachHalvingOfTheError) {
+TEST(RefiningProgress, advancesEquallyForEachHalvingOfTheError) {
   RefiningProgress progress;
   EXPECT_DOUBLE_EQ(progress.update(16, 1, false), 0);
   EXPECT_DOUBLE_EQ(progress.update(8, 1, false), 0.25);
@@ -13,7 +13,7 @@ TEST(RefiningProgress, isAsFarForEachHalvingOfTheError) {
   EXPECT_DOUBLE_EQ(progress.update(2, 1, false), 0.75);
 }
 
-TEST(RefiningProgress, isWholeOnlyWhereItHasConverged) {
+TEST(RefiningProgress, isCompleteOnlyOnConvergence) {
   RefiningProgress progress;
   progress.update(16, 1, false);
   EXPECT_LT(progress.update(1, 1, false), 1);
@@ -22,7 +22,7 @@ TEST(RefiningProgress, isWholeOnlyWhereItHasConverged) {
   EXPECT_DOUBLE_EQ(progress.update(5, 1, true), 1) << "originals that are coarser than asked for";
 }
 
-TEST(RefiningProgress, beginsAnewAfterItHasConverged) {
+TEST(RefiningProgress, restartsAfterConvergence) {
   RefiningProgress progress;
   progress.update(64, 1, false);
   progress.update(1, 1, true);
@@ -30,7 +30,7 @@ TEST(RefiningProgress, beginsAnewAfterItHasConverged) {
   EXPECT_DOUBLE_EQ(progress.update(2, 1, false), 0.5);
 }
 
-TEST(RefiningProgress, fallsBackToNoLessThanNothingWhereTheCameraComesNearer) {
+TEST(RefiningProgress, neverFallsBelowZeroWhenTheCameraApproaches) {
   RefiningProgress progress;
   progress.update(4, 1, false);
   progress.update(2, 1, false);
@@ -38,7 +38,7 @@ TEST(RefiningProgress, fallsBackToNoLessThanNothingWhereTheCameraComesNearer) {
   EXPECT_NEAR(progress.update(4, 1, false), 1 / 3.0, 1e-9);
 }
 
-TEST(RefiningProgress, isAlmostWholeWhereTheErrorNeverWasAboveTheThreshold) {
+TEST(RefiningProgress, isAlmostCompleteIfTheErrorNeverExceededTheThreshold) {
   RefiningProgress progress;
   const double part = progress.update(0.5f, 1, false);
   EXPECT_GT(part, 0.9);
@@ -55,7 +55,7 @@ TEST(PanelContent, differsOnceAShownFigureDoes) {
   EXPECT_TRUE(differ(now, drawn)) << "a part of the memory";
 }
 
-TEST(PanelContent, doesNotDifferByCountsThatItDoesNotShowOrByFrameTimes) {
+TEST(PanelContent, ignoresUnshownCountsAndFrameTimes) {
   PanelContent drawn;
   PanelContent now = drawn;
   now.counts.known_nodes = 7;

@@ -20,7 +20,7 @@ TEST(PanelFigures, sayHowManyRequestsOfEachClassAreOpen) {
   EXPECT_EQ(valueOf(content, "requests"), "visible 1\u00a0200, margin 3, prefetch 0") << "no line ends in it";
 }
 
-TEST(PanelFigures, leaveOutWhatHasNotBeenMeasured) {
+TEST(PanelFigures, leaveOutUnmeasuredValues) {
   PanelContent content;
   content.counts.received_bytes = 1000;
   EXPECT_EQ(valueOf(content, "network"), "1.0 KB");
@@ -31,7 +31,7 @@ TEST(PanelFigures, leaveOutWhatHasNotBeenMeasured) {
   EXPECT_EQ(valueOf(content, "network"), "1.0 KB, 2.0 KB/s, 12.0 ms round trip");
 }
 
-TEST(PanelFigures, sayOfARateThatIsAimedAtWhetherItIsReached) {
+TEST(PanelFigures, showWhetherTheTargetRateIsReached) {
   PanelContent content;
   content.threshold_px = 2;
   content.frame_ms = 132.7;
@@ -43,7 +43,7 @@ TEST(PanelFigures, sayOfARateThatIsAimedAtWhetherItIsReached) {
   EXPECT_EQ(valueOf(content, "threshold"), "2.00 px while moving, for at least 30 frames per second");
 }
 
-TEST(PanelFigures, haveARankEachOfItsOwn) {
+TEST(PanelFigures, haveDistinctRanks) {
   PanelContent content;
   content.textured = true;
   content.scale = 0.5;

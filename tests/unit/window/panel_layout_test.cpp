@@ -5,7 +5,7 @@
 namespace lode::app {
 namespace {
 
-TEST(PanelFit, leavesOutWhatHasTheHighestRank) {
+TEST(PanelFit, leavesOutTheRowsOfHighestRank) {
   const std::vector<PanelPart> parts{{2, 10}, {0, 10}, {1, 30}};
   EXPECT_EQ(partsThatFit(parts, 50), (std::vector<bool>{true, true, true}));
   EXPECT_EQ(partsThatFit(parts, 49), (std::vector<bool>{false, true, true}));
@@ -13,7 +13,7 @@ TEST(PanelFit, leavesOutWhatHasTheHighestRank) {
   EXPECT_EQ(partsThatFit(parts, -5), (std::vector<bool>{false, false, false}));
 }
 
-TEST(PanelFit, framesBesideThePanelWhereThatLeavesEnough) {
+TEST(PanelFit, framesBesideThePanelIfThatLeavesEnoughRoom) {
   const double share = coveredShare({1280, 720}, 15);
   EXPECT_NEAR(share * 1280, double{panelWidthPx(1280, 15)}, 40);
   EXPECT_GT(share * 1280, double{panelWidthPx(1280, 15)});
@@ -27,7 +27,7 @@ std::vector<render::LegendEntry> legendOf(size_t entries) {
   return legend;
 }
 
-TEST(PanelFit, showsALegendInHalfOfTheRoomAndSaysHowMuchMoreThereIs) {
+TEST(PanelFit, showsALegendInHalfOfTheRoomAndCountsTheRest) {
   const std::vector<render::LegendEntry> legend = legendOf(10);
   EXPECT_EQ(legendThatFits(legend, 20, 400), legend);
   const auto some = legendThatFits(legend, 20, 200);
@@ -38,7 +38,7 @@ TEST(PanelFit, showsALegendInHalfOfTheRoomAndSaysHowMuchMoreThereIs) {
   EXPECT_EQ(legendThatFits(legend, 20, 10).back().meaning, "and 8 more");
 }
 
-TEST(PanelFit, countsWhatTheLegendsLastEntryStandsFor) {
+TEST(PanelFit, countsTheEntriesBehindTheLegendsLastEntry) {
   std::vector<render::LegendEntry> legend = legendOf(5);
   legend.back().stands_for = 40;
   EXPECT_EQ(legendThatFits(legend, 20, 0).back().meaning, "and 42 more");

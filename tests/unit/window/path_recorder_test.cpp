@@ -29,7 +29,7 @@ TEST(PathRecorder, hasNoPathWhereItSawNothing) {
   EXPECT_FALSE(recorder.recording());
 }
 
-TEST(CameraPathWriter, writesWhatIsReadBackAsTheSamePath) {
+TEST(CameraPathWriter, writesAPathThatReadsBackUnchanged) {
   core::CameraPath path;
   path.fov_y_deg = 33.3;
   path.keys = {{0, {1e6 + 0.1, 2, 3}, {0.1, -5, 1e-9}, {0, 0, 1}}, {0.1, {1, 2, 3}, {4, 5, 6}, {0, 1, 0}}};

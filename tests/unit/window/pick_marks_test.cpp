@@ -37,7 +37,7 @@ TEST(PickMarks, joinTheTwoPointsByALineThatSaysHowLongItIs) {
 }
 
 /// Checks that all corners are on one side of the line, the nearest at the gap's distance.
-TEST(PickMarks, haveTheirTextBesideTheLineHoweverShortAndSteepThatIs) {
+TEST(PickMarks, haveTheirTextBesideAShortOrSteepLine) {
   const glm::dvec2 text(60, 16), window(800, 600);
   for (const glm::dvec2 to :
        {glm::dvec2(410, 300), {400, 310}, {420, 280}, {300, 200}, {700, 310}, {400, 300}}) {

@@ -18,7 +18,7 @@ TEST(Picks, tellHowFarTheLastTwoAreApart) {
   EXPECT_EQ(picks.lines().back(), "distance 2");
 }
 
-TEST(Picks, areWhatTheyWereWhenAClickIsTakenBack) {
+TEST(Picks, areRestoredWhenAClickIsUndone) {
   Picks picks;
   picks.add(pointAt(1));
   picks.add(pointAt(2));

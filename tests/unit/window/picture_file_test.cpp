@@ -11,13 +11,13 @@
 namespace lode::app {
 namespace {
 
-TEST(PictureFile, mayBeWhatStandardOutputGoesTo) {
+TEST(PictureFile, mayBeTheFileOfStandardOutput) {
   testing::internal::CaptureStdout();  // into a file without an ending
   EXPECT_NO_THROW(checkPictureFile("a.lode", "/dev/stdout"));
   testing::internal::GetCapturedStdout();
 }
 
-TEST(PictureFile, isCalledAPngUnlessItIsADevice) {
+TEST(PictureFile, needsThePngEndingUnlessItIsADevice) {
   const test::WorkFolder folder;
   EXPECT_NO_THROW(checkPictureFile("a.lode", folder / "a.png"));
   EXPECT_NO_THROW(checkPictureFile("a.lode", "/dev/null"));

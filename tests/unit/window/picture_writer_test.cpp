@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 render::Image greyPicture(uint32_t width_px) { return {width_px, 2, std::vector<uint8_t>(8 * width_px, 77)}; }
 
-TEST(PictureWriter, tellsOnceOfEachPictureInTheirOrder) {
+TEST(PictureWriter, reportsEachPictureOnceInOrder) {
   const test::WorkFolder folder;
   PictureWriter writer;
   EXPECT_FALSE(writer.take());
@@ -36,7 +36,7 @@ TEST(PictureWriter, tellsOnceOfEachPictureInTheirOrder) {
   EXPECT_FALSE(writer.waitAndTake());
 }
 
-TEST(PictureWriter, tellsWhyAPictureIsNotThere) {
+TEST(PictureWriter, reportsWhyAPictureCouldNotBeWritten) {
   const test::WorkFolder folder;
   PictureWriter writer;
   writer.write(folder / "no folder" / "picture.png", greyPicture(1));
@@ -46,7 +46,7 @@ TEST(PictureWriter, tellsWhyAPictureIsNotThere) {
   EXPECT_THROW(std::rethrow_exception(written->failure), Error);
 }
 
-TEST(PictureWriter, keepsNobodyWaitingWhileItWrites) {
+TEST(PictureWriter, writesWithoutBlockingItsCaller) {
   const test::WorkFolder folder;
   PictureWriter writer;
   writer.write(folder / "large.png", {2000, 2000, std::vector<uint8_t>(4u * 2000 * 2000, 77)});

@@ -17,7 +17,7 @@ core::View slantedView() {
   return view;
 }
 
-TEST(Projection, ofAPointOnARayIsWhereTheRayGoesThrough) {
+TEST(Projection, findsAPointOnARayWhereTheRayGoesThrough) {
   const core::View view = slantedView();
   for (const glm::dvec2 place_px :
        {glm::dvec2(0, 0), glm::dvec2(639, 20), glm::dvec2(320, 180), glm::dvec2(-50, 400)}) {
@@ -28,7 +28,7 @@ TEST(Projection, ofAPointOnARayIsWhereTheRayGoesThrough) {
   }
 }
 
-TEST(Projection, isNowhereForWhatIsBehindTheEye) {
+TEST(Projection, isEmptyForAPointBehindTheEye) {
   const core::View view = slantedView();
   EXPECT_FALSE(pointInPicture(view, view.eye_model - view.forward));
   EXPECT_FALSE(pointInPicture(view, view.eye_model));
@@ -36,7 +36,7 @@ TEST(Projection, isNowhereForWhatIsBehindTheEye) {
       lineInPicture(view, view.eye_model - view.forward, view.eye_model - 2.0 * view.forward + view.up));
 }
 
-TEST(Projection, ofASegmentThatPassesTheEyeIsThatOfItsPartInFront) {
+TEST(Projection, clipsASegmentThatPassesTheEye) {
   const core::View view = slantedView();
   const glm::dvec3 front = view.eye_model + 4.0 * view.forward,
                    behind = view.eye_model - view.forward + view.up;

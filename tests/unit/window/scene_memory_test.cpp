@@ -19,20 +19,20 @@ TEST(SceneMemory, isSharedEquallyWhileNoModelIsShort) {
   EXPECT_EQ(memory.parts(), (std::vector<uint64_t>{1000, 1000, 1000}));
 }
 
-TEST(SceneMemory, goesToTheModelsThatNeedItWhereOneIsShort) {
+TEST(SceneMemory, goesToTheModelsThatNeedItIfOneIsShort) {
   SceneMemory memory(8000, 2);
   EXPECT_TRUE(memory.share(Needs{{9000, true}, {3000, false}}));
   EXPECT_NEAR(static_cast<double>(memory.parts()[0]), 500 + 7000 * 0.75, 2);
   EXPECT_NEAR(static_cast<double>(memory.parts()[1]), 500 + 7000 * 0.25, 2);
 }
 
-TEST(SceneMemory, leavesAModelThatNeedsNothingAPart) {
+TEST(SceneMemory, leavesAShareToAModelThatNeedsNothing) {
   SceneMemory memory(8000, 2);
   EXPECT_TRUE(memory.share(Needs{{9000, true}, {0, false}}));
   EXPECT_GE(memory.parts()[1], 500u);
 }
 
-TEST(SceneMemory, isNeverMoreThanThereIs) {
+TEST(SceneMemory, neverExceedsTheBudget) {
   for (uint64_t first = 1; first < uint64_t{1} << 40; first *= 3) {
     SceneMemory memory((uint64_t{1} << 33) + 7, 3);
     memory.share(Needs{{first, true}, {12345678, true}, {first / 7, false}});
@@ -51,7 +51,7 @@ int changesOf(SceneMemory& memory, const core::View& view, float threshold_px) {
   return changes;
 }
 
-TEST(SceneMemory, comesToRestUntilAnotherPictureIsLookedAt) {
+TEST(SceneMemory, settlesUntilThePictureChanges) {
   SceneMemory memory(8000, 2);
   core::View view;
   EXPECT_GT(changesOf(memory, view, 1), 1);
@@ -62,7 +62,7 @@ TEST(SceneMemory, comesToRestUntilAnotherPictureIsLookedAt) {
   EXPECT_GT(changesOf(memory, view, 0.5f), 1) << "another threshold";
 }
 
-TEST(SceneMemory, changesAgainInTheSamePictureForAModelThatHasComeLate) {
+TEST(SceneMemory, changesInTheSamePictureForALateModel) {
   SceneMemory memory(8000, 2);
   changesOf(memory, core::View{}, 1);
   memory.allowChanges();
@@ -74,12 +74,12 @@ TEST(SceneMemory, staysWhereNeedsHardlyDiffer) {
   EXPECT_FALSE(memory.share(Needs{{510, true}, {500, true}}));
 }
 
-TEST(SceneMemory, letsEachModelHaveOnTheGpuWhatTheOthersLeave) {
+TEST(SceneMemory, givesEachModelTheGpuMemoryThatTheOthersLeave) {
   EXPECT_EQ(gpuBudgets(1000, std::vector<GpuShare>{{300, 600}, {300, 100}, {200, 50}}),
             (std::vector<uint64_t>{850, 350, 300}));
 }
 
-TEST(SceneMemory, leavesEachModelItsPartOfTheGpuWhereAllHoldMoreThanThereIsNow) {
+TEST(SceneMemory, leavesEachModelItsGpuShareAfterTheBudgetShrinks) {
   EXPECT_EQ(gpuBudgets(1000, std::vector<GpuShare>{{500, 1500}, {500, 1500}}),
             (std::vector<uint64_t>{500, 500}));
 }

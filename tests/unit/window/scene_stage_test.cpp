@@ -22,7 +22,7 @@ void expectKept(const ModelSummary& cube, const glm::dvec3& min) {
   EXPECT_LT(lattice.step, 1e-3) << "it loses few bits";
 }
 
-TEST(SceneFrame, hasRoomOnEachSideForAModelThatComesLate) {
+TEST(SceneFrame, hasRoomOnEachSideForALateModel) {
   const Lattice lattice = latticeWithRoom(cubeAt(glm::dvec3(10)));
   for (const double away : {-500.0, 500.0}) {
     const glm::dvec3 point(14 + away);
@@ -31,9 +31,9 @@ TEST(SceneFrame, hasRoomOnEachSideForAModelThatComesLate) {
   }
 }
 
-TEST(SceneFrame, keepsWhereTheBoxIs) { expectKept(cubeAt(glm::dvec3(10)), glm::dvec3(10)); }
+TEST(SceneFrame, keepsThePositionOfTheBox) { expectKept(cubeAt(glm::dvec3(10)), glm::dvec3(10)); }
 
-TEST(SceneFrame, keepsWhereTheBoxIsFarFromWhereItsModelIsPlaced) {
+TEST(SceneFrame, keepsThePositionOfABoxFarFromItsModelsOrigin) {
   const glm::dvec3 far_away(4e5, 5e6, 100);
   expectKept(cubeAt(far_away), far_away);
 }

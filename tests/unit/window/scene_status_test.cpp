@@ -37,14 +37,14 @@ class SceneStatus : public testing::Test {
   stream::StreamStatus first_ = makeStatus(first_view_, 10), second_ = makeStatus(second_view_, 5);
 };
 
-TEST_F(SceneStatus, isOfTheScenesViewOnceEachModelIsOfItsOwn) {
+TEST_F(SceneStatus, hasTheScenesViewOnceEachModelIsCurrent) {
   ASSERT_TRUE(merged().cut);
   EXPECT_EQ(merged().cut->view, scene_view_);
   second_ = makeStatus(first_view_, 5);
   EXPECT_NE(merged().cut->view, scene_view_);
 }
 
-TEST_F(SceneStatus, lacksTheTilesThatEachModelLacks) {
+TEST_F(SceneStatus, addsUpTheMissingTilesOfItsModels) {
   for (stream::StreamStatus* const status : {&first_, &second_}) {
     auto cut = std::make_shared<core::Cut>(*status->cut);
     cut->lost_tiles = 2;
@@ -59,7 +59,7 @@ TEST_F(SceneStatus, hasConvergedAndSettledOnceEachModelHas) {
   EXPECT_FALSE(merged().settled);
 }
 
-TEST_F(SceneStatus, isOfTheCoarsestThresholdOfItsModels) {
+TEST_F(SceneStatus, hasTheCoarsestThresholdOfItsModels) {
   const auto withThreshold = [](const core::View& view, float threshold_px) {
     stream::StreamStatus status = makeStatus(view, 0);
     auto cut = std::make_shared<core::Cut>(*status.cut);
@@ -77,7 +77,7 @@ TEST_F(SceneStatus, hasNoCutBeforeEachModelHasOne) {
   EXPECT_FALSE(merged().cut);
 }
 
-TEST_F(SceneStatus, hasNotEndedWhileOneModelGoesOn) {
+TEST_F(SceneStatus, hasNotEndedWhileOneModelContinues) {
   first_.ended = true;
   first_.failure = "the server has gone";
   first_.failure_remedy = Remedy::kCertificate;
@@ -97,7 +97,7 @@ TEST_F(SceneStatus, hasTheRemedyOfTheTroubleThatItNames) {
 
 TEST_F(SceneStatus, hasNotEndedBeforeThereIsAModel) { EXPECT_FALSE(sceneStatus({}, scene_view_).ended); }
 
-TEST_F(SceneStatus, countsWhatAllModelsTake) {
+TEST_F(SceneStatus, addsUpTheCountsOfItsModels) {
   first_.counts.round_trip_ms = 7;
   first_.counts.requests.visible = second_.counts.requests.visible = 2;
   EXPECT_EQ(merged().counts.received_bytes, 15u);

@@ -23,7 +23,7 @@ TEST(ColorModeSwitch, goesRoundInBothDirections) {
   EXPECT_EQ(show.shown(), ColorMode::kSurface);
 }
 
-TEST(ColorModeSwitch, goesBackFromTheWireframeToWhatWasShown) {
+TEST(ColorModeSwitch, returnsFromTheWireframeToThePreviousMode) {
   ColorModeSwitch show(ColorMode::kLods);
   show.toggleWireframe();
   EXPECT_EQ(show.shown(), ColorMode::kWireframe);
@@ -31,7 +31,7 @@ TEST(ColorModeSwitch, goesBackFromTheWireframeToWhatWasShown) {
   EXPECT_EQ(show.shown(), ColorMode::kLods);
 }
 
-TEST(ColorModeSwitch, goesToTheSurfaceFromAWireframeThatWasThereFirst) {
+TEST(ColorModeSwitch, switchesFromAnInitialWireframeToTheSurface) {
   ColorModeSwitch show(ColorMode::kWireframe);
   show.toggleWireframe();
   EXPECT_EQ(show.shown(), ColorMode::kSurface);

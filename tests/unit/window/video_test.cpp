@@ -45,7 +45,7 @@ TEST(Video, isMadeByTheFirstFfmpegOfTheSearchPath) {
   EXPECT_EQ(findFfmpeg(path), second);
 }
 
-TEST(Video, saysWhatToDoWithoutFfmpeg) {
+TEST(Video, failsWithAdviceWithoutFfmpeg) {
   try {
     findFfmpeg("/nowhere:");
     FAIL();
@@ -64,7 +64,7 @@ TEST(Video, isMadeOfAFoldersFramesAtTheirRate) {
       << arguments;
 }
 
-TEST(Video, isMadeWithAbsolutePathsInWhichNothingIsAPatternOrAnOption) {
+TEST(Video, usesAbsolutePathsWithoutPatternsOrOptions) {
   for (const char* name : {"100%d", "-y", "concat:a"}) {
     const test::WorkFolder work;
     fs::create_directory(work / name);

@@ -33,11 +33,11 @@ TEST(ViewedScene, isRefusedBeforeItOpensIfNoInstanceHasAModel) {
   EXPECT_NE(errorOf(kModels, kOfTypos, MissingModels::kAllowed).find("models.\"b\": "), std::string::npos);
 }
 
-TEST(ViewedScene, mayMissAModelIfAnotherMayOpen) {
+TEST(ViewedScene, mayLackAModelIfAnotherCanOpen) {
   EXPECT_EQ(errorOf(kModels, kOfTypos + R"(, {"model": "away"})", MissingModels::kAllowed), "");
 }
 
-TEST(ViewedScene, missesNoModelInAScreenshot) {
+TEST(ViewedScene, mayLackNoModelInAScreenshot) {
   EXPECT_NE(errorOf(kModels, R"({"model": "away"})", MissingModels::kRefused).find("models.\"a\": "),
             std::string::npos);
 }

@@ -63,7 +63,7 @@ TEST(WalkCamera, comesDownToItsHeightAboveTheGroundSmoothly) {
   EXPECT_EQ(eyeOf(camera).y, before) << "a view that creeps on is drawn for ever";
 }
 
-TEST(WalkCamera, walksOnTheLevelWhereverItLooks) {
+TEST(WalkCamera, walksHorizontallyWhereverItLooks) {
   WalkCamera camera(standingAt({0, 2, 0}), kHeight, kUp);
   camera.look({0, 500}, standingAt({}));  // up or down
   walk(camera, {.forward = 1}, 1, flatAt(0));
@@ -84,7 +84,7 @@ TEST(WalkCamera, staysAboveASlopeHoweverFastItWalksUp) {
   }
 }
 
-TEST(WalkCamera, staysAsHighAsItIsWhereThereIsNoGround) {
+TEST(WalkCamera, keepsItsHeightWithoutGround) {
   WalkCamera camera(standingAt({0, 2, 0}), kHeight, kUp);
   walk(camera, {.forward = 1}, 2, [](const glm::dvec3&) { return std::nullopt; });
   EXPECT_NEAR(eyeOf(camera).y, 2, 1e-12);
@@ -104,7 +104,7 @@ TEST(WalkCamera, doesNotSinkIntoGroundThatIsOnlyKnownCoarsely) {
   EXPECT_NEAR(eyeOf(high).y, 0 + kHeight, 0.01);
 }
 
-TEST(WalkCamera, isLiftedByGroundThatComesInHigher) {
+TEST(WalkCamera, risesWhenHigherGroundArrives) {
   WalkCamera camera(standingAt({0, 2, 0}), kHeight, kUp);
   walk(camera, {}, 1, flatAt(1.5));
   EXPECT_NEAR(eyeOf(camera).y, 3.5, 0.01);
@@ -167,19 +167,19 @@ std::optional<Ground> below(const core::Cut& cut, const glm::dvec3& point = {0.5
   return groundBelow(probe, lookingAside(), point, kZ);
 }
 
-TEST(GroundBelow, isThePartBelowThoughTheCameraDoesNotLookThere) {
+TEST(GroundBelow, isFoundEvenIfTheCameraLooksElsewhere) {
   const auto ground = below(cutOf(squareAt(256)));
   ASSERT_TRUE(ground);
   EXPECT_DOUBLE_EQ(ground->depth_model, 0.75);
   EXPECT_EQ(ground->uncertainty_model, 0);
 }
 
-TEST(GroundBelow, isNothingBesideTheModelAndBelowIt) {
+TEST(GroundBelow, isAbsentBesideAndBelowTheModel) {
   EXPECT_FALSE(below(cutOf(squareAt(256)), {1.5, 0.25, 1}));
   EXPECT_FALSE(below(cutOf(squareAt(256)), {0.5, 0.25, 0.1}));
 }
 
-TEST(GroundBelow, isTheCoarserPartWhereTheCutLeavesThePlaceOut) {
+TEST(GroundBelow, isTheFallbackWhereTheCutLeavesANodeOut) {
   core::Cut cut;
   cut.view = lookingAside();
   cut.left_out.push_back({NodeKey{8}, {{0, 0, 0}, {1, 1, 0.5}}});
@@ -200,7 +200,7 @@ TEST(GroundBelow, isAsUncertainAsThePartsErrorInModelUnits) {
   EXPECT_NEAR(ground->uncertainty_model, error_model, 1e-6);
 }
 
-TEST(GroundBelow, isNoMoreUncertainThanAPartsSizeAllowsHoweverCoarseItIs) {
+TEST(GroundBelow, isNoMoreUncertainThanTheSizeOfItsPart) {
   const core::Cut cut = cutOf(squareAt(256, 1e9f));
   const auto ground = below(cut);
   ASSERT_TRUE(ground);
