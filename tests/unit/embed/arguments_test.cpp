@@ -20,7 +20,7 @@ std::string refusalOf(const char* url, const lodestream_options* options = nullp
   return lodestream_last_error();
 }
 
-TEST(Arguments, thatAreNullFailAndSayWhich) {
+TEST(Arguments, failAndAreNamedIfNull) {
   lodestream_status status{};
   lodestream_view view{};
   size_t count = 0;
@@ -38,7 +38,7 @@ TEST(Arguments, thatAreNullFailAndSayWhich) {
   lodestream_default_options(nullptr);
 }
 
-TEST(Arguments, thatAreNullGiveTheDescriptionOfAnEmptyCut) {
+TEST(Arguments, describeAnEmptyCutIfNull) {
   lodestream_cut_info info{};
   info.parts = 7;
   lodestream_cut_describe(nullptr, &info);
@@ -46,7 +46,7 @@ TEST(Arguments, thatAreNullGiveTheDescriptionOfAnEmptyCut) {
   lodestream_cut_describe(nullptr, nullptr);
 }
 
-TEST(Arguments, thatAStreamNeedsFailBesideItIfTheyAreNull) {
+TEST(Arguments, failIfNullBesideAValidStream) {
   lodestream_stream* const stream = lodestream_open(kNobody, nullptr);
   ASSERT_NE(stream, nullptr) << lodestream_last_error();
   EXPECT_EQ(lodestream_step(stream, 0, nullptr), 0);
@@ -55,13 +55,13 @@ TEST(Arguments, thatAStreamNeedsFailBesideItIfTheyAreNull) {
   lodestream_close(stream);
 }
 
-TEST(Arguments, thatNameNoServerOrNoModelAreToldHowToNameBoth) {
+TEST(Arguments, failWithTheUrlFormIfTheServerOrModelIsMissing) {
   const std::string form = "write lode://HOST[:PORT]/MODEL, or lodes:// with TLS";
   EXPECT_EQ(refusalOf("a.lode"), "'a.lode' names no server; " + form);
   EXPECT_EQ(refusalOf("lode://localhost"), "'lode://localhost' names no model; " + form);
 }
 
-TEST(Arguments, thatNameACacheWhereNothingCanBeKeptFailAtOnce) {
+TEST(Arguments, failAtOnceForAnUnusableCacheFolder) {
   const test::WorkFolder folder;
   const std::string file = folder / "file";
   std::ofstream(file) << "not a folder";
@@ -77,7 +77,7 @@ TEST(Arguments, thatNameACacheWhereNothingCanBeKeptFailAtOnce) {
   expectRefused("/proc/nope", "cannot make a folder for the cache in /proc: ");
 }
 
-TEST(Arguments, thatNameNoAuthoritiesAreCalledByTheirOption) {
+TEST(Arguments, nameTheOptionOfAMissingCaFile) {
   lodestream_options options{};
   options.ca_file = "/none.pem";
   lodestream_stream* const stream = lodestream_open("lodes://127.0.0.1:1/model", &options);
@@ -88,7 +88,7 @@ TEST(Arguments, thatNameNoAuthoritiesAreCalledByTheirOption) {
   EXPECT_NE(said.find("; set the option ca_file to a PEM file of certificates"), std::string::npos) << said;
 }
 
-TEST(Options, byDefaultNameEachNumberThatTheLibraryTakesForZero) {
+TEST(Options, giveTheDefaultsThatZerosStandFor) {
   lodestream_options options{};
   lodestream_default_options(&options);
   EXPECT_EQ(options.memory_budget_bytes, 1ull << 30);

@@ -29,7 +29,7 @@ std::string saidWith(int threads) {
   return said;
 }
 
-TEST(Threads, thatCannotBeHadAreAnErrorThatSaysWhatForAndWhatToDo) {
+TEST(Threads, failWithPurposeAndAdviceIfUnavailable) {
   for (int threads = 0; threads < 5; ++threads) {
     const std::string said = saidWith(threads);
     EXPECT_NE(said.find("cannot start a thread"), std::string::npos) << threads << ": " << said;
@@ -39,7 +39,7 @@ TEST(Threads, thatCannotBeHadAreAnErrorThatSaysWhatForAndWhatToDo) {
   EXPECT_NE(saidWith(5).find("cannot connect"), std::string::npos);
 }
 
-TEST(Threads, thatDecodeHaveALimitThatTheErrorNames) {
+TEST(Threads, refuseMoreDecodeThreadsThanTheLimit) {
   lodestream_options options{};
   options.decode_threads = 100'000;
   EXPECT_EQ(lodestream_open(kNoServer, &options), nullptr);

@@ -15,14 +15,14 @@ TEST(Address, readsHostsWithAndWithoutAPort) {
   EXPECT_EQ(parseAddress("[fe80::1%2]"), (Address{"fe80::1%2", proto::kDefaultPort}));
 }
 
-TEST(Address, refusesWhatIsNone) {
+TEST(Address, refusesInvalidAddresses) {
   for (const char* text : {"", ":80", "host:", "host:0", "host:65536", "host:-1", "host:8x", "ho st", "a:1:2",
                            "[::1", "[::1]x", "[]", "[name]", "[::1]:", "a/b", "host:99999999999999999999"})
     EXPECT_THROW(parseAddress(text), Error) << text;
   EXPECT_THROW(parseAddress(std::string(300, 'a')), Error);
 }
 
-TEST(Address, standsBeforeAnErrorThatDoesNotNameIt) {
+TEST(Address, isPrependedToAnErrorThatDoesNotNameIt) {
   const Address server{"example.org", 81};
   const auto naming = [&](const char* what) {
     return std::string(net::naming(server, Error(ErrorCode::kNetwork, what)).what());

@@ -67,7 +67,7 @@ class ExchangeTest : public testing::Test {
 /// More than the kernel's buffers of a connection hold.
 constexpr size_t kMuchBytes = 64u << 20;
 
-TEST_F(ExchangeTest, takesNothingMoreFromAServerThatReadsNothing) {
+TEST_F(ExchangeTest, stopsReadingFromAServerThatNeverReads) {
   EchoEnd end;
   work(end, kMuchBytes, false);
   EXPECT_LT(end.receivedBytes(), kMuchBytes);
@@ -75,7 +75,7 @@ TEST_F(ExchangeTest, takesNothingMoreFromAServerThatReadsNothing) {
   EXPECT_FALSE(end.takesInput());
 }
 
-TEST_F(ExchangeTest, goesOnWhenTheServerReads) {
+TEST_F(ExchangeTest, continuesWhenTheServerReads) {
   EchoEnd end;
   work(end, kMuchBytes, false);
   work(end, 2 * kMuchBytes, true);
@@ -91,7 +91,7 @@ struct BusyEnd {
   size_t rounds = 0;
 };
 
-TEST_F(ExchangeTest, comesBackToItsCallerHoweverMuchWaits) {
+TEST_F(ExchangeTest, returnsToItsCallerAfterALimitedNumberOfRounds) {
   BusyEnd end;
   EXPECT_TRUE(exchange(transport_, end));
   EXPECT_EQ(end.rounds, kMaxExchangeRounds);

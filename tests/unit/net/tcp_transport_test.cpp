@@ -157,7 +157,7 @@ TEST_F(TcpTransportTest, carriesBytesBothWays) {
   EXPECT_EQ(receive(transport, got.size()), got);
 }
 
-TEST_F(TcpTransportTest, pausesWhileNothingIsTakenAndLosesNothing) {
+TEST_F(TcpTransportTest, appliesBackPressureWithoutLoss) {
   TcpTransport transport(route(), [this] { bell_.ring(); });
   tcp::socket peer = acceptor_.accept();
   constexpr size_t kMany = 3 * kMaxReceivedBytes;
@@ -186,7 +186,7 @@ TEST_F(TcpTransportTest, givesTheLastBytesBeforeItTellsOfTheEnd) {
   EXPECT_NE(failureOf(transport).find("closed the connection"), std::string::npos);
 }
 
-TEST_F(TcpTransportTest, endsAtOnceWhileANameIsStillLookedUp) {
+TEST_F(TcpTransportTest, endsAtOnceDuringANameLookup) {
   {
     TcpTransport transport(Route{{SlowName::kHost, 1}}, [] {});
     ASSERT_TRUE(slow_name.waitUntilBegun());
@@ -195,7 +195,7 @@ TEST_F(TcpTransportTest, endsAtOnceWhileANameIsStillLookedUp) {
   slow_name.releaseStorage();
 }
 
-TEST_F(TcpTransportTest, saysThatAHostCannotBeFound) {
+TEST_F(TcpTransportTest, reportsAnUnknownHost) {
   TcpTransport transport(Route{{"host.invalid", 1}}, [this] { bell_.ring(); });
   EXPECT_NE(failureOf(transport).find("cannot find the host of host.invalid:1"), std::string::npos);
 }
@@ -219,7 +219,7 @@ TEST_F(TcpTransportTest, waitsNoLongerForTheFirstWordThanForAConnection) {
       << failure;
 }
 
-TEST_F(TcpTransportTest, staysWhereTheFirstWordHasComeInTime) {
+TEST_F(TcpTransportTest, staysOpenIfTheFirstByteArrivesInTime) {
   Route impatient = route();
   impatient.connect_timeout = 1s;
   TcpTransport transport(impatient, [&] { bell_.ring(); });
@@ -241,7 +241,7 @@ TEST_F(TcpTransportTest, refusesToQueueMoreThanTheLimit) {
   EXPECT_THROW(sendForever(), Error);
 }
 
-TEST_F(TcpTransportTest, leavesNoThreadAndNoDescriptorBehindWhereverInConnectingItEnds) {
+TEST_F(TcpTransportTest, leavesNoThreadOrDescriptorIfItEndsWhileConnecting) {
   std::thread([] {}).join();  // the first thread starts one of the thread sanitizer too
   const size_t threads_before = test::ownEntries("task"), descriptors_before = test::ownEntries("fd");
   for (int i = 0; i < 30; ++i) TcpTransport(route(), [] {});
@@ -249,7 +249,7 @@ TEST_F(TcpTransportTest, leavesNoThreadAndNoDescriptorBehindWhereverInConnecting
   EXPECT_LE(test::ownEntriesOnceDownTo(descriptors_before, "fd"), descriptors_before);
 }
 
-TEST_F(TcpTransportTest, closesTheConnectionWhereItEndsWhileItSends) {
+TEST_F(TcpTransportTest, closesTheConnectionIfItEndsWhileSending) {
   acceptor_.set_option(asio::socket_base::receive_buffer_size(1 << 16));
   std::optional<TcpTransport> transport(std::in_place, route(), [] {});
   transport->send(proto::Bytes(kMaxUnsentBytes));  // more than the socket buffers hold
@@ -261,7 +261,7 @@ TEST_F(TcpTransportTest, closesTheConnectionWhereItEndsWhileItSends) {
   EXPECT_LT(*got, kMaxUnsentBytes);
 }
 
-TEST_F(TcpTransportTest, closesTheConnectionWhereItEndsWhileItReceives) {
+TEST_F(TcpTransportTest, closesTheConnectionIfItEndsWhileReceiving) {
   std::optional<TcpTransport> transport(std::in_place, route(), [this] { bell_.ring(); });
   tcp::socket peer = acceptor_.accept();
   asio::write(peer, asio::buffer(proto::Bytes(kMaxReceivedBytes)));
@@ -294,7 +294,7 @@ TEST_F(TcpTransportTest, sharesACallersLoopWithManyOthers) {
               proto::Bytes(100, static_cast<std::byte>(i)));
 }
 
-TEST_F(TcpTransportTest, wakesNobodyOnceItIsGone) {
+TEST_F(TcpTransportTest, wakesNobodyAfterItsDestruction) {
   asio::io_context loop;
   bool woken = false;
   {

@@ -99,11 +99,11 @@ class EchoUnderTls : public testing::Test {
   std::thread thread_;
 };
 
-TEST_F(EchoUnderTls, carriesBytesOfAServerThatAnAuthorityVouchesFor) {
+TEST_F(EchoUnderTls, carriesBytesOfATrustedServer) {
   EXPECT_EQ(answerTo("some words", route("localhost", "a.crt")), "some words");
 }
 
-TEST_F(EchoUnderTls, isRefusedIfNoKnownAuthorityVouchesForIt) {
+TEST_F(EchoUnderTls, isRefusedIfItsCertificateIsNotTrusted) {
   const std::string failure = answerTo("secret", route("localhost", "other.crt"));
   EXPECT_NE(failure.find("certificate is not trusted"), std::string::npos) << failure;
   EXPECT_EQ(remedy_, Remedy::kCertificate);
@@ -115,7 +115,7 @@ TEST_F(EchoUnderTls, isRefusedIfItsCertificateIsForAnotherHost) {
   EXPECT_EQ(remedy_, Remedy::kCertificate);
 }
 
-TEST(Authorities, areCertificatesInAFileThatIsThere) {
+TEST(Authorities, areReadFromAnExistingFileOfCertificates) {
   const test::WorkFolder folder;
   std::ofstream(folder / "text") << "no certificate";
   for (const char* const name : {"text", "none"}) {

@@ -141,7 +141,7 @@ TEST_F(FrameStreamTest, aBodyTakesMemoryAsItsBytesCome) {
   EXPECT_LE(frame.body.capacity(), 4096u);
 }
 
-TEST_F(FrameStreamTest, aBodyGrowsOnlyAsFarAsThereIsRoom) {
+TEST_F(FrameStreamTest, growsABodyOnlyWithinTheMemoryBudget) {
   tcp::acceptor acceptor(context_, {asio::ip::address_v4::loopback(), 0});
   peer_ = tcp::socket(context_);
   peer_.connect(acceptor.local_endpoint());

@@ -34,7 +34,7 @@ TEST(FrameHeader, isLittleEndianInTheOrderOfTheDocument) {
   for (size_t i = 0; i < bytes.size(); ++i) EXPECT_EQ(std::to_integer<int>(bytes[i]), expected[i]) << i;
 }
 
-TEST(FrameHeader, decodesToWhatWasEncoded) {
+TEST(FrameHeader, decodesToTheEncodedHeader) {
   const FrameHeader header{1234, 9, kFlagOptional, 77};
   EXPECT_EQ(decodeFrameHeader(encodeFrameHeader(header)), header);
 }

@@ -149,7 +149,7 @@ TEST(HostileMessages, aModelNameAboveTheLimitIsRefused) {
   EXPECT_EQ(refusalOf<Open>(open(kMaxModelNameBytes + 1)), ErrorCode::kLimit);
 }
 
-TEST(HostileMessages, textThatCouldSteerATerminalIsRefused) {
+TEST(HostileMessages, textWithTerminalControlsIsRefused) {
   const Bytes body = craft([](FlatBufferBuilder& b) {
     return wire::CreateError(b, 1, 0, false, b.CreateString("\x1b]0;title\x07"));
   });
@@ -199,7 +199,7 @@ Bytes openedWith(const std::function<void(ModelSummary&)>& change) {
   return craft([&](FlatBufferBuilder& b) { return wire::CreateOpened(b, 1, summaryTable(b, change)); });
 }
 
-TEST(HostileMessages, aSummaryThatCannotBeIsRefused) {
+TEST(HostileMessages, anInvalidSummaryIsRefused) {
   EXPECT_NO_THROW(decode<Opened>(openedWith([](ModelSummary&) {})));
   const double nan = std::nan("");
   const std::vector<std::function<void(ModelSummary&)>> lies{
@@ -229,7 +229,7 @@ TEST(HostileMessages, aSummaryThatCannotBeIsRefused) {
   for (size_t i = 0; i < lies.size(); ++i) EXPECT_THROW(decode<Opened>(openedWith(lies[i])), Error) << i;
 }
 
-TEST(HostileMessages, aMissingFieldThatMustBeThereIsRefused) {
+TEST(HostileMessages, aMissingRequiredFieldIsRefused) {
   EXPECT_EQ(refusalOf<Opened>(craft([](FlatBufferBuilder& b) {
               const auto start = b.StartTable();
               return flatbuffers::Offset<wire::Opened>(b.EndTable(start));
@@ -249,7 +249,7 @@ Bytes requestWith(uint8_t action, uint8_t request_class, uint32_t request, float
   });
 }
 
-TEST(HostileMessages, aRequestThatCannotBeIsRefused) {
+TEST(HostileMessages, anInvalidRequestIsRefused) {
   EXPECT_NO_THROW(decode<Requests>(requestWith(2, 2, 1, 0)));
   EXPECT_EQ(refusalOf<Requests>(requestWith(3, 0, 1, 0)), ErrorCode::kProtocol);
   EXPECT_EQ(refusalOf<Requests>(requestWith(0, 3, 1, 0)), ErrorCode::kProtocol);
@@ -264,7 +264,7 @@ TEST(HostileMessages, anErrorWithACodeThatIsUnknownIsTakenAsInternal) {
   }
 }
 
-TEST(HostileMessages, versionsThatAreNoRangeAreRefused) {
+TEST(HostileMessages, anInvalidVersionRangeIsRefused) {
   EXPECT_EQ(refusalOf<Hello>(bodyOf(Hello{0, 1, 0, "", ""})), ErrorCode::kProtocol);
   EXPECT_EQ(refusalOf<Hello>(bodyOf(Hello{3, 2, 0, "", ""})), ErrorCode::kProtocol);
   EXPECT_EQ(refusalOf<Welcome>(bodyOf(Welcome{0, 0, 0, ""})), ErrorCode::kProtocol);

@@ -24,18 +24,18 @@ Message roundTrip(const Message& message) {
   return decode<Message>(bodyOf(encode(message, 5)));
 }
 
-TEST(Messages, eachDecodesToWhatWasEncoded) {
+TEST(Messages, decodeToTheEncodedMessage) {
   test::forEachSample([](const auto& message) { EXPECT_EQ(roundTrip(message), message); });
 }
 
-TEST(Messages, requestsDecodeIntoWhatHeldOthersBefore) {
+TEST(Messages, decodeRequestsIntoAReusedObject) {
   Requests into{7, std::vector<RequestChange>(3)};
   const Bytes frame = encode(Requests{2, {{RequestAction::kAdd, RequestClass::kMargin, 4, 5, 1.5f}}}, 0);
   decodeInto(std::span(frame).subspan(kFrameHeaderBytes), into);
   EXPECT_EQ(into, (Requests{2, {{RequestAction::kAdd, RequestClass::kMargin, 4, 5, 1.5f}}}));
 }
 
-TEST(Messages, eachDecodesWhenEveryFieldIsAtItsDefault) {
+TEST(Messages, decodeWithEveryFieldAtItsDefault) {
   EXPECT_EQ(roundTrip(Hello{}), Hello{});
   EXPECT_EQ(roundTrip(Welcome{}), Welcome{});
   EXPECT_EQ(roundTrip(Models{}), Models{});
@@ -46,7 +46,7 @@ TEST(Messages, eachDecodesWhenEveryFieldIsAtItsDefault) {
   EXPECT_EQ(roundTrip(Ping{}), Ping{});
 }
 
-TEST(Messages, aSummaryWithoutTexturesComesBackWithoutThem) {
+TEST(Messages, decodeASummaryWithoutTextures) {
   ModelSummary summary = sampleSummary();
   summary.textures = {};
   EXPECT_EQ(roundTrip(Opened{1, summary}).summary, summary);
@@ -64,7 +64,7 @@ TEST(Messages, theFrameAnnouncesItsBodyTypeAndCall) {
 }
 
 /// The example exchange of docs/protocol.md, from which others write clients.
-TEST(Messages, theBytesInTheDocumentAreThoseThatAreSent) {
+TEST(Messages, haveTheDocumentedBytes) {
   const auto hex = [](const Bytes& bytes) {
     std::string text;
     for (const std::byte byte : bytes) {
@@ -111,7 +111,7 @@ TEST(Messages, aFullBatchOfRequestsFitsInAFrame) {
   EXPECT_EQ(roundTrip(requests), requests);
 }
 
-TEST(Messages, encodeRefusesWhatADecoderWouldRefuse) {
+TEST(Messages, areNotEncodedIfADecoderWouldRefuseThem) {
   EXPECT_THROW(encode(Requests{1, std::vector<RequestChange>(kMaxRequestsPerFrame + 1)}, 0), Error);
   EXPECT_THROW(encode(Models{std::vector<ModelSummary>(kMaxListedModels + 1)}, 0), Error);
   EXPECT_THROW(encode(Open{std::string(256, 'x'), {}}, 0), Error);

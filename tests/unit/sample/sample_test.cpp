@@ -38,7 +38,7 @@ TEST_P(Sample, isAnotherForAnotherSeed) {
   EXPECT_NE(bytes(5).substr(300), bytes(6).substr(300));
 }
 
-TEST_P(Sample, hasTheAttributesAskedFor) {
+TEST_P(Sample, hasTheRequestedAttributes) {
   for (const int bits : {0, 1, 2, 8, 3, 9, 11}) {
     const auto attributes = static_cast<uint8_t>(bits);
     EXPECT_EQ(sampleContent(sampleOf(GetParam(), 5000, attributes)).attributes.bits, attributes);
@@ -52,7 +52,7 @@ TEST_P(Sample, hasTextureCoordinatesFromZeroToOne) {
   }
 }
 
-TEST_P(Sample, isLittleSmallerThanAskedFor) {
+TEST_P(Sample, isHardlySmallerThanRequested) {
   const PlyFolder folder;
   for (const uint64_t asked : {50'000u, 100'000u, 250'000u, 1'000'000u}) {
     const uint64_t made = writeSample(sampleOf(GetParam(), asked, 0, 1, 2), folder.path() / "a.ply");
@@ -86,12 +86,12 @@ TEST_P(Sample, refusesAttributesThatItDoesNotHave) {
 INSTANTIATE_TEST_SUITE_P(Kinds, Sample, testing::Values("asteroid", "gyroid", "terrain"),
                          [](const auto& kind) { return std::string(kind.param); });
 
-TEST(SampleKinds, thatThereAreNotAreRefused) {
+TEST(SampleKinds, areRefusedIfUnknown) {
   EXPECT_EQ(codeOf(sampleOf("teapot", 5000)), ErrorCode::kUsage);
   EXPECT_EQ(codeOf(sampleOf("", 5000)), ErrorCode::kUsage);
 }
 
-TEST(SampleKinds, beginWhereTheySay) {
+TEST(SampleKinds, startAtTheirLeastNumberOfTriangles) {
   EXPECT_EQ(makeAsteroid(kLeastAsteroid, 1, {})->triangles(), kLeastAsteroid);
   EXPECT_EQ(makeGyroid(kLeastGyroid, 1, {})->triangles(), kLeastGyroid);
   EXPECT_EQ(makeTerrain(kLeastTerrain, 1, {})->triangles(), kLeastTerrain);

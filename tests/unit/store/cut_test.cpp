@@ -21,7 +21,7 @@ class CutTest : public testing::Test {
   }
 };
 
-TEST_F(CutTest, coversExactlyOnceHoweverItIsChosen) {
+TEST_F(CutTest, coversTheModelExactlyOnce) {
   for (double error = 0.1; error < 4000; error *= 1.3)
     EXPECT_TRUE(coversExactlyOnce(tree_, cutByError(tree_, error).items)) << error;
   for (uint64_t budget = 0; budget < 900; budget += 7)
@@ -31,7 +31,7 @@ TEST_F(CutTest, coversExactlyOnceHoweverItIsChosen) {
   EXPECT_TRUE(coversExactlyOnce(tree_, leafCut(tree_).items));
 }
 
-TEST_F(CutTest, isNoneWithAPartMissingOrDoubled) {
+TEST_F(CutTest, isInvalidWithAMissingOrDuplicatePart) {
   const std::vector<CutItem> leaves = leafCut(tree_).items;
   std::vector<CutItem> items = leaves;
   items.pop_back();
@@ -56,7 +56,7 @@ TEST_F(CutTest, sumsUpItsTriangles) {
   EXPECT_EQ(leafCut(tree_).triangles, 2u * 24 * 15);
 }
 
-TEST_F(CutTest, byErrorTakesTheCoarsestLodThatIsGoodEnough) {
+TEST_F(CutTest, usesTheCoarsestLodWithinAnError) {
   for (double error = 0.3; error < 2000; error *= 1.7) {
     const Cut cut = cutByError(tree_, error);
     EXPECT_TRUE(cut.converged);
@@ -74,7 +74,7 @@ TEST_F(CutTest, byErrorTakesTheCoarsestLodThatIsGoodEnough) {
   }
 }
 
-TEST_F(CutTest, byErrorHasFewerTrianglesTheMoreErrorIsAllowed) {
+TEST_F(CutTest, hasFewerTrianglesForALargerError) {
   uint64_t last = ~uint64_t{0};
   for (double error = 0.1; error < 4000; error *= 1.1) {
     const Cut cut = cutByError(tree_, error);
@@ -84,13 +84,13 @@ TEST_F(CutTest, byErrorHasFewerTrianglesTheMoreErrorIsAllowed) {
   EXPECT_EQ(last, tree_.node(0).lods.back().triangles);
 }
 
-TEST_F(CutTest, byErrorSaysWhenEvenTheLeavesAreNotGoodEnough) {
+TEST_F(CutTest, reportsIfEvenTheLeavesExceedTheError) {
   const Cut cut = cutByError(tree_, 0);
   EXPECT_FALSE(cut.converged);
   EXPECT_EQ(cut.items, leafCut(tree_).items);
 }
 
-TEST_F(CutTest, byTrianglesKeepsTheBudgetAndUsesIt) {
+TEST_F(CutTest, keepsAndUsesATriangleBudget) {
   const uint64_t coarsest = tree_.node(0).lods.back().triangles;
   for (uint64_t budget = coarsest; budget < 900; budget += 3) {
     const Cut cut = cutByTriangles(tree_, budget);
@@ -101,7 +101,7 @@ TEST_F(CutTest, byTrianglesKeepsTheBudgetAndUsesIt) {
   EXPECT_EQ(cutByTriangles(tree_, 720).items, leafCut(tree_).items);
 }
 
-TEST_F(CutTest, byTrianglesRefinesUntilNoStepFits) {
+TEST_F(CutTest, refinesWithinATriangleBudgetUntilNoStepFits) {
   const auto sum = [&](uint32_t first, uint32_t count) {
     uint64_t triangles = 0;
     for (uint32_t i = first; i < first + count; ++i) triangles += tree_.node(i).lods.back().triangles;
@@ -119,14 +119,14 @@ TEST_F(CutTest, byTrianglesRefinesUntilNoStepFits) {
   }
 }
 
-TEST_F(CutTest, byTrianglesSaysWhenEvenTheCoarsestCutIsTooLarge) {
+TEST_F(CutTest, reportsIfEvenTheCoarsestCutExceedsTheBudget) {
   const Cut cut = cutByTriangles(tree_, tree_.node(0).lods.back().triangles - 1);
   EXPECT_FALSE(cut.converged);
   EXPECT_EQ(cut.items, (std::vector<CutItem>{{0, 1}}));
 }
 
 // Two children: the one with the larger error does not fit, the other one does.
-TEST(CutByTriangles, goesOnWithSmallerStepsWhenTheWorstDoesNotFit) {
+TEST(CutByTriangles, continuesWithSmallerStepsIfTheWorstDoesNotFit) {
   const auto node = [](uint64_t key, uint8_t mask, std::vector<uint32_t> triangles, float error) {
     Node made;
     made.key = {key};
@@ -156,7 +156,7 @@ class CutWithFarLods : public testing::Test {
   NodeTree tree_{model_.nodes};
 };
 
-TEST_F(CutWithFarLods, byTrianglesShowsNothingThatIsWorseThanItsParentWouldBe) {
+TEST_F(CutWithFarLods, showsNoPartWorseThanItsParentWithinATriangleBudget) {
   for (uint64_t budget = tree_.node(0).lods.back().triangles; budget < 900; budget += 3) {
     const Cut cut = cutByTriangles(tree_, budget);
     EXPECT_TRUE(coversExactlyOnce(tree_, cut.items));
@@ -171,7 +171,7 @@ TEST_F(CutWithFarLods, byTrianglesShowsNothingThatIsWorseThanItsParentWouldBe) {
   EXPECT_EQ(cutByTriangles(tree_, 720).items, leafCut(tree_).items);
 }
 
-TEST_F(CutWithFarLods, byErrorKeepsItsPromiseAndAtRandomMeetsThem) {
+TEST_F(CutWithFarLods, staysWithinAnErrorAndUsesFarLodsInRandomCuts) {
   bool takes_spare = false;
   for (double error = 0.3; error < 8000; error *= 1.2) {
     const Cut cut = cutByError(tree_, error);
@@ -186,7 +186,7 @@ TEST_F(CutWithFarLods, byErrorKeepsItsPromiseAndAtRandomMeetsThem) {
   EXPECT_TRUE(takes_spare);
 }
 
-TEST_F(CutTest, atRandomIsTheSameForASeedAndDiffersBetweenSeeds) {
+TEST_F(CutTest, dependsOnlyOnTheSeedIfRandom) {
   std::set<uint64_t> sizes;
   bool mixed_lods = false;
   for (uint64_t seed = 0; seed < 50; ++seed) {

@@ -33,7 +33,7 @@ std::vector<std::array<Corner, 3>> byValue(const Mesh& mesh) {
   return triangles;
 }
 
-TEST(Export, ofTheLeavesIsTheOriginalMeshWithAllAttributes) {
+TEST(Export, givesTheOriginalMeshForTheLeaves) {
   const test::WorkFolder folder;
   const Mesh original = test::makeSphere(24, 16, {.attributes = kEverything, .extent = 4000});
   test::SyntheticModel model = test::makeModel(original);
@@ -63,7 +63,7 @@ TEST(Export, hasNoVertexTwice) {
   }
 }
 
-TEST(Export, ofAnyCutOfAClosedModelIsClosed) {
+TEST(Export, isClosedForAnyCutOfAClosedModel) {
   const test::WorkFolder folder;
   test::SyntheticModel model = test::closedModel(kEverything);
   test::writeStore(folder / "a.lode", model);

@@ -100,7 +100,7 @@ class HostileIndex : public testing::Test {
 #define EXPECT_SAYS(message, words) \
   EXPECT_PRED2([](const std::string& m, const std::string& w) { return m.find(w) != m.npos; }, message, words)
 
-TEST_F(HostileIndex, isFineWhenNothingIsChanged) {
+TEST_F(HostileIndex, isAcceptedUnchanged) {
   EXPECT_EQ(open([](Parts&) {}), "");
   EXPECT_EQ(openWithRootPage([](HierarchyPage&) {}), "");
 }
@@ -175,7 +175,7 @@ TEST_F(HostileIndex, blobsThatNothingUsesAreRefused) {
       "not used");
 }
 
-TEST_F(HostileIndex, rootPagesThatAreNotThereAreRefused) {
+TEST_F(HostileIndex, missingRootPagesAreRefused) {
   EXPECT_SAYS(open([](Parts& p) { p.header.summary.root_page.number = 0; }), "root page");
   EXPECT_SAYS(open([](Parts& p) { p.header.summary.root_page.number = p.header.blobs + 1; }), "root page");
   EXPECT_NE(open([](Parts& p) { p.header.summary.root_page.number = 1; }), "");
@@ -214,7 +214,7 @@ TEST_F(HostileIndex, pagesUsedAsPayloadsAreRefused) {
               "another use");
 }
 
-TEST_F(HostileIndex, textureSetsThatAreNoneAreRefused) {
+TEST_F(HostileIndex, invalidTextureSetsAreRefused) {
   EXPECT_SAYS(open([](Parts& parts) { parts.header.summary.textures.number = parts.header.blobs + 1; }),
               "texture set");
   EXPECT_SAYS(open([](Parts& parts) {

@@ -47,7 +47,7 @@ TEST(Hierarchy, rejectsAMissingRoot) {
   EXPECT_NE(check([](auto& nodes) { nodes.clear(); }), "");
 }
 
-TEST(Hierarchy, rejectsAChildThatTheMaskNamesButIsMissing) {
+TEST(Hierarchy, rejectsAMissingChildOfTheMask) {
   EXPECT_NE(check([](auto& nodes) { nodes.erase(nodes.begin() + 1); }).find("missing"), std::string::npos);
   EXPECT_NE(check([](auto& nodes) { nodes[0].child_mask |= 1; }).find("missing"), std::string::npos);
 }
@@ -65,7 +65,7 @@ TEST(Hierarchy, rejectsNodesOutOfOrderOrTwice) {
   EXPECT_NE(check([](auto& nodes) { nodes.insert(nodes.begin() + 1, nodes[1]); }), "");
 }
 
-TEST(Hierarchy, rejectsKeysThatAreNone) {
+TEST(Hierarchy, rejectsInvalidKeys) {
   EXPECT_NE(check([](auto& nodes) { nodes[3].key = {0b100000}; }), "");
   EXPECT_NE(check([](auto& nodes) { nodes[3].key = {~uint64_t{0}}; }), "");
 }
@@ -95,18 +95,18 @@ TEST(Hierarchy, takesFarLodsWithErrorsAboveTheParents) {
             "");
 }
 
-TEST(Hierarchy, rejectsFarLodsOfTheRootAndMoreThanThereAre) {
+TEST(Hierarchy, rejectsFarLodsOfTheRootAndMoreFarLodsThanLods) {
   EXPECT_NE(check([](auto& nodes) { nodes[0].far_lods = 1; }).find("far LODs"), std::string::npos);
   EXPECT_NE(check([](auto& nodes) { nodes[2].far_lods = 2; }).find("far LODs"), std::string::npos);
   EXPECT_NE(check([](auto& nodes) { nodes[3].far_lods = 1; }).find("far LODs"), std::string::npos);
 }
 
-TEST(Hierarchy, rejectsErrorsThatAreNoNumbers) {
+TEST(Hierarchy, rejectsInvalidErrors) {
   for (const float error : {-1.0f, std::nanf(""), std::numeric_limits<float>::infinity()})
     EXPECT_NE(check([&](auto& nodes) { nodes[3].lods[0].error_model = error; }), "");
 }
 
-TEST(Hierarchy, rejectsLodsThatGrowTowardsTheCoarse) {
+TEST(Hierarchy, rejectsCoarserLodsWithMoreTriangles) {
   EXPECT_NE(check([](auto& nodes) { nodes[0].lods[1].triangles = 101; }), "");
 }
 
@@ -133,7 +133,7 @@ TEST(Hierarchy, rejectsLeavesWithSeveralLodsExceptTheRoot) {
             "");
 }
 
-TEST(Hierarchy, rejectsLockedVerticesThatCannotBe) {
+TEST(Hierarchy, rejectsImpossibleCountsOfLockedVertices) {
   EXPECT_NE(check([](auto& nodes) { nodes[3].lods[0].locked = nodes[3].lods[0].vertices + 1; }), "");
   EXPECT_NE(check([](auto& nodes) { nodes[0].lods[0].locked = 1; }).find("root"), std::string::npos);
 }

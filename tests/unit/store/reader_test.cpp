@@ -12,7 +12,7 @@ namespace {
 
 using test::WorkFolder;
 
-TEST(Reader, givesBackWhatTheWriterWasGiven) {
+TEST(Reader, readsBackTheWrittenModel) {
   const WorkFolder folder;
   test::SyntheticModel model = test::closedModel();
   const ModelSummary written = test::writeStore(folder / "sphere.lode", model);
@@ -31,7 +31,7 @@ TEST(Reader, givesBackWhatTheWriterWasGiven) {
   }
 }
 
-TEST(Reader, givesBackTheBytesOfEveryBlob) {
+TEST(Reader, readsTheBytesOfEveryBlob) {
   const WorkFolder folder;
   test::SyntheticModel model = test::closedModel();
   test::writeStore(folder / "a.lode", model);
@@ -118,7 +118,7 @@ TEST(Reader, rejectsBytesBehindTheEnd) {
   EXPECT_NE(test::messageOf([&] { Reader{path}; }).find("extra bytes"), std::string::npos);
 }
 
-TEST(Reader, namesFileAndRemedyOfWhatIsNoStore) {
+TEST(Reader, namesFileAndRemedyIfAFileIsNoStore) {
   const WorkFolder folder;
   const auto complain = [&](const std::string& name) {
     const std::string message = test::messageOf([&] { Reader{folder / name}; });
@@ -135,7 +135,7 @@ TEST(Reader, namesFileAndRemedyOfWhatIsNoStore) {
   EXPECT_NE(complain("other.lode").find("is not a store"), std::string::npos);
 }
 
-TEST(Reader, saysWhereAFileEndsThatBecameShorterSinceItWasOpened) {
+TEST(Reader, reportsTheEndOfAFileTruncatedAfterOpening) {
   const WorkFolder folder;
   const auto path = folder / "a.lode";
   test::SyntheticModel model = test::smallModel();

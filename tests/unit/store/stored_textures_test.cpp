@@ -33,7 +33,7 @@ TextureSet twoTextures(Writer& writer) {
   return set;
 }
 
-TEST_F(StoredTextures, comeBackWithTheStore) {
+TEST_F(StoredTextures, areReadBackFromTheStore) {
   TextureSet written;
   const ModelSummary summary = write([&](Writer& writer) { return written = twoTextures(writer); });
   const Reader reader(path_);
@@ -58,7 +58,7 @@ TEST_F(StoredTextures, mayShareTiles) {
   EXPECT_EQ(reader.textures().textures[0].tiles, reader.textures().textures[1].tiles);
 }
 
-TEST_F(StoredTextures, whoseTilesAreNotThoseOfTheTableAreRefused) {
+TEST_F(StoredTextures, areRefusedIfTheirTilesDifferFromTheTable) {
   const ModelSummary summary = write(twoTextures);
   // Rewrite the set in place, with the checksums of everything above it.
   std::vector<char> file = test::readFile(path_);
@@ -90,7 +90,7 @@ TEST_F(StoredTextures, whoseTilesAreNotThoseOfTheTableAreRefused) {
             std::string::npos);
 }
 
-TEST_F(StoredTextures, ofTheFormatBeforeThemAreToBeBuiltAgain) {
+TEST_F(StoredTextures, areRefusedInTheOldFormatWithAdviceToRebuild) {
   write({});
   std::vector<char> file = test::readFile(path_);
   file[8] = 1;
@@ -124,13 +124,13 @@ TEST_F(StoredTextures, areDecodedByVerify) {
   EXPECT_EQ(verifyStore(path_).tiles, 3u);
 }
 
-TEST_F(StoredTextures, withTilesThatAreNoImagesAreFoundByVerify) {
+TEST_F(StoredTextures, areRejectedByVerifyIfTilesAreNoImages) {
   write(twoTextures);
   EXPECT_NE(test::messageOf([&] { verifyStore(path_); }).find("texture bark 1.png, level 0, tile 0 0"),
             std::string::npos);
 }
 
-TEST_F(StoredTextures, withTilesOfAnotherSizeAreFoundByVerify) {
+TEST_F(StoredTextures, areRejectedByVerifyIfTilesHaveAnotherSize) {
   write([](Writer& writer) {
     TextureSet set;
     set.textures = {addTexture(writer, "a", gradient(30, 20))};
@@ -151,7 +151,7 @@ std::vector<glm::u8vec4> readPng(const std::filesystem::path& path, glm::uvec2& 
   return texels;
 }
 
-TEST_F(StoredTextures, areRejoinedBesideThePlyByExport) {
+TEST_F(StoredTextures, areExportedAsImagesBesideThePly) {
   write([](Writer& writer) {
     TextureSet set;
     set.uv_scale_exponent = 4;
@@ -190,7 +190,7 @@ bool hasAlphaChannel(const std::filesystem::path& path) {
   return has_alpha;
 }
 
-TEST_F(StoredTextures, areExportedWithAlphaWhereATexelIsClearAndNotForHowTilesArePacked) {
+TEST_F(StoredTextures, areExportedWithAlphaOnlyIfATexelIsClear) {
   const auto clearAt = [](uint32_t clear_x) {
     return test::TextureImages(600, 300, [clear_x](uint32_t x, uint32_t y) {
       return glm::u8vec4(x & 255, y & 255, 0, x == clear_x && y == 299 ? 254 : 255);
@@ -207,7 +207,7 @@ TEST_F(StoredTextures, areExportedWithAlphaWhereATexelIsClearAndNotForHowTilesAr
   EXPECT_TRUE(hasAlphaChannel(folder_ / "cut_clear.png"));
 }
 
-TEST_F(StoredTextures, ofLongNamesAreCutBetweenCharacters) {
+TEST_F(StoredTextures, truncateLongNamesBetweenCharacters) {
   write([](Writer& writer) {
     TextureSet set;
     set.textures = {addTexture(writer, std::string(99, 'x') + "\xc3\xbcy.png", gradient(3, 2))};

@@ -75,7 +75,7 @@ TEST(Writer, changesTheBuildIdWithAnythingInTheStore) {
   EXPECT_NE(test::writeStore(folder / "c.lode", c).build_id, id);
 }
 
-TEST(Writer, countsWhatTheSummarySays) {
+TEST(Writer, countsTheTotalsOfTheSummary) {
   const WorkFolder folder;
   test::SyntheticModel model = test::closedModel();
   const ModelSummary summary = test::writeStore(folder / "a.lode", model);

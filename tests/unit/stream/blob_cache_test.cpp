@@ -49,7 +49,7 @@ class BlobCacheTest : public testing::Test {
   BlobCache cache_{folder_ / "cache", kLimit};
 };
 
-TEST_F(BlobCacheTest, givesWhatItWasGivenToEveryProcess) {
+TEST_F(BlobCacheTest, sharesBlobsBetweenProcesses) {
   keep(1, 5000);
   BlobCache other(folder_ / "cache", kLimit);
   EXPECT_EQ(other.find(refOf(1, 5000)), bytesOf(1, 5000));
@@ -116,7 +116,7 @@ TEST_F(BlobCacheTest, removesTheTemporaryFilesOfProcessesThatDied) {
   EXPECT_FALSE(fs::exists(left));
 }
 
-TEST_F(BlobCacheTest, forgetsWithoutAnErrorWhereTheFolderCannotBeMade) {
+TEST_F(BlobCacheTest, keepsNothingIfItsFolderCannotBeCreated) {
   std::ofstream(folder_ / "file") << "no folder";
   BlobCache cache(folder_ / "file" / "below", kLimit);
   cache.keep(refOf(1, 100), bytesOf(1, 100));
@@ -209,7 +209,7 @@ TEST_F(BlobCacheTest, remembersWhichBuildOfAModelAServerHad) {
   EXPECT_FALSE(cache_.summary({{"host", 7401}, "model"}));
 }
 
-TEST_F(BlobCacheTest, takesADamagedSummaryForNone) {
+TEST_F(BlobCacheTest, ignoresADamagedSummary) {
   const ServedModel model{{"host", 7400}, "model"};
   ModelSummary summary;
   summary.name = "model";

@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 std::vector<std::byte> bytesOf(uint32_t number) { return {3000, static_cast<std::byte>(number)}; }
 BlobRef refOf(uint32_t number) { return {number, 3000, digestOf(bytesOf(number))}; }
 
-TEST(CacheThreadTest, writesWhatItWasGivenBeforeItEnds) {
+TEST(CacheThreadTest, writesAllQueuedBlobsBeforeItEnds) {
   const test::WorkFolder folder;
   {
     CacheThread thread(BlobCache(folder / "cache", 1u << 20), [] {});
@@ -25,7 +25,7 @@ TEST(CacheThreadTest, writesWhatItWasGivenBeforeItEnds) {
     EXPECT_EQ(cache.find(refOf(number)), bytesOf(number)) << number;
 }
 
-TEST(CacheThreadTest, dropsWhatExceedsTheLimitOfUnwrittenBytes) {
+TEST(CacheThreadTest, dropsBlobsAboveTheLimitOfUnwrittenBytes) {
   const test::WorkFolder folder;
   const std::vector<std::byte> bytes(kMaxUnwrittenBytes + 1);
   const BlobRef blob{1, static_cast<uint32_t>(bytes.size()), digestOf(bytes)};

@@ -64,7 +64,7 @@ TEST(DecodePool, takesMoreJobsThanMayWait) {
   EXPECT_EQ(results.waitFor(pool, kMaxWaitingJobs + 100).size(), kMaxWaitingJobs + 100);
 }
 
-TEST(DecodePool, dropsTheJobsThatWaitWhenItEnds) {
+TEST(DecodePool, dropsWaitingJobsWhenItEnds) {
   std::promise<void> first_woke, closed;
   size_t wakes = 0;
   std::thread adder;

@@ -5,7 +5,7 @@
 namespace lode::stream {
 namespace {
 
-TEST(PublishedCuts, areFreedWhenTheyAreLetGoAndNotWhereTheLastIsDropped) {
+TEST(PublishedCuts, areFreedOnReleaseNotByTheirLastUser) {
   PublishedCuts published;
   auto cut = std::make_shared<const core::Cut>();
   const std::weak_ptr<const core::Cut> seen = cut;
@@ -16,7 +16,7 @@ TEST(PublishedCuts, areFreedWhenTheyAreLetGoAndNotWhereTheLastIsDropped) {
   EXPECT_TRUE(seen.expired());
 }
 
-TEST(PublishedCuts, stayWhileSomebodyHasThemHoweverManyFollow) {
+TEST(PublishedCuts, stayWhileInUseHoweverManyFollow) {
   PublishedCuts published;
   auto cut = std::make_shared<const core::Cut>();
   const std::weak_ptr<const core::Cut> seen = cut;
@@ -31,7 +31,7 @@ TEST(PublishedCuts, stayWhileSomebodyHasThemHoweverManyFollow) {
   EXPECT_TRUE(seen.expired());
 }
 
-TEST(PublishedCuts, goWithThePlacesThatTheyAreShownAt) {
+TEST(PublishedCuts, areFreedWithTheCutsOfTheirViews) {
   PublishedCuts published;
   core::ViewCuts places;
   places.all = std::make_shared<const core::Cut>();
