@@ -32,19 +32,19 @@ class ACommandLine : public testing::Test {
   std::string said_;  ///< on stderr
 };
 
-TEST_F(ACommandLine, thatIsWrongSaysWhereTheHelpOfItsCommandIs) {
+TEST_F(ACommandLine, pointsToTheHelpOfItsCommandOnWrongUsage) {
   run({"work", "--slow"});
   EXPECT_EQ(said_, "tool: not known here: --slow: see tool work --help\n");
   EXPECT_EQ(status_, 2);
 }
 
-TEST_F(ACommandLine, withoutACommandSaysWhereTheHelpOfTheProgramIs) {
+TEST_F(ACommandLine, pointsToTheHelpOfTheProgramWithoutACommand) {
   run({});
   EXPECT_NE(said_.find(": see tool --help\n"), std::string::npos) << said_;
   EXPECT_EQ(status_, 2);
 }
 
-TEST_F(ACommandLine, whoseWorkFailsSaysSoOnOneLine) {
+TEST_F(ACommandLine, reportsAFailureInOneLine) {
   run({"work"}, [](int&) { throw Error(ErrorCode::kIo, "the disk\nis full"); });
   EXPECT_EQ(said_, "tool: the disk is full\n");
   EXPECT_EQ(status_, 1);
@@ -57,24 +57,24 @@ TEST_F(ACommandLine, ofAProgramWithRemediesPutsThemInItsWords) {
   EXPECT_EQ(said_, "tool: no token; ask for one\n");
 }
 
-TEST_F(ACommandLine, thatAsksForWhatCannotBeIsUsedWrongly) {
+TEST_F(ACommandLine, exitsWithStatus2OnAUsageError) {
   run({"work"}, [](int&) { throw Error(ErrorCode::kUsage, "it has no camera"); });
   EXPECT_EQ(status_, 2);
 }
 
-TEST_F(ACommandLine, withoutMemorySaysWhatToDo) {
+TEST_F(ACommandLine, advisesWhatToDoWhenOutOfMemory) {
   run({"work"}, [](int&) { throw std::bad_alloc(); });
   EXPECT_EQ(said_, "tool: out of memory: take less\n");
   EXPECT_EQ(status_, 1);
 }
 
-TEST_F(ACommandLine, endsAsItsCommandSays) {
+TEST_F(ACommandLine, exitsWithTheStatusOfItsCommand) {
   run({"work", "--fast"}, [](int& exit_status) { exit_status = 130; });
   EXPECT_EQ(said_, "");
   EXPECT_EQ(status_, 130);
 }
 
-TEST(NumberFrom, takesWhatIsWithinAndNothingElse) {
+TEST(NumberFrom, acceptsOnlyNumbersInItsRange) {
   const CLI::Validator check = numberFrom(0.5, 4);
   for (std::string text : {"0.5", "4", "1e0"}) EXPECT_EQ(check(text), "") << text;
   for (std::string text : {"nan", "-nan", "inf", "0.49", "4.1", "", "two", "1x"})
