@@ -19,10 +19,10 @@
 namespace lode::ingest {
 namespace {
 
-// Magic bytes with the version of the format. Change the version whenever the format of any entry changes.
+// Magic bytes, which end in the format version. Change the version whenever the format of any entry changes.
 constexpr std::array<char, 8> kMagic{'L', 'O', 'D', 'E', 'J', 'N', '0', '6'};
 
-/// Header before the bytes of an entry. The checksum covers the other fields and the bytes.
+/// Precedes the bytes of each entry. The checksum covers the other fields and the bytes.
 struct EntryHeader {
   uint64_t checksum = 0;
   uint64_t number = 0;  ///< sequence number, from 0
@@ -36,7 +36,7 @@ constexpr size_t kCheckedFrom = sizeof(EntryHeader::checksum);
               std::string("cannot ") + what + " " + path.string() + ": " + fileErrorInWords(errno));
 }
 
-/// Reads bytes at an offset. @return false if the file is too short.
+/// Fills `bytes` from the file at `offset`. @return false if the file is too short.
 bool readWhole(int file, const std::filesystem::path& path, uint64_t offset, std::span<std::byte> bytes) {
   const std::optional<size_t> got = readAt(file, offset, bytes);
   if (!got) fail(path, "read");

@@ -11,9 +11,9 @@
 namespace lode::ingest {
 
 /// Record of a build's finished work: a file of entries, each with its length, sequence number and checksum.
-/// Write the data that an entry describes to disk before you call append(); append() returns when the entry
-/// is on disk. A kill can damage only the last entry. open() ignores the first damaged entry and everything
-/// after this entry. Not thread safe.
+/// Sync the data that an entry describes to disk before you call append(), which returns when the entry
+/// itself is on disk. Killing the process can damage only the last entry. open() ignores the first damaged
+/// entry and everything after it. Not thread safe.
 class Journal {
  public:
   static constexpr uint64_t kMaxEntryBytes = 1ull << 33;
@@ -47,9 +47,9 @@ class Journal {
   uint64_t entries_ = 0;
 };
 
-/// Schedules the journal's entries about a stage's progress. The next entry is due when 100 times the
-/// duration of the last entry has passed, so that entries take 1 % of the time on any disk. An entry is due
-/// after at most 10 s, so that a kill loses no more than 10 s of work.
+/// Decides when a build stage writes its next progress entry to the journal. The interval is 100 times the
+/// time that the last entry took to write, so that entries cost about 1 % of the build time. The interval is
+/// at most 10 s, so that a killed build loses at most 10 s of work.
 class CheckpointClock {
  public:
   using Clock = std::chrono::steady_clock;

@@ -13,8 +13,8 @@
 
 namespace lode::ingest {
 
-/// Serializes values in native byte order. Only the same build, or a build that resumes the same build, reads
-/// the bytes.
+/// Serializes values in native byte order. Portability is not needed: only the same build, or a later one
+/// that resumes it, reads the bytes.
 class RecordWriter {
  public:
   template <typename T>
@@ -51,8 +51,8 @@ class RecordWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads the bytes of a RecordWriter. Compares every length with the remaining bytes before it allocates.
-/// All functions throw Error kFormat.
+/// Reads what a RecordWriter wrote. Checks every length against the remaining bytes before it allocates
+/// memory. All functions throw Error kFormat.
 class RecordReader {
  public:
   explicit RecordReader(std::span<const std::byte> bytes) : left_(bytes) {}

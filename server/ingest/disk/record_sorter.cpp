@@ -58,7 +58,8 @@ bool RecordSorter::later(uint32_t a, uint32_t b) const noexcept {
   return std::pair(runs_[a]->key, a) > std::pair(runs_[b]->key, b);
 }
 
-/// Sorts parts in parallel. The thread of the part with the lowest keys reports progress.
+/// Sorts a range of order_ on several threads. Only the calling thread, which sorts the smallest keys,
+/// reports progress.
 void RecordSorter::sortOn(unsigned threads, size_t begin, size_t end, const Progress& progress,
                           uint64_t total) {
   if (threads < 2 || end - begin <= 2 * kPieceRecords) return sortPieces(begin, end, progress, total);
@@ -76,7 +77,7 @@ void RecordSorter::sortOn(unsigned threads, size_t begin, size_t end, const Prog
   sortOn(lower_threads, begin, middle, progress, total);
 }
 
-/// Sorts in pieces, to report progress between the pieces.
+/// Sorts a range of order_ piece by piece, and reports progress after each piece.
 void RecordSorter::sortPieces(size_t begin, size_t end, const Progress& progress, uint64_t total) {
   const auto at = [this](size_t index) { return order_.begin() + static_cast<ptrdiff_t>(index); };
   if (end - begin > kPieceRecords) {
@@ -166,8 +167,8 @@ std::optional<RecordSorter::Record> RecordSorter::nextOfMemory() {
 
 std::optional<RecordSorter::Record> RecordSorter::nextOfRuns() {
   const auto order = [this](uint32_t a, uint32_t b) { return later(a, b); };
-  // The run of the last returned record is still on top of the heap, so that the record stays valid until
-  // this call.
+  // Advance the run of the last returned record only now, because that invalidates the record. The run is
+  // still on top of the heap.
   if (top_given_) {
     std::pop_heap(heap_.begin(), heap_.end(), order);
     if (runs_[heap_.back()]->advance(record_bytes_)) {

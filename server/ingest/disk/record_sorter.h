@@ -15,20 +15,20 @@
 
 namespace lode::ingest {
 
-/// External merge sort of fixed-size records by a 64-bit key. The sort is stable, so that the result does not
-/// depend on the memory budget. Records that fit in memory are not written to disk. One file contains all
-/// sorted runs, one after the other. Call all functions from one thread. Source: Knuth, The Art of Computer
+/// External merge sort of fixed-size records by a 64-bit key. The sort is stable, so the result does not
+/// depend on the memory budget. Records that fit in memory are not written to disk; otherwise one file holds
+/// all sorted runs, one after another. Call all functions from one thread. Source: Knuth, The Art of Computer
 /// Programming 3, 5.4.1.
 class RecordSorter {
  public:
   using Progress = std::function<void(uint64_t done, uint64_t total)>;
 
-  /// @param memory_bytes  memory for records before a run is written, and for the buffers of the merge.
+  /// @param memory_bytes  memory for the records of one run, and later for the buffers of the merge.
   /// @param runs  file for the runs; the sorter creates the file only if the records do not fit in memory.
   RecordSorter(size_t record_bytes, uint64_t memory_bytes, TemporaryFile runs, unsigned threads = 1);
   ~RecordSorter();
 
-  /// Reserves memory for a number of records, at most for one run.
+  /// Reserves memory for `records` records, but for no more than one run holds.
   void reserve(uint64_t records);
   void push(uint64_t key, std::span<const std::byte> record);
   uint64_t size() const noexcept { return size_; }
@@ -38,20 +38,20 @@ class RecordSorter {
   size_t runCount() const noexcept { return runs_.size(); }
   /// Writes the records in memory as a run.
   void spill(const Progress& progress = {});
-  /// Syncs the runs to disk and records their ends.
+  /// Syncs the runs to disk and writes their end offsets to `record`.
   void save(RecordWriter& record);
-  /// Restores the runs that save() recorded. Call restore() before the first push().
+  /// Restores the runs whose end offsets save() wrote. Call restore() before the first push().
   /// @throws Error kIo, kFormat.
   void restore(RecordReader& record);
 
   /// Ends the input; next() then returns the records in order.
-  /// @param progress  function that receives the progress of sorting and of writing the records that are in
+  /// @param progress  receives the progress of sorting, and perhaps writing, the records that are still in
   /// memory.
   void finish(const Progress& progress = {});
 
   struct Record {
     uint64_t key = 0;
-    std::span<const std::byte> bytes;  ///< valid until the next call
+    std::span<const std::byte> bytes;  ///< valid until the next call of next()
   };
   std::optional<Record> next();
 
@@ -79,12 +79,12 @@ class RecordSorter {
   uint64_t temporary_bytes_ = 0;
   std::vector<std::byte> held_;
   std::vector<Order> order_;
-  std::atomic<size_t> sorted_ = 0;  ///< sorted elements of order_, for progress
+  std::atomic<size_t> sorted_ = 0;  ///< number of sorted elements of order_, for progress
   size_t next_held_ = 0;
   bool top_given_ = false;
   std::optional<Spool> spool_;  ///< all runs; closed after the last record
   std::vector<std::unique_ptr<Run>> runs_;
-  std::vector<uint32_t> heap_;  ///< heap of runs by (current key, run number), smallest on top
+  std::vector<uint32_t> heap_;  ///< min-heap of run indices, ordered by current key, then by index
 };
 
 }  // namespace lode::ingest

@@ -16,14 +16,14 @@ struct TemporaryFile {
   bool lasts = false;
 };
 
-/// A temporary file. Append bytes first, then read them at any offset. The destructor removes the file unless
-/// TemporaryFile::lasts is set. Only one thread at a time can append or flush; readAt() is thread safe after
-/// flush(). All functions throw Error kIo, whose message names a full disk.
+/// A temporary file. Append bytes, call flush(), then read them at any offset. The destructor removes the
+/// file unless TemporaryFile::lasts is set. Only one thread at a time can append or flush; readAt() is thread
+/// safe after flush(). All functions throw Error kIo; the message says so if the disk is full.
 class Spool {
  public:
   /// Creates an empty file. Replaces an existing file.
   explicit Spool(TemporaryFile file);
-  /// Opens a file of an earlier build and truncates the file to `size` bytes. New bytes are appended there.
+  /// Opens the file of an earlier build and truncates it to `size` bytes. append() continues at that offset.
   /// @throws Error kFormat if the file is shorter.
   Spool(TemporaryFile file, uint64_t size);
   ~Spool();
@@ -41,7 +41,7 @@ class Spool {
 
   /// Returns the number of bytes appended so far.
   uint64_t size() const noexcept { return size_; }
-  /// Reads bytes from `offset` on. The bytes must be flushed.
+  /// Fills `bytes` from the file at `offset`. @pre these bytes were flushed.
   void readAt(uint64_t offset, std::span<std::byte> bytes) const;
 
  private:
@@ -51,7 +51,7 @@ class Spool {
   bool lasts_ = false;
   int file_ = -1;
   uint64_t size_ = 0;
-  uint64_t written_ = 0;  ///< number of bytes in the file; the other bytes are in the buffer
+  uint64_t written_ = 0;  ///< number of bytes in the file; the rest are in buffer_
   std::vector<std::byte> buffer_;
 };
 
@@ -60,10 +60,10 @@ class SpoolCursor {
  public:
   SpoolCursor(const Spool& spool, uint64_t begin, uint64_t end, size_t buffer_bytes = 1 << 20);
 
-  /// Returns the offset in the spool of the next byte that take() returns.
+  /// Returns the offset of the next byte that take() will return.
   uint64_t offset() const noexcept { return next_ - (buffer_.size() - used_); }
   bool atEnd() const noexcept { return next_ == end_ && used_ == buffer_.size(); }
-  /// Returns the next bytes, valid until the next call; fewer than `bytes` only at the end.
+  /// Returns the next `bytes` bytes, or fewer at the end of the range. They are valid until the next call.
   std::span<const std::byte> take(size_t bytes);
   template <typename T>
   requires std::is_trivially_copyable_v<T>

@@ -8,15 +8,14 @@
 
 namespace lode::ingest {
 
-/// A folder for temporary files.
 class TemporaryFolder {
  public:
-  /// Creates a new folder in `parent`. The folder and its files are removed by the destructor, or when a
-  /// signal ends the process. @throws Error kIo.
+  /// Creates a new folder in `parent`. The destructor, or a signal that ends the process, removes the folder
+  /// and its files. @throws Error kIo.
   explicit TemporaryFolder(const std::filesystem::path& parent);
 
-  /// Creates or opens a folder at `path`. The folder and its lasting files outlive this object. @throws Error
-  /// kIo, also if other users can write to the folder.
+  /// Opens the folder at `path`, and creates it if it is missing. The folder and the files that lastingFile()
+  /// returns outlive this object. @throws Error kIo, also if other users can write to the folder.
   static TemporaryFolder lasting(std::filesystem::path path);
 
   ~TemporaryFolder();
@@ -24,16 +23,16 @@ class TemporaryFolder {
   TemporaryFolder& operator=(TemporaryFolder&&) = delete;
 
   const std::filesystem::path& path() const noexcept { return path_; }
-  /// Returns a file that the Spool removes.
+  /// Returns a file that its Spool removes.
   TemporaryFile file(std::string_view name) const { return {path_ / name, false}; }
-  /// Returns a file that outlives the Spool if this folder is lasting.
+  /// Returns a file that outlives its Spool if this folder is lasting.
   TemporaryFile lastingFile(std::string_view name) const { return {path_ / name, is_lasting_}; }
 
  private:
   TemporaryFolder() = default;
 
   std::filesystem::path path_;
-  Unfinished unfinished_;  ///< the folder to remove; empty if the folder is lasting
+  Unfinished unfinished_;  ///< lets a signal remove the folder; empty if the folder is lasting
   bool is_lasting_ = false;
 };
 
