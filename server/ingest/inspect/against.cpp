@@ -22,22 +22,23 @@ namespace lode::ingest {
 namespace {
 
 constexpr double kLeastRatio = 0.8;
-/// Among this number of LODs, one may have a stored error below the measured error.
+/// One LOD in this many may have a stored error below the measured error.
 constexpr size_t kLodsOfOneBelow = 100;
 
-/// A corner of a triangle, with the attributes that the file has. Computed normals are 0.
+/// A corner of a triangle, with the attributes that the input file has. A normal that the build computed
+/// counts as 0.
 struct Corner {
   uint64_t position;
   VertexAttributes attributes;
-  uint32_t padding = 0;  // explicit padding, because temporary files contain these bytes too
+  uint32_t padding = 0;  // explicit, so that temporary files contain no uninitialized bytes
 
   bool operator==(const Corner&) const = default;
 };
 
-/// A triangle of the input or of the store.
+/// One side of the comparison: a triangle of the input, or a triangle of the store.
 struct Side {
   std::array<Corner, 3> corners;
-  int64_t balance;  ///< 1 for a triangle of the input, -1 for a triangle of the store
+  int64_t balance;  ///< 1 for the input, -1 for the store; add() sums the balances of equal triangles
 };
 
 class Comparison {
@@ -169,7 +170,8 @@ class Comparison {
     same_key.clear();
   }
 
-  /// Returns LODs that are not copies of the input, spread evenly over the tree in key order.
+  /// Returns the LODs to measure, spread evenly over the tree. Omits LOD 0 of each leaf, which is a copy of
+  /// the input.
   std::vector<LodAt> chooseLods() const {
     std::vector<LodAt> all, chosen;
     for (const Node& node : reader_.nodes()) {

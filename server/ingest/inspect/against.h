@@ -15,7 +15,7 @@ struct AgainstOptions {
   uint64_t memory_bytes = 0;               ///< memory for sorting; 0: defaultMemoryBytes()
   unsigned threads = 0;                    ///< number of threads; 0: one per core
   size_t lods = 0;                         ///< number of LODs to measure, spread evenly over the tree; 0: all
-  uint64_t seed = 1;                       ///< seed that selects LODs and points inside triangles
+  uint64_t seed = 1;                       ///< seed for choosing LODs and points inside triangles
 };
 
 struct AgainstReport {
@@ -28,13 +28,14 @@ struct AgainstReport {
   double median_ratio = 0;
 };
 
-/// Compares a store with its input. Checks that every input triangle with three distinct lattice corners is
-/// in LOD 0 of exactly one leaf, with the same orientation and attributes, and that leaves contain no other
-/// triangles (I1). Checks that the stored error is at least the measured error in 99 % of the LODs, and at
-/// least 0.8 times the measured error in every LOD (I4). Skips bad values of the input like --skip-bad.
-/// Temporary files are about twice as large as the triangle soup.
+/// Compares a store with its input. Checks the invariants I1 and I4 of docs/architecture.md. I1: every input
+/// triangle with three distinct lattice corners is in LOD 0 of exactly one leaf, with the same orientation
+/// and attributes, and leaves contain no other triangles. I4: the stored error is at least the measured error
+/// in 99 % of the LODs, and at least 0.8 times the measured error in every LOD. Skips bad values of the input
+/// as --skip-bad does. Temporary files take about twice the bytes of the input's unindexed triangles
+/// (soupBytes()).
 /// @param progress  one thread at a time calls this function; an exception from it cancels the comparison.
-/// @param witness  receives the point that shows the violation, if the function throws because of I4.
+/// @param witness  if the function throws because I4 is violated, receives a point that shows the violation.
 /// @throws Error kInput or kIo (the input), kFormat (the first difference between store and input, with its
 /// place).
 AgainstReport compareWithInput(const AgainstOptions& options, const BuildProgress& progress = {},

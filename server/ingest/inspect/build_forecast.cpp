@@ -15,34 +15,35 @@
 namespace lode::ingest {
 namespace {
 
-/// Number of triangles near the root that a build simplifies on one thread. A build simplifies the nodes near
-/// the root one after another; only measuring and encoding use several threads.
+/// Number of triangles in the nodes near the root, which a build simplifies one after another on one thread.
+/// Only measuring and encoding use several threads there.
 constexpr double kTrianglesOfOneThread = 1e5;
-/// Part of the stages dereference and partition that runs on one thread. Measurements gave a fifth to two
-/// fifths.
+/// Share of the CPU time of the stages `dereference` and `partition` that is spent on one thread. Measured
+/// shares range from 0.2 to 0.4.
 constexpr double kSerialShare = 0.3;
 constexpr uint64_t kTrialTriangles = 400000;
-/// Numbers of stretches to try, in this order. Several stretches represent a model better than a single
-/// stretch, because the cost differs within a model: a lake is cheaper than a mountain. But if the file lists
-/// faces in long rows, several stretches are thin strips, and a single stretch is better.
+/// Numbers of stretches (runs of consecutive faces) to build the trial model from, tried in this order.
+/// Several stretches represent a model better than one, because the cost per triangle varies: a lake is
+/// cheaper than a mountain. But if the file lists its faces in long rows, short stretches are thin strips
+/// with too many border vertices, and one long stretch is better.
 constexpr std::array<uint64_t, 2> kStretches{4, 1};
-/// Largest ratio of the number of a stretch's vertices to its share of the model's vertices. The border makes
-/// the ratio larger than 1. Above this limit, the faces of the stretch are scattered.
+/// Limit for the vertices per face of the trial model, relative to the whole model. Border vertices make the
+/// ratio larger than 1. Above the limit, consecutive faces of the file are not neighbours on the surface.
 constexpr double kMostVerticesOfPart = 1.5;
-/// Time and bytes per triangle of a model much larger than the trial, relative to the trial. A large model
-/// needs less, because the upper levels of its tree take a smaller share.
+/// Time and bytes per triangle of a model much larger than the trial model, relative to the trial model. A
+/// large model needs less, because the upper levels are a smaller share of its tree.
 constexpr double kLargeModelShare = 0.85;
 
-/// Cost per triangle of building a part of the model.
+/// Cost per triangle, measured by building a trial model.
 struct Trial {
-  /// Cost of the stage pack, and the serial share of dereference and partition.
+  /// CPU time of the stage `pack`, and the serial share of `dereference` and `partition`.
   double serial_cpu_seconds = 0;
-  /// Cost of the stage simplify, and the parallel share of dereference and partition.
+  /// CPU time of the stage `simplify`, and the parallel share of `dereference` and `partition`.
   double parallel_cpu_seconds = 0;
   double store_bytes = 0;
 };
 
-/// Writes a sample model in place of a model that has no coherent stretch.
+/// Writes a sample model as the trial model, for a file without coherent stretches; see isCoherent().
 void writeStandIn(const ForecastInput& input, const std::filesystem::path& output) {
   SampleOptions sample;
   sample.kind = "asteroid";
@@ -52,7 +53,7 @@ void writeStandIn(const ForecastInput& input, const std::filesystem::path& outpu
   writeSample(sample, output);
 }
 
-/// Returns true if the faces of the part share vertices about as much as the faces of the whole model.
+/// Returns true if faces share vertices in the part about as often as in the whole model.
 bool isCoherent(const TrialModel& part, const ForecastInput& input) {
   return static_cast<double>(part.vertices) * static_cast<double>(input.faces) <=
          kMostVerticesOfPart * static_cast<double>(input.vertices) * static_cast<double>(part.faces);
@@ -86,8 +87,8 @@ Trial runTrial(const ForecastInput& input) {
   return trial;
 }
 
-/// Returns the peak size of the temporary files, which is the largest of three sums: packed input and sorted
-/// runs; leaves and their input, which stays until the leaves are logged; leaves and payloads.
+/// Returns the peak size of the temporary files. It is the largest of three sums: packed input plus sorted
+/// runs; leaves plus the runs or packed input they are made from; leaves plus payloads.
 uint64_t temporaryBytes(const ForecastInput& input, uint64_t sort_bytes, uint64_t payload_bytes) {
   const uint64_t vertex_bytes =
       packedVertexBytes(vertexAttributes(input.attributes, input.face_attributes), input.double_positions);

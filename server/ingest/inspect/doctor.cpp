@@ -17,7 +17,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Number of problems of each kind that the report describes with their places.
+/// Largest number of defects of each kind that the report lists one by one.
 constexpr uint64_t kShownDefects = 5;
 
 class Doctor {
@@ -58,7 +58,8 @@ class Doctor {
 
   void addProblem(bool is_fatal, const std::string& text) { report_.problems.push_back({is_fatal, text}); }
 
-  /// Calls `work`, and adds an error other than kIo to the problems. @return true if `work` succeeded.
+  /// Calls `work`, and turns an error into a fatal problem, except kIo, which it rethrows. @return true if
+  /// `work` succeeded.
   template <typename Work>
   bool tryTo(Work&& work) {
     try {
@@ -90,7 +91,7 @@ class Doctor {
     }
   }
 
-  /// Decodes an image completely, because the header does not reveal later damage.
+  /// Decodes the whole image, because an intact header may be followed by damaged pixels.
   void decodeImage(TextureImage& image, uint64_t memory_bytes) {
     std::string damage;
     try {
@@ -211,8 +212,8 @@ class Doctor {
          " between faces of opposite orientation; flip faces for correct shading");
   }
 
-  /// Reports a memory budget that is small for the model. Only a build can tell whether the budget suffices
-  /// for the root.
+  /// Warns if the memory budget is small for the model. Only a build can tell whether it suffices for the
+  /// root node.
   void checkMemory() {
     const uint32_t triangles_per_node = BuildOptions().triangles_per_node;
     const std::string words =
@@ -242,7 +243,7 @@ class Doctor {
     try {
       report_.forecast = forecastBuild(input);
     } catch (const Error& error) {
-      // Omit the forecast after kInput: the part of the model has nothing to build.
+      // kInput means that the trial model has no triangle to build. Omit the forecast.
       if (error.code() != ErrorCode::kInput) throw;
     }
   }

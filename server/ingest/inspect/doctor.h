@@ -36,11 +36,11 @@ struct DoctorReport {
   std::optional<PlyHeader> header;  ///< empty if the header is unreadable
   uint64_t file_bytes = 0;
   AttributeSet attributes;
-  /// Counts that a build with --skip-bad would have; if reading failed, the counts up to the failure.
+  /// Counts that a build with --skip-bad would report; if reading failed, the counts up to the failure.
   PlyCounts counts;
   std::vector<std::string> skipped_properties;  ///< properties that a build ignores; see PlyReader
   std::vector<Texture> textures;
-  /// Box of the vertices that faces use, or of all vertices if `topology` is empty.
+  /// Bounding box of the vertices that faces use, or of all vertices if `topology` is empty.
   glm::dvec3 min{0}, max{0};
   std::optional<Topology> topology;  ///< empty if the body is unreadable or has too many vertices to index
   std::vector<Problem> problems;     ///< first few problems of each kind, then the number of further problems
@@ -49,8 +49,8 @@ struct DoctorReport {
   std::optional<BuildForecast> forecast;  ///< present only if the file is readable
 };
 
-/// Examines a PLY file: its content, its problems, and the cost of a build. Uses memory up to the budget, and
-/// two bits per vertex in addition. Topology takes temporary files of about 45 bytes per triangle.
+/// Examines a PLY file: its content, its problems, and the cost of a build. Uses memory up to the budget plus
+/// two bits per vertex. Counting the topology takes temporary files of about 45 bytes per triangle.
 /// @throws Error kIo if the file does not exist. Problems inside the file are in the report.
 DoctorReport examine(const DoctorOptions& options);
 

@@ -12,7 +12,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Keeps the nearest of several points.
+/// Keeps the point nearest to `from` among the points, triangles and edges added.
 class NearestPoint {
  public:
   explicit NearestPoint(glm::dvec3 from) : from_(from) {}
@@ -43,7 +43,7 @@ class NearestPoint {
   glm::dvec3 at_{0};
 };
 
-/// Adds the leaves below a node, or the boundary edges of these leaves.
+/// Adds to `nearest` all triangles of the leaves below a node, or only the boundary edges of these leaves.
 void addLeaves(const store::Reader& reader, NodeKey above, bool only_boundaries, NearestPoint& nearest) {
   store::OpenEdges boundaries;
   for (const Node& node : reader.nodes()) {

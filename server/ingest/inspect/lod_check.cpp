@@ -19,9 +19,9 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Distances below this multiple of the stored error are not measured exactly.
 constexpr float kTolerance = 0.75f;
 constexpr float kReach = 1.25f;  ///< leaves beyond this multiple of the stored error are skipped
-/// A point without a leaf nearby counts as this multiple of the stored error away.
+/// Distance assumed for a point without a leaf within kReach, as a multiple of the stored error.
 constexpr float kBeyond = 1.3f;
-/// Largest number of points per LOD, unless the LOD has more triangles.
+/// Largest number of points per LOD, not counting one point per corner and one per triangle.
 constexpr uint64_t kMostPoints = 20000;
 constexpr float kPointsOfCell = 8;
 constexpr float kMostCells = 32;  ///< largest number of cells along an axis
@@ -54,15 +54,15 @@ glm::dvec3 pointIn(const TriangleCorners& t, Dice& dice) {
   return t[0] + u * (t[1] - t[0]) + v * (t[2] - t[0]);
 }
 
-/// Interface for FarthestInTriangle: distances of one leaf triangle's points from an LOD. Distances above the
-/// tolerance are exact. Threads share the tree and the walk.
+/// The surface that FarthestInTriangle queries: measures how far points of one leaf triangle are from an LOD.
+/// Distances above the tolerance are exact. Several threads may share the tree and the walk.
 class MeasuredTriangle {
  public:
   MeasuredTriangle(const TriangleTree& tree, const SurfaceWalk& walk) : tree_(tree), walk_(walk) {}
 
-  /// @param corners  in lattice steps from the LOD's origin.
+  /// @param corners  corners of the leaf triangle, in lattice steps from the LOD's origin.
   void set(const TriangleCorners& corners) { corners_ = corners; }
-  /// Returns the farthest point of all triangles so far among those above the tolerance.
+  /// Returns the farthest point measured so far on any triangle. Ignores points within the tolerance.
   const FarPoint& farthest() const { return farthest_; }
 
   const PackedTriangle& triangle(uint32_t number) const { return tree_.triangle(number); }
@@ -118,8 +118,8 @@ LodCheck::LodCheck(const Mesh& lod, const LatticeBox& box, float stored_steps, u
 LodCheck::LodCheck(const NodeMesh& lod, const LatticeBox& box, float stored_steps)
     : origin_(box.min), stored_(stored_steps), tree_(lod), walk_(lod) {}
 
-/// Places points at all corners and inside triangles. The number of points in a triangle is at least 1 and
-/// otherwise proportional to the triangle's area.
+/// Places a point at each corner and one inside each triangle, and about `count` more inside triangles, in
+/// proportion to their areas.
 void LodCheck::placePoints(const Mesh& lod, uint64_t count, Dice dice) {
   for (const PositionCode position : lod.positions) points_.emplace_back(unpackPosition(position) - origin_);
   const auto triangleOf = [&](const glm::u32vec3& t) {
@@ -179,7 +179,7 @@ FarPoint LodCheck::farthest() const {
   return farthest;
 }
 
-/// Returns the point of a leaf that is farthest from the LOD among those beyond the tolerance.
+/// Returns the point of a leaf that is farthest from the LOD. Ignores points within the tolerance.
 FarPoint LodCheck::farthestOf(const LeafSurface& leaf) const {
   const float tolerance = kTolerance * stored_;
   MeasuredTriangle surface(tree_, walk_);
@@ -201,7 +201,8 @@ FarPoint LodCheck::farthestOf(const LeafSurface& leaf) const {
   return found;
 }
 
-/// Updates the distances of the LOD's points near a leaf.
+/// Lowers the distances in nearest_ of those points of the LOD that are nearer to this leaf than to earlier
+/// leaves.
 void LodCheck::bringNearer(const LeafSurface& leaf) {
   const glm::dvec3 shift(glm::ivec3(leaf.box.min) - glm::ivec3(origin_));
   const glm::dvec3 size(leaf.box.max - leaf.box.min);
@@ -227,9 +228,9 @@ void LodCheck::bringNearer(const LeafSurface& leaf) {
   }
 }
 
-/// Returns the distance of a point from a leaf; exact between kTolerance times the stored error and `bound`.
-/// @param point  in lattice steps from the leaf's lowest corner. @param last  a triangle at which the search
-/// starts; receives the nearest triangle.
+/// Returns the distance from a point to a leaf; exact between kTolerance times the stored error and `bound`.
+/// @param point  in lattice steps from the minimum of the leaf's box. @param last  the leaf triangle at which
+/// the search starts; receives the nearest triangle.
 float LodCheck::distanceTo(const LeafSurface& leaf, glm::dvec3 point, float bound, uint32_t& last) const {
   const float enough = kTolerance * stored_;
   const glm::vec3 at(point);

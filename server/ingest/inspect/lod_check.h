@@ -30,14 +30,15 @@ class Dice {
   uint64_t state_;
 };
 
-/// The point of an LOD or of the leaves below its node that is farthest from the other surface.
+/// A point of an LOD or of the leaves below its node, and its distance from the other of these two surfaces.
 struct FarPoint {
   double steps = 0;          ///< distance in lattice steps
   glm::dvec3 at{0};          ///< the point in lattice coordinates
-  bool of_lod = false;       ///< the point is on the LOD, not on a leaf
-  bool on_boundary = false;  ///< `steps` is the distance between boundaries
+  bool of_lod = false;       ///< true if the point is on the LOD, false if it is on a leaf
+  bool on_boundary = false;  ///< true if `steps` is the distance from a boundary of the leaves
 
-  /// Replaces this point by another point that is farther, or equally far and smaller by coordinates.
+  /// Replaces this point by `other` if that is farther, or equally far and first in coordinate order. The
+  /// result does not depend on the order of the calls.
   void raiseTo(const FarPoint& other) noexcept;
 };
 
@@ -48,7 +49,7 @@ struct LeafSurface {
   LatticeBox box;
   std::vector<glm::uvec3> positions;
   std::vector<glm::u32vec3> triangles;
-  TriangleTree tree;  ///< tree of the triangles, in lattice steps from the box's lowest corner
+  TriangleTree tree;  ///< tree of the triangles, in lattice steps from the box's minimum
 };
 
 /// Measures the largest distance between an LOD and the leaves below its node, in both directions: from every
@@ -62,10 +63,10 @@ class LodCheck {
 
   /// Compares the LOD with a leaf. Thread safe.
   void add(const LeafSurface& leaf);
-  /// Returns the farthest point; call after adding the last leaf. The distance of this point is at least 3/4
-  /// of the stored error. For a point of the LOD, the distance is exact only up to 1.25 times the stored
-  /// error; for points farther away, the returned distance is at least 1.3 times the stored error. Distances
-  /// are measured in double precision, so that no distance is overestimated.
+  /// Returns the farthest point; call after adding the last leaf. The returned distance is at least 3/4 of
+  /// the stored error, even if no point is that far away. Distances above that are exact, because they are
+  /// measured in double precision, except for a point of the LOD that is farther away than 1.25 times the
+  /// stored error: the returned distance is then between 1.25 and 1.3 times the stored error.
   FarPoint farthest() const;
   double found() const { return farthest().steps; }
 
@@ -81,7 +82,7 @@ class LodCheck {
   const glm::uvec3 origin_;
   const float stored_;
   const TriangleTree tree_;
-  const SurfaceWalk walk_;          ///< walk over the LOD, which speeds up searches in tree_
+  const SurfaceWalk walk_;          ///< walk over the LOD, which makes most searches in tree_ unnecessary
   std::vector<glm::dvec3> points_;  ///< points on the LOD's surface, sorted by cell
   std::vector<std::atomic<float>> nearest_;
   /// Index of each cell's first point; the last element is the number of points.

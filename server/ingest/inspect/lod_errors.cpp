@@ -15,19 +15,19 @@
 namespace lode::ingest {
 namespace {
 
-/// The LODs of one node that are measured. The LODs stay in memory from the node's first leaf to its last
-/// leaf.
+/// The LODs of one node that are to be measured. They are in memory only while the leaves below the node are
+/// read.
 struct NodeCheck {
   const Node* node = nullptr;
   uint64_t original = 0;       ///< number of triangles in the leaves below the node
-  std::vector<size_t> wanted;  ///< index in the returned list, one per LOD
+  std::vector<size_t> wanted;  ///< for each LOD, its index in the list of results
   std::once_flag begun;
   std::vector<std::unique_ptr<LodCheck>> lods;
   BoundaryCheck boundaries;
   std::atomic<size_t> leaves_left = 0;
 };
 
-/// Returns the Morton code of a node's first cell at maximum depth.
+/// Returns the Morton code of the first cell at maximum depth inside a node.
 uint64_t placeOf(NodeKey key) noexcept { return key.value << 3 * (kMaxDepth - key.depth()); }
 
 class Measurement {

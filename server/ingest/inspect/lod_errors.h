@@ -15,10 +15,11 @@ struct LodAt {
   uint32_t lod;
 };
 
-/// Stored error of an LOD in lattice steps, and the point that deviates most.
+/// Stored error of an LOD in lattice steps, and the point where the LOD deviates most from the leaves below
+/// its node.
 struct MeasuredError {
   double stored_steps = 0;
-  /// The farther of LodCheck::farthest() for the surface and BoundaryCheck::farthest() for its boundaries.
+  /// The farther of two points: LodCheck::farthest(), and BoundaryCheck::farthest() for this LOD.
   FarPoint found;
 };
 
@@ -30,9 +31,9 @@ struct LodErrorOptions {
 };
 
 /// Measures the distance between LODs and the leaves below their nodes, independently of the build's samples.
-/// Reads each leaf once for all LODs above the leaf. Keeps in memory one leaf per thread and the LODs above
-/// these leaves.
-/// @param lods  LODs that have triangles. @return one result per LOD, in the order of `lods`.
+/// Reads each leaf once, for all LODs above it. Keeps in memory one leaf per thread and the LODs above these
+/// leaves.
+/// @param lods  the LODs to measure; each has triangles. @return one result per LOD, in the order of `lods`.
 /// @throws Error kIo, kFormat.
 std::vector<MeasuredError> measureLodErrors(const store::Reader& reader, std::span<const LodAt> lods,
                                             const LodErrorOptions& options);

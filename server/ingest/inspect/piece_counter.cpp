@@ -9,7 +9,7 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kNone = UINT32_MAX;
-constexpr uint64_t kVertexBytes = 2 * sizeof(uint32_t);  ///< memory for a vertex's group and anchor
+constexpr uint64_t kVertexBytes = 2 * sizeof(uint32_t);  ///< memory per vertex, for its group and its anchor
 constexpr uint64_t kLeastVertices = 1024;                ///< smallest number of vertices in a range
 
 }  // namespace
@@ -33,7 +33,7 @@ void PieceCounter::join(uint32_t a, uint32_t b) {
   if (a != b) handDown(a, b);
 }
 
-/// Passes a join to the range that contains its higher end: the current range or a lower range.
+/// Passes a join to the range that contains its larger index: the current range or one still to come.
 void PieceCounter::handDown(uint32_t a, uint32_t b) {
   const Join join{std::max(a, b), std::min(a, b)};
   const auto range = static_cast<size_t>(join.high / range_vertices_);
@@ -62,7 +62,7 @@ void PieceCounter::joinInRange(Join join) {
   if (anchor == kNone || other == kNone) {
     ++joins_;
   } else if (anchor != other) {
-    handDown(anchor, other);  // a lower range counts the join
+    handDown(anchor, other);  // a range still to come counts this join
   }
 }
 

@@ -10,19 +10,21 @@
 
 namespace lode::ingest {
 
-/// Counts how many joins between vertices merge two pieces, for any number of vertices in bounded memory.
-/// Processes ranges of vertex numbers one after another, the highest first. When a group of vertices in the
-/// current range is joined to a vertex of a lower range, that vertex becomes the group's anchor. Further
-/// joins of the group to lower vertices become joins of the anchor, which a lower range processes. Not thread
-/// safe. All functions throw Error kIo.
+/// Counts how many joins of two vertices merge two pieces (connected sets of vertices), for any number of
+/// vertices in bounded memory. Processes ranges of vertex indices one after another, from the largest indices
+/// to the smallest. The first time a group of joined vertices in the current range is joined to a vertex in a
+/// range still to come, that vertex becomes the group's anchor. Each further such join becomes a join of the
+/// anchor to the other vertex, and waits for the range that contains the larger of the two indices. Not
+/// thread safe. All functions throw Error kIo.
 class PieceCounter {
  public:
-  /// @param folder  folder for joins of lower ranges. @param memory_bytes  limit; the counter uses at most
-  /// eight bytes per vertex.
+  /// @param folder  folder for the joins that wait for later ranges. @param memory_bytes  limit; the counter
+  /// never needs more than eight bytes per vertex.
   PieceCounter(uint64_t vertices, uint64_t memory_bytes, const TemporaryFolder& folder);
 
   void join(uint32_t a, uint32_t b);
-  /// Counts the joins; call it last. @return number of vertices minus number of pieces.
+  /// Returns the number of joins that merged two pieces: number of vertices minus number of pieces. Call it
+  /// last.
   uint64_t countJoins();
 
  private:
@@ -34,8 +36,8 @@ class PieceCounter {
   void handDown(uint32_t a, uint32_t b);
 
   const uint64_t range_vertices_;
-  size_t range_ = 0;  ///< the current range; higher ranges are done
-  /// Joins of each lower range: the joins whose higher end lies in the range.
+  size_t range_ = 0;  ///< index of the current range; ranges with larger indices are done
+  /// For each range still to come, the joins whose larger index lies in it.
   std::vector<std::unique_ptr<Spool>> lower_;
   Groups groups_{0};               ///< groups in the current range
   std::vector<uint32_t> anchors_;  ///< anchor of each group of the current range, or kNone

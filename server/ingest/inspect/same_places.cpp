@@ -11,7 +11,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Hashes a position; -0 and 0 are equal.
+/// Hashes a position. -0 and 0 have the same hash.
 uint64_t hashOf(glm::dvec3 place) noexcept {
   uint64_t hash = 0;
   for (int axis = 0; axis < 3; ++axis)
@@ -37,7 +37,7 @@ void SamePlaces::add(uint32_t vertex, glm::dvec3 place) {
 uint64_t SamePlaces::find() {
   by_place_->finish();
   RecordSorter by_vertex(sizeof(uint32_t), memory_bytes_ / 4, folder_.file("by-vertex"));
-  std::vector<Placed> of_one_hash;  // vertices with the same hash, usually all at one place
+  std::vector<Placed> of_one_hash;  // first vertex at each place with the current hash; usually one
   uint64_t hash = 0;
   while (const auto record = by_place_->next()) {
     Placed placed;

@@ -24,7 +24,7 @@ class SamePlaces {
   /// earlier vertex.
   uint64_t find();
 
-  /// Returns the first vertex at the position of a given vertex. Pass the given vertices in ascending order.
+  /// Looks up the first vertex at the position of a vertex. Call firstAt() with ascending vertex indices.
   class Cursor {
    public:
     explicit Cursor(const SamePlaces& places);

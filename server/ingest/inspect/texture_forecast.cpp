@@ -13,12 +13,12 @@
 namespace lode::ingest {
 namespace {
 
-/// Number of texels to decode. Images that have fewer texels together are all decoded.
+/// Approximate number of texels to decode. If the images have fewer texels in total, all are decoded.
 constexpr uint64_t kTrialTexels = 64 << 20;
 constexpr uint32_t kTrialTiles = 4;  ///< number of tiles to encode per level
-/// Typical memory of a decoded image, in bytes per texel, without and with the next level.
+/// Typical memory of a decoded image, in bytes per texel: alone, and together with the next coarser level.
 constexpr uint64_t kDecodedTexelBytes = 4, kLevelsTexelBytes = 5;
-/// Typical encoder memory per texel of a tile, measured with photographs and noise.
+/// Typical encoder memory in bytes per texel of a tile, measured with photographs and noise.
 constexpr uint64_t kEncoderTexelBytes = 10, kWebpEncoderTexelBytes = 26;
 
 uint64_t texelsOf(const TextureImage& image) { return image.header.width * image.header.height; }
@@ -108,8 +108,8 @@ uint64_t usualMemory(const TextureImage& image, uint64_t encoder_texel_bytes, ui
   const glm::u64vec2 tile(tileInnerSize(shape, 0, 0, 0));
   const uint64_t at_once = encoderThreads(memory_bytes, image.memoryBytes(), threads) * tile.x * tile.y;
   const uint64_t encoders = encoder_texel_bytes * std::min(at_once, texels);
-  // Exclude the lower levels, which memoryBytes() includes, because the lower levels are made only after the
-  // decoder has freed its memory.
+  // Subtract the coarser levels, which memoryBytes() includes, because they are made only after the decoder
+  // has freed its memory.
   const uint64_t decoding = image.memoryBytes() - 2 * texels;
   const bool is_halved = levelCount(shape) > 1;
   return std::max(decoding, texels * (is_halved ? kLevelsTexelBytes : kDecodedTexelBytes) + encoders);
@@ -126,7 +126,7 @@ TextureForecast forecastTextures(std::span<const TextureImage> images, uint64_t 
   const uint64_t stride = std::max(all / kTrialTexels, uint64_t{1});
   for (const TextureImage& image : images) {
     if (!image.problem.empty()) continue;
-    // Select the images so that the selected texels are spread evenly.
+    // Choose the images so that the decoded texels are spread evenly over all images.
     const bool is_due = tried * stride <= passed;
     passed += texelsOf(image);
     if (!is_due) continue;

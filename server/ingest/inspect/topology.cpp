@@ -8,8 +8,8 @@
 namespace lode::ingest {
 namespace {
 
-/// The memory has this number of equal parts: for sorting, for a batch of faces, for pieces, and for the
-/// rest.
+/// The memory budget is split into this many equal shares: sorting, a batch of faces, counting pieces, and
+/// everything else.
 constexpr uint64_t kShares = 4;
 
 AttributeSet normalsOf(AttributeSet attributes) noexcept {
@@ -100,8 +100,8 @@ void TopologyCounter::countFace() {
   addEdges();
 }
 
-/// Returns true if the normals of the current face point to its back. Uses the face's own vertices, because
-/// vertices at one position may have different normals.
+/// Returns true if the mean normal of the current face's vertices points to the face's back. Uses the face's
+/// own vertices, because vertices at one position may have different normals.
 bool TopologyCounter::isOpposed() const {
   glm::dvec3 front(0), mean(0);
   for (size_t c = 0; c < face_.size(); ++c) {

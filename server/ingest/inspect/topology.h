@@ -21,7 +21,8 @@ namespace lode::ingest {
 /// Topology of a file's faces. As in a build, vertices at exactly the same position count as one vertex,
 /// except in the numbers of duplicate and unused vertices.
 struct Topology {
-  /// Number of vertices at the position of an earlier vertex. Skipped vertices have the position 0.
+  /// Number of vertices at the position of an earlier vertex. Vertices that were skipped because they are bad
+  /// count as being at the origin.
   uint64_t duplicate_vertices = 0;
   uint64_t unused_vertices = 0;     ///< vertices that no face uses
   uint64_t flat_faces = 0;          ///< faces with fewer than three distinct positions
@@ -29,7 +30,7 @@ struct Topology {
   uint64_t non_manifold_edges = 0;  ///< edges that three or more faces use
   uint64_t misoriented_edges = 0;   ///< edges that two faces use in the same direction
   uint64_t pieces = 0;              ///< connected sets of faces; faces are connected if they share a vertex
-  /// Faces whose mean vertex normal points to the back of the face.
+  /// Number of faces with a mean vertex normal that points to the back of the face.
   uint64_t opposed_faces = 0;
   /// Triangles that would vanish on the lattice that a build chooses; see LostTriangles.
   uint64_t lost_triangles = 0;
@@ -43,8 +44,8 @@ struct Topology {
 /// Not thread safe. All functions throw Error kIo.
 class TopologyCounter {
  public:
-  /// @param folder  folder for temporary files. @param attributes  the file's attributes; only normals
-  /// matter.
+  /// @param folder  folder for temporary files. @param attributes  the file's attributes; only kNormal
+  /// matters.
   /// @param double_positions  true if floats are not precise enough for the positions. @param memory_bytes
   /// approximate limit.
   TopologyCounter(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
@@ -52,7 +53,7 @@ class TopologyCounter {
 
   void addVertices(std::span<const PlyVertex> vertices);
   void addFaces(const PlyFaces& faces);
-  /// Call once, after all vertices and faces. @pre at most 2^32 vertices.
+  /// Counts the topology. Call once, after adding all vertices and faces. @pre at most 2^32 vertices.
   Topology count();
 
  private:
@@ -76,7 +77,7 @@ class TopologyCounter {
   const uint64_t memory_bytes_;
   PackedInput input_;
   SamePlaces places_;
-  RecordSorter edges_;  ///< all edges of faces; the key contains both ends, the record the direction
+  RecordSorter edges_;  ///< all edges of faces: the key contains both vertices, the record the direction
   std::optional<PieceCounter> pieces_;
   std::optional<VertexSet> used_;            ///< first vertices of the positions that faces use
   std::optional<LostTriangleCounter> lost_;  ///< empty if there is no suitable lattice

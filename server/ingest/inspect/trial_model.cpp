@@ -122,11 +122,11 @@ class TrialWriter {
   PlyReader reader_;
   AtomicFile file_;
   const AttributeSet attributes_;
-  uint64_t period_ = 1;           ///< number of the file's faces per stretch
-  uint64_t first_ = 0, end_ = 0;  ///< range of faces within each period that the part contains
+  uint64_t period_ = 1;           ///< the file has one stretch in every `period_` faces
+  uint64_t first_ = 0, end_ = 0;  ///< range of the stretch's faces within each period
   uint64_t seen_ = 0;
   PlyFaces faces_;              ///< faces of the stretches
-  std::vector<uint64_t> used_;  ///< vertices of these faces, sorted
+  std::vector<uint64_t> used_;  ///< indices of the vertices that faces_ uses, sorted
 };
 
 }  // namespace

@@ -7,15 +7,16 @@
 
 namespace lode::ingest {
 
-/// Size of the written part.
+/// Size of the model that writeTrialModel() wrote.
 struct TrialModel {
   uint64_t vertices = 0;
   uint64_t faces = 0;
 };
 
-/// Writes a part of a model as a PLY without textures, to estimate the cost of the whole model. Divides the
-/// file into equal parts and writes a stretch of consecutive faces from the middle of each part, with the
-/// faces' vertices and attributes. Skips bad values. Keeps the stretches in memory and reads the file twice.
+/// Writes a part of a model as a PLY file without texture images, to estimate the cost of the whole model.
+/// Divides the input's faces into `stretches` equal ranges and writes a stretch of consecutive faces from the
+/// middle of each range, with their vertices and attributes. Skips bad values. Keeps the stretches in memory
+/// and reads the input twice.
 /// @param faces      approximate number of faces in all stretches together; a model with fewer faces is
 /// written as a whole.
 /// @param stretches  number of stretches, from 1 to `faces`.
