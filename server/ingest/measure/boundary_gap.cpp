@@ -15,19 +15,18 @@ namespace {
 
 constexpr float kMargin = 1.001f;  ///< factor that covers rounding errors
 constexpr float kBoundaryPrecision = 1.02f;
-constexpr float kNegligible = 0.25f;  ///< smallest distance in lattice steps that matters; floats are no
-                                      ///< more precise
-/// Parts of an edge below this length are not divided; in lattice steps.
+/// In lattice steps; smaller distances do not matter, because floats are no more precise.
+constexpr float kNegligible = 0.25f;
+/// Parts of an edge are not divided if they are at most this long, in lattice steps.
 constexpr float kShortestPart = 0.5f;
-constexpr size_t kFewBoundaries = 16;     ///< up to this number of boundaries, a search tests each of them
-constexpr size_t kManyBoundaries = 4096;  ///< number of boundaries that is enough to measure an edge
-/// The boundary edges at one position are compared with about kBoundariesOfPlace boundaries in total. Each
-/// edge is compared with at least kLeastBoundaries, and with kManyBoundaries if few edges meet at the
-/// position.
+constexpr size_t kFewBoundaries = 16;     ///< up to this number of boundaries, keepNear() does not pay off
+constexpr size_t kManyBoundaries = 4096;  ///< number of references that suffices to measure an edge
+/// All boundary edges at one position together are compared with about kBoundariesOfPlace references. Each
+/// edge gets an equal share, but at least kLeastBoundaries and at most kManyBoundaries.
 constexpr size_t kBoundariesOfPlace = 16384, kLeastBoundaries = 64;
 
-/// A reference and the positions of the simplified mesh to which its two ends map: `place` for one end,
-/// `other` for the other end.
+/// The index of a reference (a boundary edge of the original, see ReferenceBoundary), and the positions of
+/// the simplified mesh that its ends map to: `place` for one end, `other` for the other.
 struct Meeting {
   uint32_t place, other, reference;
 };
@@ -39,8 +38,8 @@ float squaredDistance(glm::vec3 point, std::span<const Segment> boundaries) noex
   return squared;
 }
 
-/// Returns an upper bound of the squared distance of a part's points from the boundaries. The distance from
-/// one boundary is convex, so it is largest at an end of the part.
+/// Returns an upper bound on the squared distance from any point of `part` to its nearest boundary. The
+/// distance to one boundary is convex along the part, so it is largest at one end of the part.
 float squaredBound(const Segment& part, std::span<const Segment> boundaries) noexcept {
   float squared = std::numeric_limits<float>::infinity();
   for (const Segment& boundary : boundaries)
@@ -49,14 +48,14 @@ float squaredBound(const Segment& part, std::span<const Segment> boundaries) noe
   return squared;
 }
 
-/// Lower and upper bound of the largest squared distance.
+/// Bounds on the largest squared distance.
 struct Farthest {
   float reached = 0;  ///< largest squared distance measured
-  float at_most = 0;  ///< upper bound of the largest squared distance
+  float at_most = 0;  ///< upper bound on the largest squared distance
 };
 
-/// Moves to the front of `boundaries` all boundaries that can be nearest to some point of a part. @return
-/// number of the moved boundaries.
+/// Moves to the front of `boundaries` all those that may be the nearest to some point of `part`.
+/// @return their number.
 size_t keepNear(const Segment& part, std::span<Segment> boundaries) {
   const glm::vec3 middle = (part.from + part.to) / 2.f;
   const float reach = std::sqrt(squaredDistance(middle, boundaries)) + glm::distance(part.from, part.to);
@@ -66,12 +65,12 @@ size_t keepNear(const Segment& part, std::span<Segment> boundaries) {
   return static_cast<size_t>(far - boundaries.begin());
 }
 
-/// Measures a segment's largest distance from the boundaries by bisection. Skips parts that cannot exceed
-/// `farthest`.
+/// Raises `farthest` to the segment's largest distance from the boundaries, which it finds by bisection.
+/// Skips parts that cannot be farther away.
 void measureSegment(const Segment& segment, std::span<Segment> boundaries, Farthest& farthest) {
   struct Part {
     Segment segment;
-    size_t near;  ///< number of boundaries to search, from the front of the list
+    size_t near;  ///< number of boundaries, from the front of the list, that may be nearest
   };
   std::vector<Part> parts{{segment, boundaries.size()}};
   for (const glm::vec3 end : {segment.from, segment.to})
@@ -109,8 +108,8 @@ class MeetingBoundaries {
     });
   }
 
-  /// Collects at most about `most` references at both ends of an edge. Prefers references that map to the
-  /// edge or to one of its ends.
+  /// Collects the references with an end that maps to an end of the edge, about `most` of them per end. If
+  /// there are more, takes those with both ends on the edge, or any if there are none.
   void gather(glm::u32vec2 ends, size_t most, std::vector<Segment>& boundaries) const {
     boundaries.clear();
     for (const uint32_t place : {ends.x, ends.y}) {
@@ -125,8 +124,8 @@ class MeetingBoundaries {
     }
   }
 
-  /// Collects references as gather() does, then adds references at neighbouring positions. A position is a
-  /// neighbour if a reference connects it to an end of the edge. Stops at about `most` references.
+  /// Collects references as gather() does, then adds references at positions next to the edge: those that a
+  /// reference connects to one of its ends. Stops at about `most` references.
   void gatherAround(glm::u32vec2 ends, size_t most, std::vector<Segment>& boundaries) const {
     gather(ends, most, boundaries);
     for (const uint32_t place : around(ends, most)) {
@@ -161,8 +160,8 @@ class MeetingBoundaries {
     }
   }
 
-  /// Returns the positions that share a reference with an end, except the ends. Looks at about `most`
-  /// references of each end.
+  /// Returns the positions that a reference connects to an end of the edge, except the ends themselves. Looks
+  /// at about `most` references per end.
   std::vector<uint32_t> around(glm::u32vec2 ends, size_t most) const {
     std::vector<uint32_t> places;
     for (const uint32_t end : {ends.x, ends.y}) {
@@ -180,7 +179,8 @@ class MeetingBoundaries {
   std::vector<Meeting> meetings_;
 };
 
-/// Returns the images of the input's boundary edges in the simplified mesh, sorted.
+/// Maps the input's boundary edges to the simplified mesh. Returns the resulting edges, sorted; omits edges
+/// that vanished or collapsed.
 std::vector<glm::u32vec2> imagesOfBoundaries(const SimplifiedMesh& simplified, const LodInput& input) {
   std::vector<glm::u32vec2> images;
   for (const glm::u32vec2 boundary : input.boundaries()) {

@@ -21,18 +21,19 @@ namespace lode::ingest {
 struct MeasuredPoint {
   glm::vec3 at;
   float distance;     ///< distance from the triangle; never less than the distance from the surface
-  uint32_t triangle;  ///< number of the triangle in the surface
+  uint32_t triangle;  ///< index of the triangle in the surface
 };
 
-/// Measures the largest distance of a triangle's points from a surface, to 2 %. Divides the triangle into
-/// parts, at points where the nearest triangle of the surface changes. A part needs no further cut if one of
-/// these conditions holds: one triangle of the surface is close to all corners of the part, and so to the
-/// whole part, because the distance from a triangle is convex; the part is so small that its size bounds the
-/// distance; or the part results from kMostCuts cuts.
-/// Source: Tang, Lee & Kim, Interactive Hausdorff Distance Computation for General Polygonal Models, 2009,
-/// for the bounds of a part.
-/// @tparam Surface  has `PackedTriangle triangle(uint32_t)` and `MeasuredPoint measure(glm::vec3, uint32_t
-/// hint, float tolerance)`, whose distance is exact unless it is at most `tolerance`.
+/// Measures the largest distance from a triangle's points to a surface, to 2 %. Divides the triangle into
+/// parts, near points where the nearest triangle of the surface changes. Stops dividing a part after
+/// kMostCuts cuts, or if the whole part is known to be within limit(). That is known if one triangle of the
+/// surface is within limit() of all corners of the part, because the distance from a triangle is convex; if a
+/// chain of triangles covers the part, see isBoundedByChains(); or if the part is so small that no point is
+/// much farther away than a corner. Source: Tang, Lee & Kim, Interactive Hausdorff Distance Computation for
+/// General Polygonal Models, 2009, for the bounds of a part.
+/// @tparam Surface  has `PackedTriangle triangle(uint32_t)`, SurfaceWalk's `chainAlong()`, and `MeasuredPoint
+/// measure(glm::vec3, uint32_t hint, float tolerance)`, whose distance is exact unless it is at most
+/// `tolerance`.
 template <typename Surface>
 class FarthestInTriangle {
  public:
@@ -84,15 +85,15 @@ class FarthestInTriangle {
     int cuts;
   };
 
-  /// A new point at which a part is cut. Contains the distances of the point from the triangles at the part's
-  /// corners, and the distances of these corners from the triangle at the point.
+  /// The point at which a part is cut, the distances from the point to the triangles nearest to the part's
+  /// corners, and the distances from these corners to the triangle nearest to the point.
   struct Meeting {
     MeasuredPoint point;
     std::array<float, 3> of_point, of_corners;
   };
 
-  /// Returns true if the triangle at one corner is close to all corners. Tests the triangles of the corners
-  /// one after another, and stops at the first success.
+  /// Returns true if the triangle nearest to one of the corners is within limit() of all corners. Fills
+  /// part.from one triangle after another, and stops at the first success.
   bool isBoundedByOneTriangle(Part& part) const {
     const auto& [a, b, c] = part.corners;
     if (a.triangle == b.triangle && b.triangle == c.triangle) {
@@ -125,7 +126,7 @@ class FarthestInTriangle {
                                     surface_.triangle(c.triangle), of_point)
                           .squaredDistances({point.at, point.at, point.at, a.at});
     Meeting meeting{point, {}, {}};
-    // Number of the corner that has the same triangle as the point; 3 if there is no such corner.
+    // Index of a corner that has the same nearest triangle as the point; 3 if no corner has.
     size_t same = 3;
     for (size_t by = 0; by < 3; ++by) {
       if (part.corners[by].triangle == point.triangle) same = by;
@@ -141,7 +142,7 @@ class FarthestInTriangle {
     return meeting;
   }
 
-  /// Replaces a corner of a part by a point.
+  /// Returns a copy of the part with one corner moved to the cut point.
   static Part withMiddle(const Part& part, const Meeting& meeting, size_t corner) {
     Part cut = part;
     cut.corners[corner] = meeting.point;
@@ -175,7 +176,7 @@ class FarthestInTriangle {
     return high + kFromCorners * longest <= limit();
   }
 
-  /// Returns true if the triangle at corner `by` is close to all corners.
+  /// Returns true if the triangle nearest to corner `by` is within limit() of all corners.
   bool isNear(const Part& part, size_t by) const {
     return std::max({part.from[0][by], part.from[1][by], part.from[2][by]}) <= limit();
   }
@@ -185,12 +186,13 @@ class FarthestInTriangle {
            (part.cuts > 0 && (isBoundedBySize(part.corners) || isBoundedByChains(part.corners)));
   }
 
-  /// Returns true if a chain of the surface's triangles is close to the whole part. The chain leads from the
-  /// triangle at one corner, past the third corner, to the triangle at another corner. Each edge of the chain
-  /// must be close to the two sides of the part that the edge crosses. The points between two neighbouring
-  /// edges are then close too, because the distance from a triangle is convex. If a part lies above a vertex
-  /// of the surface, no single chain covers the part. The function then uses three chains, one along each
-  /// side, which divide the part at one point.
+  /// Returns true if a chain of neighbouring triangles of the surface is within limit() of the whole part.
+  /// The chain follows one side of the part, from the triangle nearest to one end to the triangle nearest to
+  /// the other, and passes a triangle near the third corner. Each edge between two triangles of the chain
+  /// must be within limit() of the two sides of the part that it crosses. All points between two successive
+  /// edges are then within limit() too, because the distance from a triangle is convex. A part above a vertex
+  /// of the surface has no such chain. The function then divides the part at a point near the vertex into
+  /// three triangles, one at each side, and covers each with the chain along that side.
   bool isBoundedByChains(const Corners& corners) const {
     const size_t first = firstSide(corners);
     std::array<TriangleChain, 3> along;
@@ -214,7 +216,7 @@ class FarthestInTriangle {
     return true;
   }
 
-  /// Returns the point of a part that is nearest to the vertex that the chains surround.
+  /// Returns the point of a part that is nearest to the vertex of the surface around which the chains lead.
   static glm::vec3 pointNearVertex(const Corners& corners, const std::array<TriangleChain, 3>& along) {
     const TriangleChain& longest = *std::max_element(
         along.begin(), along.end(),
@@ -236,8 +238,8 @@ class FarthestInTriangle {
     return nearest;
   }
 
-  /// Chooses the side whose chain most likely covers the part: a side that starts or ends at the third
-  /// corner's triangle; without such a side, the first side.
+  /// Chooses the side whose chain most likely covers the part: a side with an end that has the same nearest
+  /// triangle as the third corner. Returns 0 if there is none.
   static size_t firstSide(const Corners& corners) {
     for (size_t k = 0; k < 3; ++k) {
       const auto& [from, to, third] = cornersFrom(corners, k);
@@ -246,8 +248,9 @@ class FarthestInTriangle {
     return 0;
   }
 
-  /// Walks along a chain of triangles, up to the point's triangle or a triangle close to the point. Returns
-  /// the number of crossed edges. If the chain has no such triangle, returns a number above edge_count.
+  /// Returns the number of edges of the chain that precede the triangle nearest to the point or, if the chain
+  /// lacks that triangle, the first triangle within the limit of the point. Returns a number above edge_count
+  /// if the chain has neither.
   size_t edgesBefore(const TriangleChain& chain, const MeasuredPoint& point, float limit_squared) const {
     for (size_t i = 0; i <= chain.edge_count; ++i)
       if (chain.triangles[i] == point.triangle) return i;
@@ -275,7 +278,7 @@ class FarthestInTriangle {
     return true;
   }
 
-  /// Chooses the edge whose ends are nearest to the most different triangles.
+  /// Chooses the edge whose ends are farthest from each other's nearest triangles.
   static size_t edgeToCut(const Distances& from) {
     const auto parting = [&](size_t k) { return from[k][(k + 1) % 3] + from[(k + 1) % 3][k]; };
     size_t most = 0;
@@ -284,8 +287,8 @@ class FarthestInTriangle {
     return most;
   }
 
-  /// Returns the position on an edge that is equally far from the triangles at both ends, if distances were
-  /// linear.
+  /// Returns where to cut edge k, as a share of its length: at the point that is equally far from the
+  /// triangles nearest to its two ends, assuming that distances change linearly.
   static float whereToCut(const Distances& from, size_t k) {
     const size_t to = (k + 1) % 3;
     const float of_from = from[k][to] - from[k][k], of_to = from[to][k] - from[to][to];
@@ -296,9 +299,9 @@ class FarthestInTriangle {
   static constexpr uint32_t kNoTriangle = ~0u;
   static constexpr int kMostCuts = 24;
   static constexpr float kPrecision = 1.02f;
-  /// Largest distance of a point from its nearest corner, relative to the longest edge.
+  /// Largest distance from a point of a triangle to the nearest corner, relative to the longest edge.
   static constexpr float kFromCorners = 0.5773503f;
-  static constexpr float kLeastShare = 0.125f;  ///< a cut keeps at least this share of an edge on each side
+  static constexpr float kLeastShare = 0.125f;  ///< a cut leaves at least this share of the edge on each side
 
   const Surface& surface_;
   const float tolerance_;

@@ -34,7 +34,7 @@ std::vector<Plane> planesOf(const NodeMesh& mesh) {
   return planes;
 }
 
-/// Estimates the largest distance between a triangle and an LOD. The estimate is usually too large.
+/// Estimates the largest distance from a triangle of the input to an LOD. The estimate is usually too large.
 class TriangleEstimate {
  public:
   TriangleEstimate(const NodeMesh& lod, const LodSurface& surface)
@@ -48,9 +48,10 @@ class TriangleEstimate {
   }
 
  private:
-  /// Compares each end of a side with the LOD's plane at the other end of the side. If the LOD's triangles at
-  /// the ends do not touch, the LOD may have a gap between them, and both planes may pass through the gap;
-  /// then the triangles count instead of their planes.
+  /// Estimates how far a side is from the LOD: measures from each end to the plane of the LOD triangle
+  /// nearest to the other end, and takes the smaller distance. If these two triangles do not touch, the LOD
+  /// may have a gap between them through which both planes pass. The function then measures to the triangles
+  /// instead of their planes.
   float distanceOfSide(const MeasuredPoint& from, const MeasuredPoint& to) const {
     const float of_planes = std::min(std::abs(planes_[to.triangle].height(from.at)),
                                      std::abs(planes_[from.triangle].height(to.at)));
@@ -75,8 +76,8 @@ class TriangleEstimate {
   const std::vector<Plane> planes_;
 };
 
-/// Measures each position of the input; a distance is exact if it may exceed `lower_bound`. Raises
-/// `lower_bound` to the largest distance.
+/// Measures the distance from each position of the input to the LOD. A distance need not be exact if it is at
+/// most `lower_bound`. Raises `lower_bound` to the largest distance.
 std::vector<MeasuredPoint> measurePositions(const SimplifiedMesh& lod, const NodeMesh& input,
                                             const LodSurface& surface,
                                             std::span<const SurfaceWalk::Place> places, float& lower_bound) {
@@ -102,11 +103,11 @@ FarthestOfInput farthestOfInput(const SimplifiedMesh& lod, const NodeMesh& input
   const std::vector<MeasuredPoint> beside = measurePositions(lod, input, surface, places, lower_bound);
   const TriangleEstimate estimate(lod.mesh, surface);
   FarthestInTriangle farthest(surface, lower_bound, lower_bound);
-  uint32_t corner = 0;  // corner that belongs to the triangle with the farthest point
+  uint32_t corner = 0;  // a corner of the triangle that contains the farthest point
   for (const glm::u32vec3& t : input.triangles) {
     const MeasuredPoint &a = beside[input.wedge_position[t.x]], &b = beside[input.wedge_position[t.y]],
                         &c = beside[input.wedge_position[t.z]];
-    // Skip a triangle whose farthest point is a corner.
+    // If all corners have the same nearest triangle, a corner is the farthest point.
     if (a.triangle == b.triangle && b.triangle == c.triangle) continue;
     const std::array<MeasuredPoint, 3> corners{a, b, c};
     if (estimate(corners) <= kRefineAboveInInput * farthest.precision()) continue;

@@ -12,14 +12,15 @@ namespace lode::ingest {
 
 struct FarthestOfInput {
   float steps = 0;
-  /// The farthest point, if this point lies inside a triangle. Its `near` is a corner of the triangle.
+  /// The farthest point, unless it is a position of the input. Its `near` is a corner of the triangle that
+  /// contains it.
   std::optional<SurfaceSample> inside;
 };
 
-/// Returns the largest distance of an input mesh from an LOD that was made from it, in lattice steps, to 2 %.
-/// Measures only triangles that may contain the farthest point, according to the distances of their corners
-/// and the planes of the LOD near the corners. (LodCheck measures all triangles; boundaryGap() covers points
-/// that are far along a boundary.)
+/// Returns the largest distance from a point of an input mesh to an LOD that was made from it, in lattice
+/// steps, to 2 %. Measures only triangles that may contain the farthest point, judging by the distances of
+/// their corners and by the planes of the LOD near the corners. (LodCheck measures all triangles;
+/// boundaryGap() compares the boundaries.)
 /// @param surface  the LOD's surface.
 /// @param places  for each position of the input, its place on the LOD; see placesOn().
 /// @param lower_bound  the function ignores smaller distances. @return at least lower_bound.

@@ -12,13 +12,13 @@ namespace {
 
 /// A triangle whose distance exceeds this share of the largest distance so far is sampled finely.
 constexpr float kRefineAboveInLod = 0.8f;
-// LODs up to these sizes are sampled with more steps per edge in the first pass. Such an LOD has large
-// triangles, which may hide larger distances, and few of them, so that more steps cost little.
+// LODs with at most this many triangles get more steps per edge in the first pass. Their triangles are large
+// and may hide larger distances between two samples, and so few that more steps cost little.
 constexpr size_t kVeryFewTriangles = 256, kFewTriangles = 1024;
 constexpr uint32_t stepsAtFirst(size_t triangles) {
   return triangles <= kVeryFewTriangles ? 8 : triangles <= kFewTriangles ? 4 : 2;
 }
-constexpr float kManySteps = 1.5f;  ///< number of steps per length of an input edge
+constexpr float kManySteps = 1.5f;  ///< number of steps per input edge in the second pass
 constexpr uint32_t kMostSteps = 24;
 constexpr uint32_t kMostStarts = 64;
 
@@ -90,8 +90,8 @@ class Measurement {
     return exact;
   }
 
-  /// Returns the input position on a triangle that is nearest to `point`, or `near` if that position is
-  /// nearer.
+  /// Returns the position of the input where a walk to `point` should start: the nearest to `point` among
+  /// `near` and some of the positions that lie on the triangle.
   uint32_t startFor(glm::vec3 point, size_t triangle, uint32_t near) const {
     const std::vector<PositionCode>& positions = input_.mesh().positions;
     const auto squaredDistance = [&](uint32_t position) {
@@ -115,19 +115,19 @@ class Measurement {
     return {mesh_.wedge_position[t.x], mesh_.wedge_position[t.y], mesh_.wedge_position[t.z]};
   }
 
-  /// Samples a triangle, divided into `steps` along each edge. @return the largest distance.
+  /// Samples a triangle on a grid with `steps` steps along each edge. @return the largest distance.
   float sample(size_t triangle, uint32_t steps) {
     const glm::u32vec3 at = cornersOf(triangle);
     float high = std::max({of_vertex_[at.x], of_vertex_[at.y], of_vertex_[at.z]});
     for (int k = 0; k < 3; ++k) high = std::max(high, sampleEdge({at[k], at[(k + 1) % 3]}, triangle, steps));
-    if (steps < 3) return high;  // the triangle has no inner points
+    if (steps < 3) return high;  // the grid has no points inside the triangle
     forEachPoint(at, steps, [&](glm::vec3 point, bool is_inside, uint32_t& near) {
       if (is_inside) high = std::max(high, measureOn(triangle, point, near, kRefineAboveInLod * largest_));
     });
     return high;
   }
 
-  /// Samples an edge of a triangle, unless the edge was sampled with the second triangle of the edge.
+  /// Samples an edge of a triangle. If the edge was sampled with its other triangle, returns that result.
   float sampleEdge(glm::u32vec2 edge, size_t triangle, uint32_t steps) {
     const uint32_t lower = std::min(edge.x, edge.y), upper = std::max(edge.x, edge.y);
     const auto next = static_cast<uint32_t>(of_edge_.size());
@@ -155,8 +155,9 @@ class Measurement {
     return measure(point, near, tolerance);
   }
 
-  /// Calls visit(point, is_inside, near) for the grid points of a triangle except its corners; each visit
-  /// gets `near` as the previous visit left it.
+  /// Calls visit(point, is_inside, near) for the grid points of a triangle except its corners, row by row.
+  /// Each call receives `near` as it was after the previous point of the row, or after the first point of the
+  /// previous row.
   template <typename Visit>
   void forEachPoint(const glm::u32vec3& corners, uint32_t steps, Visit&& visit) {
     const glm::vec3 a = pointOf(corners.x), b = pointOf(corners.y), c = pointOf(corners.z);
@@ -243,10 +244,10 @@ class EdgeMeasurement {
     process(middle, to, cuts + 1);
   }
 
-  /// Returns true if all points between two points are close to the input. One of two conditions suffices.
-  /// One triangle is close to both ends, and so to all points between, because the distance from a triangle
-  /// is convex. Or a chain of triangles connects the triangles at both ends, and each edge of the chain is
-  /// close to the segment.
+  /// Returns true if the segment between two points is known to be within limit() of the input. One of two
+  /// conditions suffices. Either one triangle is within limit() of both ends, and so of all points between
+  /// them, because the distance from a triangle is convex. Or a chain of neighbouring triangles leads from
+  /// one end to the other, and the segment is within limit() of each edge that two of them share.
   bool isNear(const MeasuredPoint& from, const MeasuredPoint& to) const {
     const float squared = limit() * limit();
     const SurfaceWalk& walk = input_.walk();

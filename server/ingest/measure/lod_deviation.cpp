@@ -13,8 +13,8 @@ namespace {
 // of an LOD, and LODs that deviate in the same direction as their input. kSampleMargin covers dropped
 // samples. docs/benchmarks.md (Errors) has the resulting ratios of stored to measured errors.
 constexpr float kPrecision = 1.021f, kPointMargin = 1.12f, kSampleMargin = 1.1f;
-// Samples do not count in LODs of up to kUntrustedTriangles triangles. From kTrustedTriangles on, they count
-// fully.
+// Samples do not lower the result for LODs of up to kUntrustedTriangles triangles. They have their full
+// effect from kTrustedTriangles triangles on.
 constexpr float kUntrustedTriangles = 4096, kTrustedTriangles = 16384;
 constexpr float kTrustedSampleMargin = 1.3f;
 

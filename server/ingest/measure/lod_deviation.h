@@ -13,7 +13,7 @@
 
 namespace lode::ingest {
 
-/// Places of positions that measuring an LOD needs; see placesOn() and sourcesOf().
+/// An LOD's surface, and which points of the LOD and of its input correspond.
 struct LodPlaces {
   const LodSurface& surface;
   std::span<const SurfaceWalk::Place> of_input;
@@ -27,18 +27,19 @@ struct LodDeviation {
   std::optional<SurfaceSample> farthest;
 };
 
-/// Returns the largest distance between an LOD and the original, in lattice steps. The result is usually too
-/// large. Measures the distance between the LOD and its input in both directions. If the input is not the
+/// Estimates the largest distance between an LOD and the original, in lattice steps. The result is usually
+/// too large. Measures the distance between the LOD and its input in both directions. If the input is not the
 /// original, deviationOfReduced() combines this distance with the input's own deviation.
 /// @param farthest_sample  largest distance of a sample from the LOD.
 LodDeviation lodDeviation(const SimplifiedMesh& lod, const LodInput& input, const LodPlaces& places,
                           float farthest_sample);
 
-/// Returns the deviation of an LOD whose input is already reduced. Adds the input's deviation as an
-/// independent error, because a plain sum would be 2 to 5 times too large. Over many levels, this value also
-/// becomes too large, because an LOD cancels some of its input's deviation. For a large LOD, the function
-/// therefore relies on samples of the original. A large LOD has many places that deviate nearly as much as
-/// its worst place, and some samples are near such places.
+/// Returns the deviation from the original of an LOD whose input is not the original. Combines `from_input`
+/// and `off` as independent errors, by the root of the sum of their squares, because their plain sum would be
+/// 2 to 5 times too large. Over many levels, the root also becomes too large, because an LOD cancels some of
+/// its input's deviation. For a large LOD, the function therefore relies on samples of the original: a large
+/// LOD deviates nearly as much as at its worst place in many other places, and some samples are near one of
+/// them.
 /// @param from_input  distance between the LOD and its input. @param off  deviation of the input from the
 /// original.
 /// @param triangles  number of triangles in the LOD. @return at least each of the three distances.

@@ -29,14 +29,15 @@ struct ReferenceBoundaries {
   float gap_steps = 0;
 };
 
-/// Number of exhaustive searches that cost as much as building a tree.
+/// Largest number of searches that test all triangles of the input. Together they cost as much as building a
+/// TriangleTree, which later searches use.
 constexpr int kMostSearchesOfInput = 32;
 
-/// The mesh from which a node's LODs are made, and to which they are compared. Const functions are thread
-/// safe.
+/// The mesh that a node's LODs are made from and compared with. Const functions are thread safe.
 class LodInput {
  public:
-  /// @param depth  depth of the node; positions that are locked at this depth lie on the node's borders.
+  /// @param depth  depth of the node; positions with a smaller lca_depth (see NodeMesh) lie on the node's
+  /// borders and are locked.
   /// @param off_steps  deviation of the mesh from the original; empty if it is the original.
   /// @param references  references whose `near` are positions of the mesh.
   LodInput(NodeMesh mesh, int depth, std::optional<float> off_steps = {},
@@ -48,14 +49,14 @@ class LodInput {
   float offSteps() const noexcept { return off_steps_.value_or(0); }
   /// Open edges, each a pair of positions, except open edges on the node's borders.
   const std::vector<glm::u32vec2>& boundaries() const noexcept { return boundaries_; }
-  /// Number of references. The given references come first, then the boundary edges that are their own
+  /// Number of references: first those passed to the constructor, then the boundary edges that are their own
   /// reference.
   uint32_t referenceCount() const noexcept {
     return static_cast<uint32_t>(references_.boundaries.size()) + own_;
   }
   ReferenceBoundary reference(uint32_t number) const noexcept;
   float referenceGapSteps() const noexcept { return references_.gap_steps; }
-  /// Returns a search tree of the mesh. The first call builds the tree, because few nodes need one.
+  /// Returns a search tree of the mesh. Only few nodes need one, so the first call builds it.
   const TriangleTree& tree() const;
 
  private:
@@ -69,12 +70,13 @@ class LodInput {
   mutable std::optional<TriangleTree> tree_;
 };
 
-/// Maps both ends of a boundary edge.
+/// Maps both ends of a boundary edge with `remap`. kVanished stays kVanished.
 glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> remap) noexcept;
 
-/// Returns the references of an LOD that replaces its input. These are the input's references, except
-/// vanished references. If there are more than `most` references, the LOD's own boundary edges replace them.
-/// @param boundary_gap_steps  gap of the LOD's boundaries; see boundaryGap()
+/// Returns the references of an LOD that becomes the next input: the references of its own input, without
+/// those whose two ends have vanished. If more than `most` remain, returns none, so that the LOD's boundary
+/// edges become their own references.
+/// @param boundary_gap_steps  gap of the LOD's boundary edges; see boundaryGap().
 ReferenceBoundaries referencesIn(const LodInput& input, std::span<const uint32_t> remap,
                                  float boundary_gap_steps, size_t most);
 

@@ -8,9 +8,10 @@
 
 namespace lode::ingest {
 
-/// Finds distances from an LOD's surface. If a nearby triangle is known, walks from there. Otherwise searches
-/// exactly: the first searches test all triangles, later searches use a tree. Building a tree costs about as
-/// much as fifty searches. Not thread safe.
+/// Measures distances from points to an LOD's surface. Walks from a nearby triangle if one is known.
+/// Otherwise, or if the walk ends too far away, searches all triangles: the first searches test each
+/// triangle, later searches use a tree. Building a tree costs about as much as fifty searches. Not thread
+/// safe.
 class LodSurface {
  public:
   /// @param lod  a mesh with triangles; must outlive this object.
@@ -25,14 +26,15 @@ class LodSurface {
     return walk_.squaredDistance(at, triangle);
   }
 
-  /// Interface for FarthestInTriangle.
+  /// This function and the next two are the interface that FarthestInTriangle needs.
   const PackedTriangle& triangle(uint32_t number) const noexcept { return walk_.triangle(number); }
   bool chainAlong(const Segment& segment, uint32_t first, uint32_t last, float near_squared,
                   TriangleChain& chain) const noexcept {
     return walk_.chainAlong(segment, first, last, near_squared, chain);
   }
   MeasuredPoint measure(glm::vec3 at, uint32_t hint, float tolerance) const;
-  /// Walks from the hint without an exact search, so the returned distance may be larger than the true one.
+  /// Walks from triangle `hint` without an exact search, so the returned distance may be larger than the true
+  /// one.
   MeasuredPoint walkFrom(glm::vec3 at, uint32_t hint, float tolerance) const noexcept;
 
  private:

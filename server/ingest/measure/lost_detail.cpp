@@ -11,13 +11,14 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kColourThreshold = 8;  ///< difference of colours that counts as lost detail, in any channel
-                                       ///< from 0 to 255
-/// Difference of normals that counts as lost detail: the distance between two unit vectors at about 20
-/// degrees.
+/// Larger differences in any colour channel (0 to 255) count as lost detail.
+constexpr float kColourThreshold = 8;
+/// Larger differences between normals count as lost detail. The value is the distance between two unit
+/// vectors about 20 degrees apart.
 constexpr float kNormalThreshold = 0.3473f;
-constexpr float kComputedThreshold = 0.684f;  ///< the same for computed normals, at about 40 degrees
-constexpr double kIgnoredArea = 1.0 / 1024;   ///< share of the LOD's area that is ignored
+constexpr float kComputedThreshold = 0.684f;  ///< the same for computed normals, about 40 degrees apart
+/// Share of the LOD's area, made up of its worst triangles, that is ignored.
+constexpr double kIgnoredArea = 1.0 / 1024;
 
 /// Attributes of a point as floats.
 struct Value {
@@ -26,7 +27,7 @@ struct Value {
   glm::vec2 texture{0};
 };
 
-/// Compares the attributes of the input's positions with the attributes of the LOD at the same places.
+/// Compares the attributes at the input's positions with the attributes of the LOD at the same places.
 class DetailMeter {
  public:
   DetailMeter(const SimplifiedMesh& lod, const NodeMesh& input)
@@ -45,32 +46,33 @@ class DetailMeter {
 
   bool countsAny() const noexcept { return counts_colour_ || counts_normal_ || counts_texture_; }
 
-  /// Adds a position of the input with its wedges. Only the most similar wedge counts, because the point lies
-  /// on one side of a seam.
+  /// Compares a position of the input with the LOD at `place`. Of the position's wedges (its sets of
+  /// attributes, see NodeMesh), only the one most similar to the LOD counts, because `place` lies on one side
+  /// of a seam.
   void add(std::span<const uint32_t> wedges, SurfaceWalk::Place place);
   float size() const;
 
  private:
-  /// Differences found on a triangle.
+  /// Differences found on one triangle of the LOD.
   struct Found {
     glm::vec4 colour{0};  ///< sum of the colour differences
     glm::vec3 normal{0};
     float count = 0;
-    float slide = 0;  ///< largest texture offset, in steps of the texture grid
+    float slide = 0;  ///< largest difference of texture coordinates, in steps of the texture grid
   };
 
   Value valueOf(const VertexAttributes& attributes) const;
   glm::vec3 pointOf(uint32_t wedge) const {
     return glm::vec3(unpackPosition(lod_.positions[lod_.wedge_position[wedge]]));
   }
-  /// Lattice steps per step of the texture grid on a triangle.
+  /// Returns the number of lattice steps per step of the texture grid on a triangle.
   float stretchOf(const glm::u32vec3& t) const;
 
   const NodeMesh& lod_;
   const NodeMesh& input_;
   const bool counts_colour_, counts_normal_, counts_texture_;
   const float normal_threshold_;
-  std::vector<Value> values_;  ///< attributes of each wedge of the LOD
+  std::vector<Value> values_;  ///< attributes of the LOD's wedges
   std::vector<Found> found_;   ///< differences between LOD and input, by triangle of the LOD
 };
 

@@ -8,12 +8,12 @@
 namespace lode::ingest {
 
 /// Returns the size of the colour, normal and texture detail that an LOD has lost against its input, in
-/// lattice steps. The LOD looks right if this size is below one pixel.
+/// lattice steps. The LOD looks right if this size covers less than a pixel on the screen.
 ///
-/// For colours and normals, a triangle counts if the means of the input and of the LOD differ by more than 8
-/// of 255, or by about 20 degrees (40 for computed normals). The size is the square root of the triangle's
+/// For colours and normals, a triangle of the LOD counts if its mean difference from the input exceeds 8 of
+/// 255, or about 20 degrees (40 for computed normals). The size is then the square root of the triangle's
 /// area. For texture coordinates, the size is the distance by which the texture slides over the surface. The
-/// worst thousandth of the area is ignored, so that no single point decides. See
+/// worst thousandth of the LOD's area is ignored, so that no single point determines the result. See
 /// docs/decisions/0024-appearance-error.md.
 /// @param places  for each position of the input, its place on the LOD; see placesOn().
 float lostDetail(const SimplifiedMesh& lod, const NodeMesh& input,

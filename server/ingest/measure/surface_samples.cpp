@@ -11,7 +11,7 @@ namespace {
 
 // Deviations below this share of the largest deviation need not be exact, because they only rank the samples.
 constexpr float kRanks = 0.25f;
-constexpr uint32_t kMostPointsInside = 64;  ///< largest number of inner points per triangle
+constexpr uint32_t kMostPointsInside = 64;  ///< largest number of points inside one triangle
 
 uint64_t hashOf(const SurfaceSample& sample) noexcept { return NumberTable::hash(sample.position.value); }
 
@@ -20,18 +20,19 @@ glm::vec3 pointOf(const NodeMesh& mesh, uint32_t position) noexcept {
   return glm::vec3(unpackPosition(mesh.positions[position]));
 }
 
-/// Returns the barycentric weights of point n in a sequence of points that covers a triangle evenly.
+/// Returns the barycentric weights of two corners for point n of a sequence that covers a triangle evenly.
 /// Source: Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018 (its R2 sequence).
 glm::vec2 sharesOf(uint32_t n) noexcept {
   const glm::vec2 square = glm::fract(static_cast<float>(n) * glm::vec2(0.7548777f, 0.5698403f));
   return square.x + square.y > 1 ? 1.f - square : square;
 }
 
-/// Returns the area per inner point, in units of the mesh's mean triangle area.
+/// Returns the area that gets one point inside a triangle, in units of the mesh's mean triangle area.
 double meansPerPoint(size_t triangles) noexcept { return triangles <= 1024 ? 0.5 : 2; }
 
-/// Replaces distances from walks by exact distances until the largest distance is exact.
-/// @param pointOf  function that returns the point for the number of a distance.
+/// Replaces distances that walks found by exact distances, the largest first, until the largest distance is
+/// exact.
+/// @param pointOf  returns the point that belongs to an index in `distances`.
 template <typename PointOf>
 void confirmLargest(const LodSurface& surface, std::vector<float>& distances, PointOf&& pointOf) {
   std::vector<uint32_t> order(distances.size());

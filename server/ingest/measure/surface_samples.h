@@ -17,25 +17,27 @@ struct SurfaceSample {
   PositionCode position;
   /// Distance from the current mesh; too large by at most a quarter of the mesh's largest deviation.
   float deviation = 0;
-  uint32_t near = kVanished;  ///< position of the current mesh to which the point maps, or a nearby position
-                              ///< if the latter has no triangles
+  /// Position of the current mesh that the point maps to, or a nearby position if that one has no triangles
+  /// left.
+  uint32_t near = kVanished;
 };
 
-/// Thins out samples to `capacity`, without changing their order. For each position, keeps the sample with
-/// the largest deviation among the samples near it, so that every piece of the mesh has a sample. Fills the
-/// remaining capacity with the other samples of the largest deviations.
+/// Thins out samples to `capacity`, without changing their order. Of all samples with the same `near`, always
+/// keeps the one with the largest deviation, so that every piece of the mesh has a sample. Fills the
+/// remaining capacity with those of the other samples that deviate most.
 /// @param positions  number of positions in the mesh.
 void selectSamples(std::vector<SurfaceSample>& samples, size_t positions, size_t capacity);
 
-/// Adds the positions that are locked in a node's coarsest mesh. Locked positions have never moved, so they
-/// are points of the original, even if all samples near them were dropped. @param depth  depth of the node.
+/// Adds a sample at each locked position of a node's coarsest mesh, that is, at each position on the node's
+/// borders. Locked positions have never moved, so they are points of the original, even if all samples near
+/// them were dropped. @param depth  depth of the node.
 void addLockedPositions(std::vector<SurfaceSample>& samples, const NodeMesh& mesh, int depth);
 
-/// Removes duplicates: among samples with equal `position` and `near`, keeps the sample with the largest
-/// deviation. Sorts the samples by position.
+/// Of all samples with equal `position` and `near`, keeps only the one with the largest deviation. Sorts the
+/// samples by position.
 void dropDuplicates(std::vector<SurfaceSample>& samples);
 
-/// Maps each position of an LOD's input to its place on the LOD; undefined for vanished positions.
+/// Returns, for each position of an LOD's input, its place on the LOD; undefined for vanished positions.
 /// @param walk  a walk over the LOD's mesh.
 std::vector<SurfaceWalk::Place> placesOn(const SimplifiedMesh& lod, const NodeMesh& input,
                                          const SurfaceWalk& walk);
@@ -53,8 +55,8 @@ std::vector<Deviation> deviationsFrom(const SimplifiedMesh& lod, const NodeMesh&
                                       const LodSurface& surface, std::span<const SurfaceWalk::Place> places,
                                       std::span<const SurfaceSample> samples);
 
-/// Returns points inside a mesh's large triangles, because vertices alone would miss deviations there. The
-/// mesh gets one point per two mean triangle areas; a small mesh gets one point per half of the mean area.
+/// Returns points inside a mesh's large triangles, because vertices alone would miss deviations there. A
+/// triangle gets one point per two mean triangle areas, in a small mesh one point per half of the mean area.
 std::vector<SurfaceSample> samplesInside(const NodeMesh& mesh);
 
 }  // namespace lode::ingest

@@ -14,14 +14,15 @@
 namespace lode::ingest {
 namespace {
 
-/// Largest number of triangles around a position of which a walk visits all. Around a position with more
-/// triangles, a walk visits only some, so that a mesh of n triangles around one position does not take a time
-/// of n * n.
+/// Largest number of triangles around a position for which a walk visits all of them. Around a position with
+/// more (a hub), a walk visits only some; otherwise n walks on n triangles around one position would take
+/// time proportional to n * n.
 constexpr uint32_t kMostAround = 256;
-/// Triangles count as being on one side of a position if the squared mean of the directions to them
-/// exceeds this value.
+/// Triangles count as being on one side of a position if the mean direction to them has a squared length
+/// above this value.
 constexpr float kOneSided = 0.01f;
-constexpr uint32_t kSpotsAtOnce = 32;  ///< number of groups of four triangles that visitSome() spreads
+/// Number of groups of four triangles that visitSome() visits per round.
+constexpr uint32_t kSpotsAtOnce = 32;
 
 float squaredLength(glm::vec3 v) noexcept { return glm::dot(v, v); }
 
@@ -34,8 +35,8 @@ float turnOf(float x, float y) noexcept {
 
 glm::vec3 vectorOf(Four four) noexcept { return {four[0], four[1], four[2]}; }
 
-/// Returns the corners of a triangle. The corners are exact, because positions are whole lattice steps in
-/// float.
+/// Returns the corners of a triangle. The sums have no rounding error, because positions are whole lattice
+/// steps.
 std::array<Four, 3> cornersOf(const PackedTriangle& t) noexcept {
   return {t.a(), t.a() + t.ab(), t.a() + t.ac()};
 }
@@ -52,8 +53,8 @@ class TriangleOutline {
 
   Four corner(size_t k) const noexcept { return corners_[k % 3]; }
 
-  /// Returns the edge beyond which a point lies farthest; -1 if the point lies inside all edges. Uses no
-  /// branch in the usual case of a point beyond one edge, because the processor could not predict the branch.
+  /// Returns the edge beyond which a point lies farthest; -1 if the point lies inside all edges. Avoids a
+  /// branch, which the processor could not predict, in the usual case of a point beyond at most one edge.
   /// @param passed_over  edge to ignore, or -1
   int edgeTowards(glm::vec3 point, int passed_over) const noexcept {
     const Four heights = dot(outwards_, FourVectors(point) - starts_);
@@ -175,9 +176,10 @@ SurfaceWalk::Place SurfaceWalk::placeAt(uint32_t position) const noexcept {
   return {first, glm::vec3(glm::equal(corners_[first], glm::u32vec3(position))), 0};
 }
 
-/// Most points project into a triangle around the start, and this triangle usually is the nearest. Another
-/// triangle may be nearer if triangles around the start face in opposite directions, as at the boundary of a
-/// plate.
+/// Returns the point's projection into the nearest of the triangles around a position that it projects into.
+/// Most points project into such a triangle, and it is usually the nearest of all triangles. Returns nothing
+/// if the point projects into none, around a hub, or if the triangles face in opposite directions, as at the
+/// edge of a thin plate, where another triangle may be nearer.
 std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
                                                            uint32_t position) const noexcept {
   float nearest = std::numeric_limits<float>::infinity();
@@ -289,8 +291,8 @@ TriangleTree::Nearest SurfaceWalk::nearestOfAll(glm::vec3 point, TriangleTree::N
   return {best.squared, distance, best.triangle};
 }
 
-/// Returns true if the nearest point of a triangle is inside the triangle, so that its neighbours are farther
-/// away.
+/// Returns true if the point of the triangle that is nearest to `point` lies inside the triangle. Its
+/// neighbours are then usually farther away.
 bool SurfaceWalk::isAbove(glm::vec3 point, uint32_t triangle) const noexcept {
   const std::array<Four, 3> corners = cornersOf(triangles_[triangle]);
   const glm::vec3 a = vectorOf(corners[0]) - point, b = vectorOf(corners[1]) - point,
@@ -324,8 +326,9 @@ void SurfaceWalk::visitAround(glm::vec3 point, uint32_t position, float toleranc
     visitFour(points, i, end, tolerance_squared, best);
 }
 
-/// Visits triangles that are spread over a long list, then more and more closely those around the nearest.
-/// The list is sorted around an axis; see sortAround().
+/// Searches the triangles around a hub, which are sorted around an axis; see sortAround(). The first round
+/// visits groups of four triangles spread over the whole list. Each further round visits groups spread over
+/// the neighbourhood of the nearest group, until the groups adjoin.
 void SurfaceWalk::visitSome(const FourVectors& points, uint32_t begin, uint32_t end, float tolerance_squared,
                             Nearest& best) const noexcept {
   uint32_t first = begin, last = end, stride = end - begin;
@@ -344,8 +347,8 @@ void SurfaceWalk::visitSome(const FourVectors& points, uint32_t begin, uint32_t 
   }
 }
 
-/// Finds a triangle around a position into which the point projects within the tolerance. Most walks end in
-/// this function, which takes a third of the time of full distances.
+/// Finds a triangle around a position that the point projects into and that is within the tolerance. Most
+/// walks end in this function, which takes a third of the time that full distances would take.
 void SurfaceWalk::visitAbove(glm::vec3 point, uint32_t position, float tolerance_squared,
                              Nearest& best) const noexcept {
   if (isHub(position)) return;

@@ -10,10 +10,11 @@ namespace lode::ingest {
 namespace {
 
 constexpr size_t kMostHalvings = 32;  ///< triangle numbers have 32 bits
-/// A fork halves its triangles twice and adds three entries.
+/// Largest number of entries on the search stack. A fork halves its triangles twice, and its four branches
+/// replace its one entry.
 constexpr size_t kMostWaiting = 3 * kMostHalvings / 2 + 1;
 
-/// Returns the estimated number of forks, if every fork divides its triangles into quarters.
+/// Estimates the number of forks in a tree, assuming that every fork divides its triangles into quarters.
 size_t forksOver(size_t triangles) {
   size_t forks = 0;
   for (size_t level = 1; 4 * level < triangles; level *= 4) forks += level;
@@ -39,8 +40,8 @@ TriangleCorners exactly(const PackedTriangle& triangle) {
   return {a, a + vectorOf(triangle.ab()), a + vectorOf(triangle.ac())};
 }
 
-/// Returns a limit for squared distances of boxes. A box above this limit contains no point within
-/// `distance`, even though the distances of boxes have only single precision.
+/// Returns a limit for the squared distances of boxes, which have only single precision. A box above the
+/// limit contains no point within `distance`.
 float squaredReach(double distance) {
   constexpr double kRounding = 1;  // lattice steps; more than the rounding of three coordinates below 2^21
   return static_cast<float>((distance + kRounding) * (distance + kRounding));
@@ -80,8 +81,8 @@ TriangleTree::Branch TriangleTree::buildLeaf(const NodeMesh& mesh, std::span<con
   return {begin | kIsLeaf, box};
 }
 
-/// Partitions at the median along the longest side of the box. @return the size of the first half, which
-/// fills whole leaves.
+/// Partitions triangles at their median along the longest side of the box around their centroids. @return the
+/// size of the first half, a multiple of four, so that the half fills whole leaves.
 size_t TriangleTree::partInHalves(std::span<Middle> middles) {
   glm::vec3 low(middles[0].at), high(low);
   for (const Middle& middle : middles) {
@@ -132,7 +133,7 @@ Four TriangleTree::Fork::squaredDistances(const FourVectors& points) const noexc
   return dot(outside, outside);
 }
 
-/// Visits the leaves whose boxes are nearer than reach(), near ones first.
+/// Visits the leaves that have boxes nearer than reach(), near ones first.
 /// @param reach  returns a squared distance, which may fall with each visit; 0 ends the search.
 /// @param visit  receives the index of the leaf's first triangle in triangles_.
 template <typename Reach, typename Visit>

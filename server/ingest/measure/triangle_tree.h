@@ -38,7 +38,7 @@ class TriangleTree {
   static constexpr float kInfinity = std::numeric_limits<float>::infinity();
   struct Nearest {
     float squared;   ///< squared distance
-    float distance;  ///< distance of the triangle; infinity if the mesh has no triangles
+    float distance;  ///< distance of the triangle; infinite if the mesh has no triangles
     uint32_t triangle;
   };
   static constexpr Nearest kNothing{kInfinity, kInfinity, 0};
@@ -90,7 +90,7 @@ class TriangleTree {
   };
   template <typename Reach, typename Visit>
   void search(const FourVectors& points, const Reach& reach, const Visit& visit) const noexcept;
-  /// @param leaves  number of leaves that the search may visit; receives the number of leaves that are left.
+  /// @param leaves  number of leaves that the search may visit; each visit decrements it.
   Nearest nearestWithin(glm::vec3 point, float tolerance, Nearest bound, uint64_t& leaves) const noexcept;
   Branch build(const NodeMesh& mesh, std::span<Middle> middles);
   static size_t partInHalves(std::span<Middle> middles);
