@@ -11,7 +11,7 @@
 
 namespace lode::ingest {
 
-/// Spreads 21 bits: inserts two zeros after each bit.
+/// Spreads the lowest 21 bits of `x`: inserts two zero bits above each.
 constexpr uint64_t spreadBits(uint64_t x) noexcept {
   x = (x | x << 32) & 0x001f00000000ffffULL;
   x = (x | x << 16) & 0x001f0000ff0000ffULL;
@@ -20,9 +20,10 @@ constexpr uint64_t spreadBits(uint64_t x) noexcept {
   return (x | x << 2) & 0x1249249249249249ULL;
 }
 
-/// Assigns triangles to octree cells. The root cell is a cube at lattice point 0 whose side is the model's
-/// longest extent, so that the first split divides the model for any lattice step. A triangle's code is the
-/// Morton code of the depth-20 cell that contains the triangle's centroid, computed in integers.
+/// Assigns triangles to octree cells. The root cell is a cube with its minimum at lattice point 0 and a side
+/// as long as the model's longest extent, so that the first split divides the model for any lattice step. A
+/// triangle's code is the Morton code of the depth-20 cell that contains the triangle's centroid, computed in
+/// integers.
 class CellGrid {
  public:
   explicit CellGrid(glm::uvec3 extent) noexcept
@@ -39,12 +40,12 @@ class CellGrid {
   uint64_t side_thirds_;
 };
 
-/// Returns the node at a depth that contains a code.
+/// Returns the node at `depth` that contains the cell with the given code.
 constexpr NodeKey cellAt(uint64_t code, int depth) noexcept {
   return {uint64_t{1} << 3 * depth | code >> 3 * (kMaxDepth - depth)};
 }
 
-/// Returns the depth of the deepest node that contains both codes.
+/// Returns the depth of the deepest node that contains the cells with both codes.
 constexpr int commonDepth(uint64_t a, uint64_t b) noexcept {
   return a == b ? kMaxDepth : kMaxDepth - (static_cast<int>(std::bit_width(a ^ b)) + 2) / 3;
 }

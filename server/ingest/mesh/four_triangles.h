@@ -12,7 +12,7 @@ namespace lode::ingest {
 /// A triangle in the memory layout of FourTriangles.
 class PackedTriangle {
  public:
-  /// An empty triangle, whose distance from every point is NaN.
+  /// Makes an empty triangle. Its distance from every point is NaN.
   PackedTriangle() noexcept : a_(fourOf(std::numeric_limits<float>::quiet_NaN())) {}
   PackedTriangle(glm::vec3 a, const TriangleSides& sides) noexcept
       : a_{a.x, a.y, a.z, sides.ab_ab},
@@ -33,7 +33,7 @@ class PackedTriangle {
  private:
   friend class FourTriangles;
 
-  Four a_, ab_{}, ac_{};  ///< the unused last components store the dot products of the sides
+  Four a_, ab_{}, ac_{};  ///< the fourth components hold the dot products of the sides
 };
 
 /// Four triangles for measuring distances with SIMD.
@@ -61,7 +61,8 @@ class FourTriangles {
   const FourVectors& ac() const noexcept { return ac_; }
 
  private:
-  /// Separates vectors from their last components.
+  /// Transposes the first three components of the arguments into `vectors`, and collects the fourth in
+  /// `last`.
   static void part(Four p, Four q, Four r, Four s, FourVectors& vectors, Four& last) noexcept {
     const Four pq_xy = __builtin_shufflevector(p, q, 0, 4, 1, 5),
                rs_xy = __builtin_shufflevector(r, s, 0, 4, 1, 5),

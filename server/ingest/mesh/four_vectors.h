@@ -26,7 +26,7 @@ inline bool anyOf(FourTruths truths) noexcept {
   return (halves[0] | halves[1]) != 0;
 }
 
-/// Returns one bit per lane that is true, the first lane lowest.
+/// Returns a mask with one bit per lane, set if the lane is true; bit 0 belongs to lane 0.
 inline unsigned bitsOf(FourTruths truths) noexcept {
 #ifdef __SSE__
   return static_cast<unsigned>(__builtin_ia32_movmskps(reinterpret_cast<Four>(truths)));

@@ -8,7 +8,8 @@
 
 namespace lode::ingest {
 
-/// Union-find over numbers. The representative of a group is its lowest number. Not thread safe.
+/// Union-find over the numbers from 0 to count - 1. The representative of a group is its smallest number. Not
+/// thread safe.
 class Groups {
  public:
   explicit Groups(size_t count) : towards_(count) { std::iota(towards_.begin(), towards_.end(), 0u); }

@@ -12,9 +12,9 @@
 
 namespace lode::ingest {
 
-/// Calls visit(lower, upper, uses) for each edge of a mesh. `lower` and `upper` are the edge's positions,
-/// `uses` is the number of triangles that have the edge. Visits edges by ascending `lower`; the order of
-/// edges with equal `lower` is unspecified.
+/// Calls visit(lower, upper, uses) for each edge of a mesh. `lower` is the smaller and `upper` the larger
+/// index of the edge's two positions; `uses` is the number of triangles that have the edge. Visits edges by
+/// ascending `lower`; the order of edges with equal `lower` is unspecified.
 template <typename Visit>
 void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
   const auto forEachSide = [&mesh](auto&& visit_side) {
@@ -25,14 +25,14 @@ void forEachEdge(const NodeMesh& mesh, Visit&& visit) {
       visit_side(std::min(c, a), std::max(c, a));
     }
   };
-  // `uppers` contains the upper ends of all edges, grouped by lower end; `begin` contains the first index of
-  // each group.
+  // `uppers` contains the `upper` of each triangle's edges, grouped by `lower`; `begin` contains the first
+  // index of each group.
   std::vector<uint32_t> begin(mesh.positions.size() + 1), uppers(3 * mesh.triangles.size());
   forEachSide([&](uint32_t lower, uint32_t) { ++begin[lower]; });
   uint32_t end = 0;
   for (uint32_t& first : begin) first = end += first;
   forEachSide([&](uint32_t lower, uint32_t upper) { uppers[--begin[lower]] = upper; });
-  // Number of triangles of each edge at the current lower end, indexed by upper end.
+  // Number of triangles of each edge with the current `lower`, indexed by `upper`.
   std::vector<uint32_t> uses(mesh.positions.size());
   for (uint32_t lower = 0; lower < mesh.positions.size(); ++lower) {
     const auto ends = std::span(uppers).subspan(begin[lower], begin[lower + 1] - begin[lower]);

@@ -12,17 +12,17 @@
 namespace lode::ingest {
 
 /// Welds meshes vertex by vertex: merges equal positions, and merges wedges with equal attributes at the same
-/// position. Numbers positions and wedges in order of addition. Use one welder for many leaves, to keep its
+/// position. Numbers positions and wedges in order of addition. Use one welder for many leaves, to reuse its
 /// memory. Not thread safe.
 class MeshWelder {
  public:
   /// @param expected_positions  number of positions for which memory is reserved; the mesh may have more.
   void begin(AttributeSet attributes, size_t expected_positions, size_t expected_triangles);
 
-  /// Adds the wedge of a triangle's corner, unless an equal wedge exists. @return the wedge's number.
+  /// Finds the wedge of a triangle's corner, and adds it if it is new. @return the wedge's number.
   uint32_t addCorner(PositionCode position, uint8_t lca_depth, const VertexAttributes& attributes);
   uint32_t positionOf(uint32_t wedge) const noexcept { return mesh_.wedge_position[wedge]; }
-  /// Skips triangles with two corners at one position.
+  /// Adds a triangle, unless two of its corners are at one position.
   void addTriangle(glm::u32vec3 wedges);
 
   NodeMesh finish() { return std::move(mesh_); }
@@ -33,10 +33,10 @@ class MeshWelder {
   WedgeFinder wedges_;
 };
 
-/// Welds the meshes of several nodes. If the meshes lock a position at different depths, the result has the
-/// smaller depth.
-/// @param remap  receives for each mesh the numbers of its positions in the union. All positions must have
-/// wedges.
+/// Welds the meshes of several nodes into one. A position with different lca_depths in several meshes gets
+/// the smallest.
+/// @param remap  receives one list per mesh, with the number in the result of each position. @pre every
+/// position has a wedge.
 NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<uint32_t>>& remap);
 
 /// Merges equal wedges of each position.

@@ -9,12 +9,13 @@ namespace lode::ingest {
 
 constexpr uint8_t kNeverLocked = 255;
 
-/// Mesh of a node during a build: topology by position, attributes by wedge.
+/// Mesh of a node during a build. A wedge is a position with one set of attributes; a position on a seam has
+/// several wedges.
 struct NodeMesh {
   AttributeSet attributes;
   std::vector<PositionCode> positions;  ///< distinct positions of the mesh
-  /// Depth of the lowest common ancestor of all leaves that share a position; one entry per position. Nodes
-  /// below that depth lock the position. kNeverLocked if one leaf alone has the position.
+  /// For each position, the depth of the lowest common ancestor of all leaves that share it. Deeper nodes
+  /// lock the position: their LODs must not move it. kNeverLocked if only one leaf has the position.
   std::vector<uint8_t> lca_depth;
   std::vector<uint32_t> wedge_position;  ///< position of each wedge
   /// Attributes of each wedge. Wedges of one position have different attributes. Empty if the model has no
@@ -31,7 +32,7 @@ struct SimplifiedMesh {
   NodeMesh mesh;
   std::vector<uint32_t> remap;  ///< maps each position of the input to a position of the mesh, or to
                                 ///< kVanished if that position has lost its last triangle
-  /// True if clustering has made the mesh; clustering may connect separate parts.
+  /// True if the mesh was made by clustering, which may connect separate parts.
   bool is_clustered = false;
 };
 

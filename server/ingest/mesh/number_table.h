@@ -10,7 +10,7 @@
 namespace lode::ingest {
 
 /// Open-addressing hash table from 64-bit keys to 32-bit numbers. Does not support iteration, so results
-/// cannot depend on the order of keys. Use one table for many nodes, to keep its memory.
+/// cannot depend on the order of keys. Use one table for many nodes, to reuse its memory.
 class NumberTable {
  public:
   static constexpr uint32_t kAbsent = UINT32_MAX;

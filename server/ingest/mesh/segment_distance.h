@@ -14,8 +14,8 @@ struct FourSegments {
   FourVectors from, to;
 };
 
-/// Returns the squared distances of four pairs of segments. One segment of a pair may be a point.
-/// Source: Ericson, Real-Time Collision Detection, 2005, 5.1.9.
+/// Returns the squared distance between each segment of `p` and the corresponding segment of `q`. One of the
+/// two may be a point. Source: Ericson, Real-Time Collision Detection, 2005, 5.1.9.
 inline Four squaredDistances(const FourSegments& p, const FourSegments& q) noexcept {
   const FourVectors along_p = p.to - p.from, along_q = q.to - q.from, between = p.from - q.from;
   const Four pp = dot(along_p, along_p), qq = dot(along_q, along_q), pq = dot(along_p, along_q);

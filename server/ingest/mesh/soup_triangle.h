@@ -9,7 +9,8 @@
 
 namespace lode::ingest {
 
-/// A triangle with the positions of its corners and, if the model has attributes, their attributes.
+/// A triangle of the triangle soup, which has no indices: the positions of its corners and, if the model has
+/// attributes, their attributes.
 struct SoupTriangle {
   PositionCode corners[3];
   VertexAttributes attributes[3];

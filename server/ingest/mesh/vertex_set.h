@@ -8,9 +8,9 @@
 namespace lode::ingest {
 
 /// Set of vertex numbers, stored as a bitmap, with at most 2^32 - 1 members. A member's rank is the number of
-/// smaller members. A caller that reads the members' data in one sweep can store the data by rank, without
-/// sorting. The set stores the rank of the first member of each word, so that rank() counts the bits of one
-/// word only.
+/// smaller members. A caller that reads the data of all members in one sweep can index the data by rank,
+/// without sorting. The set stores the rank of the first member of each word, so rank() has to count the bits
+/// of only one word.
 class VertexSet {
  public:
   explicit VertexSet(uint64_t vertices) : words_((vertices + 63) / 64) {}
@@ -29,7 +29,7 @@ class VertexSet {
   uint64_t wordCount() const noexcept { return words_.size(); }
   void clear() { words_.assign(words_.size(), 0); }
 
-  /// Call once when the set is complete, before rank(). @return the number of members.
+  /// Prepares rank(). Call once, when the set is complete. @return the number of members.
   uint32_t countRanks() {
     ranks_.resize(words_.size());
     uint32_t members = 0;

@@ -12,8 +12,8 @@
 
 namespace lode::ingest {
 
-/// Finds the wedges of a position by their attributes, in a time that does not grow with the number of the
-/// position's wedges. The newest wedges of a position form a list; a hash table contains the older wedges.
+/// Finds the wedge of a position that has given attributes, in a time that does not depend on how many wedges
+/// the position has. The newest wedges of a position form a list; a hash table contains the older ones.
 class WedgeFinder {
  public:
   static constexpr uint32_t kNone = UINT32_MAX;
@@ -25,8 +25,8 @@ class WedgeFinder {
   }
   void addPosition() { newest_.push_back(kNone); }
 
-  /// Returns the position's wedge with these attributes, or kNone.
-  /// @param attributes_of  attributes by wedge.
+  /// Returns the position's wedge with these attributes, or kNone. @param attributes_of  the attributes of
+  /// each wedge.
   uint32_t find(uint32_t position, const VertexAttributes& attributes,
                 std::span<const VertexAttributes> attributes_of) const {
     uint32_t wedge = newest_[position];
@@ -39,7 +39,7 @@ class WedgeFinder {
   /// Returns some wedge of the position, or kNone.
   uint32_t any(uint32_t position) const noexcept { return newest_[position]; }
 
-  /// Adds a wedge. @param attributes_of  attributes by wedge; must contain all wedges added before.
+  /// Adds a wedge. @param attributes_of  the attributes of each wedge, at least of those added before.
   void add(uint32_t position, uint32_t wedge, std::span<const VertexAttributes> attributes_of) {
     if (before_.size() <= wedge) before_.resize(wedge + 1, kNone);
     before_[wedge] = newest_[position];
