@@ -5,7 +5,8 @@
 
 namespace lode::ingest {
 
-/// A finished node and the places of its payloads in the spool; the payloads have no blob numbers yet.
+/// A finished node and the places of its payloads in the spool. The node's LODs have no blob numbers yet;
+/// they get them when the store is written.
 struct FinishedNode {
   Node node;
   std::vector<PayloadSpool::Place> payloads;  ///< one place per LOD

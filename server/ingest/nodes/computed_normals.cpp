@@ -42,7 +42,7 @@ struct NormalsByPosition {
   }
 
   bool hasSeveral(uint32_t position) const noexcept { return next[position] != kNoNormal; }
-  /// Returns the number of that normal of a position that is most similar to a direction.
+  /// Returns the number of the position's normal that is most similar to a direction.
   uint32_t mostAlike(uint32_t position, glm::vec3 direction) const noexcept {
     uint32_t best = position;
     for (uint32_t i = next[position]; i != kNoNormal; i = next[i])
@@ -66,7 +66,8 @@ bool hasCreases(const NodeMesh& mesh) {
   return false;
 }
 
-/// Marks the positions of an LOD that several leaves may share and that are unchanged from the input.
+/// Marks the positions of an LOD that keep the input's normals: those that several leaves share and that have
+/// not moved.
 std::vector<bool> positionsThatKeep(const NodeMesh& lod, const NodeMesh& mesh,
                                     std::span<const uint32_t> sources) {
   std::vector<bool> keep(sources.size());
@@ -75,8 +76,8 @@ std::vector<bool> positionsThatKeep(const NodeMesh& lod, const NodeMesh& mesh,
   return keep;
 }
 
-/// Merges the normals on both sides of a crease if its faces now meet below the crease angle. Otherwise
-/// creases that are only noise would divide all coarser LODs.
+/// Merges the normals on both sides of a crease if simplification has flattened the crease below the crease
+/// angle. Otherwise creases that are only noise would divide all coarser LODs.
 void joinSmoothed(NodeMesh& lod, const std::vector<bool>& keep, const CreaseAngle& crease) {
   const NormalsByPosition own(lod);
   const NormalFans fans = findFans(lod, crease);
@@ -93,8 +94,8 @@ void joinSmoothed(NodeMesh& lod, const std::vector<bool>& keep, const CreaseAngl
     lod.wedge_attributes[wedge].normal = own.codes[same.find(own.of_wedge[wedge])];
 }
 
-/// Returns one direction per normal of the LOD: the mean of all input normals that map to the LOD's normal,
-/// or the source position's normal if no input normal does.
+/// Returns one direction per normal of the LOD: the mean of all input normals that map to it, or the normal
+/// at the source position if there are none or they cancel out.
 std::vector<glm::vec3> meansOfMerged(const SimplifiedMesh& lod, const NormalsByPosition& own,
                                      const NormalsByPosition& given, std::span<const uint32_t> sources) {
   std::vector<glm::vec3> means(own.codes.size(), glm::vec3(0));
@@ -138,7 +139,7 @@ std::vector<glm::vec3> sharpened(const SimplifiedMesh& lod, const NormalsByPosit
   return normals;
 }
 
-/// Returns one sum per normal of the LOD: areaNormal() added over the normal's triangles.
+/// Returns for each normal of the LOD the sum of areaNormal() over the triangle corners that use the normal.
 std::vector<glm::i64vec3> sumsOfSurface(const NodeMesh& lod, const NormalsByPosition& own) {
   std::vector<glm::i64vec3> sums(own.codes.size(), glm::i64vec3(0));
   for (const glm::u32vec3& t : lod.triangles) {
@@ -208,7 +209,7 @@ void giveLeafNormals(NodeMesh& mesh, std::span<const BorderVertex> border, const
   const std::vector<uint16_t> normals = normalsOfFans(mesh, fans, border);
   mesh.wedge_attributes.resize(mesh.wedge_position.size());
   std::vector<char> is_given(mesh.wedge_position.size());
-  std::vector<uint32_t> next(mesh.wedge_position.size(), kNoWedge);  // copy of a wedge with another normal
+  std::vector<uint32_t> next(mesh.wedge_position.size(), kNoWedge);  // copy of each wedge with another normal
   for (size_t c = 0; c < fans.of_corner.size(); ++c) {
     const uint16_t normal = normals[fans.of_corner[c]];
     uint32_t& wedge = mesh.triangles[c / 3][static_cast<int>(c % 3)];

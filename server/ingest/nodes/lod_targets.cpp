@@ -10,32 +10,33 @@ namespace lode::ingest {
 namespace {
 
 constexpr int kFineStepDepth = 2;
-/// A node gets fine steps if at least this many node capacities of triangles lie below it.
+/// A node gets fine steps if the leaves below it have at least this many times triangles_per_node triangles.
 constexpr uint64_t kFineStepNodes = 16;
 constexpr size_t kTrianglesPerLocked = 8;
 constexpr size_t kTrianglesPerLockedBelowRoot = 12;
-// Limits above which a node keeps fewer triangles per locked vertex. These limits bound the input of the
-// parent. The bound matters most for the root, whose input takes the most memory. kLargeNodes is in node
-// capacities.
+// Above kLargeNodes * triangles_per_node triangles, or above kLargeTriangles, a node's last LOD keeps only
+// kTrianglesPerLockedOfLarge triangles per locked vertex. This bounds the input of the parent. It matters
+// most for the root: its input takes the most memory.
 constexpr size_t kLargeNodes = 8;
 constexpr size_t kLargeTriangles = 1 << 17;
-/// Least limit for nodes that are not children of the root, in triangles.
+/// Smallest value of that limit for nodes that are not children of the root, in triangles.
 constexpr size_t kLeastLargeTriangles = 1 << 14;
 constexpr size_t kTrianglesPerLockedOfLarge = 4;
-/// A step keeps the triangles at locked vertices, and at least this number times its factor of the others.
+/// A step that reduces by a factor f keeps at least the triangles at locked vertices plus f * kInnerFactor of
+/// the others.
 constexpr double kInnerFactor = 2.0 / 3;
-/// A node gets far LODs if at least this many node capacities of triangles lie below it.
+/// A node gets far LODs if the leaves below it have at least this many times triangles_per_node triangles.
 constexpr uint64_t kFarLodNodes = 8;
-constexpr size_t kFarLodShare = 4;  ///< far LODs end at the node capacity divided by this number
-/// Far LODs end at this number of triangles per locked vertex.
+constexpr size_t kFarLodShare = 4;  ///< far LODs end at triangles_per_node / kFarLodShare triangles
+/// Far LODs end earlier, at this number of triangles per locked vertex, if that is more.
 constexpr size_t kFarLodTrianglesPerLocked = 2;
 
 bool hasMuchBelow(const LodRule& rule) {
   return rule.original_triangles >= kFineStepNodes * rule.triangles_per_node;
 }
 
-/// Returns the triangle count that follows `target`. @param locked  number of the triangles at locked
-/// vertices, among `target`.
+/// Returns the triangle count of the LOD after one with `target` triangles. @param locked  how many of the
+/// `target` triangles are at locked vertices.
 double stepFrom(double target, double locked, double factor) {
   return std::max(factor * target, locked + factor * kInnerFactor * (target - locked));
 }

@@ -22,12 +22,12 @@
 namespace lode::ingest {
 namespace {
 
-/// Largest number of references, per triangle of the node capacity.
+/// A node has at most kReferencesPerTriangle * triangles_per_node references (see ReferenceBoundary).
 constexpr size_t kReferencesPerTriangle = 2;
-/// A node passes one sample to its parent per kTrianglesPerSample triangles of the node capacity, but at
-/// least the number of samples in the next constant.
+/// A node passes up to triangles_per_node / kTrianglesPerSample samples to its parent, or more in a small
+/// node; see the next constants.
 constexpr uint32_t kTrianglesPerSample = 2;
-/// Least number of samples of a node: kSamplesPerTriangle per triangle of the node capacity, but at most
+/// Smallest limit for the number of samples: kSamplesPerTriangle * triangles_per_node, but at most
 /// kSamplesOfSmallNode.
 constexpr uint32_t kSamplesOfSmallNode = 8192, kSamplesPerTriangle = 16;
 
@@ -160,8 +160,8 @@ void NodeBuilder::simplify(NodeMesh mesh, int depth, std::span<const size_t> tar
   (is_cluster ? cluster : collapse)(withoutSmoothNormals(std::move(mesh)), targets, options, sink);
 }
 
-/// Simplifies a node to all its LODs, with no other data in memory. @return the input mesh, followed by the
-/// LODs.
+/// Simplifies a node to all its LODs and stores them on disk, to be measured later. @return the input mesh,
+/// followed by the LODs.
 LodSpool NodeBuilder::spoolLods(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const {
   LodSpool lods_on_disk(folder_.file("lods-" + std::to_string(key.value)));
   SimplifiedMesh input{std::move(mesh), {}};
@@ -232,7 +232,7 @@ void NodeBuilder::reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room
 }
 
 /// Adds far LODs, simplified from the coarsest LOD, which remains the input of the parent. Measures far LODs
-/// like the parent's LODs.
+/// against the coarsest LOD, as the parent's LODs are measured against the parent's input.
 void NodeBuilder::addFarLods(BuiltNode& built, std::span<const size_t> targets) {
   if (targets.empty()) return;
   const int depth = built.node.key.depth();

@@ -56,7 +56,7 @@ struct BuiltNode {
   std::vector<PayloadSpool::Place> payloads;  ///< place of each LOD's payload in the spool
   NodeMesh coarsest;                ///< mesh of the coarsest LOD except far LODs; part of the parent's input
   uint64_t original_triangles = 0;  ///< number of triangles in the leaves below
-  LodError inherited;               ///< largest error of the children's source LODs
+  LodError inherited;               ///< largest error of the children's LODs that form this node's input
   ReferenceBoundaries references;   ///< references whose `near` are positions of `coarsest`
   std::vector<SurfaceSample> samples;  ///< samples whose `near` are positions of `coarsest`; empty in a leaf,
                                        ///< whose vertices serve as samples
@@ -73,13 +73,13 @@ class NodeBuilder {
     AttributeSet attributes;
     uint32_t triangles_per_node = 0;
     Simplifier simplifier = Simplifier::kCollapse;
-    float snap_error_steps = 0;  ///< rounding error of the leaves' vertices
+    float snap_error_steps = 0;  ///< largest distance by which rounding to the lattice moved a vertex
     CreaseAngle crease{180};
   };
   /// Resources for building a node.
   struct Room {
     Helpers& helpers;  ///< threads that measure and encode LODs besides the builder's own thread
-    /// True if the node is large, so that its LODs wait on disk until all are simplified.
+    /// True if the node is large. Its LODs then wait on disk until the last is simplified.
     bool is_tight = false;
   };
   /// @param folder  folder for LODs on disk.

@@ -14,14 +14,15 @@
 namespace lode::ingest {
 
 /// The nodes that a killed build had finished, according to its journal. All nodes below a finished node are
-/// finished too. If a node's parent is not finished, the node's mesh is kept, so that the parent can be
-/// built.
+/// finished too. The file SimplifyLog::kRootFile keeps the mesh of a finished node while the node's parent is
+/// not finished, so that the parent can be built.
 struct FinishedNodes {
   struct Place {
     uint64_t offset = 0, bytes = 0, checksum = 0;
   };
   std::vector<FinishedNode> nodes;
-  /// Roots of the finished subtrees, with the place of the data that the root's parent needs.
+  /// Roots of the finished subtrees, with the place in the root file of the data that the root's parent
+  /// needs.
   std::map<NodeKey, Place> roots;
   uint64_t payload_bytes = 0;  ///< size of the payload file
   uint64_t root_bytes = 0;     ///< size of the root file
@@ -30,8 +31,8 @@ struct FinishedNodes {
   void add(RecordReader& record);
 };
 
-/// Logs finished nodes during simplification: collects the content of an entry, then writes the entry.
-/// Not thread safe, except the functions that are marked as thread safe.
+/// Logs finished nodes in the build's journal during simplification: collects the content of an entry, then
+/// writes the entry. Not thread safe, except the functions that are marked as thread safe.
 class SimplifyLog {
  public:
   /// File with the data that parents of finished subtrees need; the file outlives a killed build.
@@ -63,7 +64,8 @@ class SimplifyLog {
   const Append append_;
   Spool roots_;
   CheckpointClock clock_;
-  CheckpointClock::Clock::time_point began_{};  ///< time at which the current entry began
+  /// Time at which the first node was added to the current entry.
+  CheckpointClock::Clock::time_point began_{};
   uint32_t finished_count_ = 0;
   RecordWriter finished_;
   std::vector<std::pair<NodeKey, FinishedNodes::Place>> new_roots_;

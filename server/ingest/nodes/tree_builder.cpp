@@ -246,10 +246,10 @@ class Scheduler {
     throw Error(ErrorCode::kFormat, "the build journal belongs to another tree; build without --resume");
   }
 
-  /// Logs the nodes from which another build can continue. These are all nodes below a logged node, and inner
-  /// nodes whose parent is not built yet, with the data that the parent needs. Does not log leaves, because a
-  /// continued build rebuilds them. Workers wait for the disk only if they need the node that is being
-  /// written.
+  /// Logs the finished nodes that a resumed build can use: each node with a logged parent, and each inner
+  /// node with a parent that is not built yet, together with the data that the parent needs. A leaf is logged
+  /// only after its parent; until then, a resumed build rebuilds it. Workers wait for the disk only if they
+  /// need the node that is being written.
   void writeLog() {
     std::vector<Finished> finished;
     {
@@ -257,11 +257,7 @@ class Scheduler {
       finished.swap(finished_);
     }
     std::sort(finished.begin(), finished.end(),
-              [](const Finished& a, const Finished& b) { return a.number > b.number; });  // highest number
-                                                                                          // first, so that
-                                                                                          // parents come
-                                                                                          // before their
-                                                                                          // children
+              [](const Finished& a, const Finished& b) { return a.number > b.number; });  // parents first
     std::vector<Finished> left;
     for (const Finished& node : finished) {
       if (tryToLogBelowParent(node.number) || tryToLogRoot(node.number)) {
@@ -282,7 +278,8 @@ class Scheduler {
     return is_below;
   }
 
-  /// @return false if the node is a leaf, or if its parent has used it.
+  /// Logs a node as the root of a finished subtree. @return false if the node is a leaf, or if its parent has
+  /// used it.
   bool tryToLogRoot(uint32_t number) {
     if (plan_.isLeaf(number)) return false;
     std::unique_ptr<BuiltNode> root;
@@ -330,9 +327,10 @@ class Scheduler {
   std::vector<std::unique_ptr<BuiltNode>> built_;  ///< built nodes that their parents have not used yet
   std::vector<Finished> finished_;                 ///< built nodes that are not logged yet
   std::vector<bool> logged_;                       ///< true for each node that the log contains
-  uint32_t being_logged_ = kNoNode;        ///< node that the log writes now, temporarily moved out of built_
-  std::vector<uint32_t> input_triangles_;  ///< triangles of the children built so far
-  std::vector<uint8_t> waiting_for_;       ///< number of children of each node that are not built yet
+  uint32_t being_logged_ = kNoNode;  ///< node that the log writes now, temporarily moved out of built_
+  /// For each node, the number of triangles that its children built so far contribute to its input.
+  std::vector<uint32_t> input_triangles_;
+  std::vector<uint8_t> waiting_for_;  ///< number of children of each node that are not built yet
   std::priority_queue<uint32_t, std::vector<uint32_t>, std::greater<>> ready_;
   uint32_t next_leaf_ = 0;
   size_t leaves_left_ = 0, taken_ = 0, done_ = 0;

@@ -8,8 +8,8 @@
 
 namespace lode::ingest {
 
-/// The tree above given leaves. Nodes are numbered in post-order: children come before their parent, and the
-/// root is last. Const functions are thread safe.
+/// The octree that has the given leaves. Nodes are numbered in post-order: children come before their parent,
+/// and the root is last. Const functions are thread safe.
 class TreePlan {
  public:
   /// @param leaves  all leaves of one tree, in Morton order.
@@ -30,7 +30,7 @@ class TreePlan {
   struct Entry {
     NodeKey key;
     uint32_t parent = 0;
-    uint32_t first = 0;  ///< lowest number of a node in the subtree
+    uint32_t first = 0;  ///< smallest number of a node in the subtree
     uint32_t leaf = 0;   ///< index of the subtree's first leaf
   };
   void plan(NodeKey key, const std::vector<NodeKey>& leaves, size_t& next);
