@@ -60,7 +60,7 @@ void BorderTable::join(std::span<const NodeKey> leaves, const CreaseAngle& creas
       uint32_t fans = 0;  // number of the leaf's fans so far
       for (size_t i = 0; i < sharing.size(); ++i) {
         if (i > 0 && sharing[i].leaf != sharing[i - 1].leaf) fans = 0;
-        if (sharing[i].fan != fans) continue;  // the entry belongs to the same fan as the entry before
+        if (sharing[i].fan != fans) continue;  // a further entry of an earlier fan, see ListedFan
         vertex.normal = normals[i];
         vertex.fan = static_cast<uint16_t>(fans++);
         by_leaf_->push(sharing[i].leaf, std::as_bytes(std::span(&vertex, 1)));
@@ -102,6 +102,7 @@ void BorderTable::join(std::span<const NodeKey> leaves, const CreaseAngle& creas
   for (size_t leaf = 0; leaf < leaves.size(); ++leaf) first_of_leaf_[leaf + 1] += first_of_leaf_[leaf];
 }
 
+/// Counts a position in locked_below_root_ once for each child of the root that has a leaf there.
 /// @param sharing  all fans at one position, sorted by leaf.
 void BorderTable::countBelowRoot(std::span<const NodeKey> leaves, std::span<const ListedFan> sharing) {
   std::optional<unsigned> last;

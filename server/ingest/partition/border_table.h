@@ -21,9 +21,9 @@ struct BorderVertex {
   PositionCode position;
   uint8_t lca_depth = 0;  ///< depth of the lowest common ancestor of all leaves that share the
                           ///< vertex; the vertex is locked in deeper nodes
-  uint16_t normal = 0;    ///< octahedral normal of the fan; fans of several leaves that continue each other
-                          ///< have one normal
-  uint16_t fan = 0;       ///< index of the fan among the leaf's fans at this position; see NormalFans
+  /// Octahedral normal of the fan; fans that continue each other across leaves have the same normal.
+  uint16_t normal = 0;
+  uint16_t fan = 0;  ///< index of the fan (see NormalFans) among the leaf's fans at this position
 };
 
 /// Returns the entries at a position, one per fan. @param border  entries sorted by position.
@@ -39,7 +39,7 @@ class BorderTable {
   static constexpr std::string_view kFile = "border";
 
   BorderTable(const TemporaryFolder& folder, uint64_t memory_bytes);
-  /// Opens the joined table that save() recorded. @throws Error kIo, kFormat.
+  /// Opens a joined table that save() recorded. @throws Error kIo, kFormat.
   BorderTable(const TemporaryFolder& folder, RecordReader& record);
 
   /// Adds a fan at a border vertex. Add the leaves in rising order, and the fans of a leaf in the order of
@@ -52,7 +52,7 @@ class BorderTable {
   void join(std::span<const NodeKey> leaves, const CreaseAngle& crease,
             const RecordSorter::Progress& progress = {});
 
-  /// Syncs the joined table to disk and records all that the loading constructor needs.
+  /// Syncs the joined table to disk and writes to `record` all that the second constructor needs.
   void save(RecordWriter& record) const;
 
   /// Number of leaves in the joined table.

@@ -10,8 +10,8 @@
 namespace lode::ingest {
 
 /// Cuts a stream of triangles, sorted by cell code, into the leaves of the adaptive octree. Leaves are the
-/// largest cells with at most a given number of triangles. The cutter reads ahead by one leaf, so that its
-/// memory is bounded.
+/// largest cells with at most a given number of triangles. The cutter reads ahead by only one leaf, so that
+/// its memory is bounded.
 class LeafCutter {
  public:
   /// A function that receives a leaf and the records of its triangles, in the order of push().

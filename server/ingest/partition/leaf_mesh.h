@@ -12,8 +12,8 @@
 
 namespace lode::ingest {
 
-/// Welds a leaf's triangles to a mesh without locked vertices. @param records  triangles as storeSoup() wrote
-/// them.
+/// Welds a leaf's triangles into a mesh without locked vertices. @param records  triangles as storeSoup()
+/// wrote them.
 NodeMesh weldSoup(std::span<const std::byte> records, AttributeSet attributes, MeshWelder& welder);
 
 /// Writes a leaf's mesh, which must have no locked vertices.
@@ -22,9 +22,9 @@ void putLeaf(RecordWriter& record, const NodeMesh& mesh);
 /// if a triangle is degenerate.
 NodeMesh getLeaf(RecordReader& record, AttributeSet attributes);
 
-/// Sums the cross products of the triangles at each position, in lattice steps. The sum is a normal in which
-/// each triangle's weight is twice its area. The sums are integers, so that a total over several leaves does
-/// not depend on the order of the leaves.
+/// Sums the cross products of the triangles at each position, in lattice steps. The sum has the direction of
+/// a vertex normal in which triangles are weighted by area. The sums are integers, so that a total over
+/// several leaves does not depend on the order of the leaves.
 std::vector<glm::i64vec3> sumNormals(const NodeMesh& mesh);
 
 }  // namespace lode::ingest

@@ -12,7 +12,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Margin for rounding: if the quick test passes, all pairs pass the exact test.
+/// Margin for rounding errors in the quick test of findFans(): faces that pass it also pass the exact test,
+/// in all pairs.
 constexpr float kRounding = 1e-4f;
 /// Largest number of fans per position of a leaf. A position with more fans gets a single fan, because so
 /// many creases are noise.
@@ -48,10 +49,10 @@ class CornersAt {
   std::vector<uint32_t> begin_, corners_;
 };
 
-/// An edge at a position, together with one of the edge's faces.
+/// An edge at a position, together with one of the faces that have the edge.
 struct Side {
-  uint32_t other;  ///< position at the edge's far end
-  uint32_t index;  ///< index of the face among the corners at the position
+  uint32_t other;  ///< position at the edge's other end
+  uint32_t index;  ///< index of the face's corner in the list of corners at the position
   auto operator<=>(const Side&) const = default;
 };
 
@@ -72,7 +73,7 @@ glm::i64vec3 crossOf(const NodeMesh& mesh, const glm::u32vec3& t) {
   return areaNormal(at(t.x), at(t.y), at(t.z));
 }
 
-/// Joins each group whose normals sum to zero to the group with the longest sum.
+/// Joins each group with a zero sum of normals to the group with the longest sum.
 void joinDirectionless(Groups& groups, std::span<const glm::i64vec3> sums) {
   std::vector<glm::i64vec3> totals(sums.size(), glm::i64vec3(0));
   for (uint32_t i = 0; i < sums.size(); ++i) totals[groups.find(i)] += sums[i];
@@ -128,7 +129,8 @@ NormalFans findFans(const NodeMesh& mesh, const CreaseAngle& crease) {
   std::vector<glm::vec3> directions;
   std::vector<bool> may_part(positions);
   if (!crease.has_none) {
-    // Quick test: two faces meet within the crease angle if both are within half of this angle of one axis.
+    // Quick test: two faces meet within the crease angle if both normals are within half that angle of one
+    // axis.
     std::vector<glm::vec3> axes;
     for (const glm::i64vec3& sum : whole) axes.push_back(directionOf(sum));
     for (const glm::u32vec3& t : mesh.triangles) directions.push_back(directionOf(crossOf(mesh, t)));

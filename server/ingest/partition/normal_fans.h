@@ -30,7 +30,8 @@ struct NormalFans {
   /// Index of each position's first fan; the last element is the number of fans.
   std::vector<uint32_t> first;
   std::vector<uint32_t> of_corner;  ///< fan of each corner; three per triangle
-  std::vector<glm::i64vec3> sums;   ///< sum of cross products of each fan, see sumNormals()
+  /// For each fan, the sum of its triangles' cross products, see sumNormals().
+  std::vector<glm::i64vec3> sums;
 };
 NormalFans findFans(const NodeMesh& mesh, const CreaseAngle& crease);
 
@@ -44,8 +45,8 @@ struct ListedFan {
   uint16_t fan = 0;  ///< index among the leaf's fans at this position
   uint16_t ends = 0;
   glm::i64vec3 sum{0};
-  PositionCode other[kMaxEnds];     ///< far vertices of the edges at the ends
-  glm::vec3 direction[kMaxEnds]{};  ///< unit normals of the faces at the ends
+  PositionCode other[kMaxEnds];     ///< for each end, the other vertex of the edge at which the fan ends
+  glm::vec3 direction[kMaxEnds]{};  ///< for each end, the unit normal of its face
 };
 static_assert(sizeof(ListedFan) == 72);
 

@@ -29,7 +29,7 @@ struct Partition {
 
   /// Reads a leaf's mesh, without locked vertices. @throws Error kFormat, kIo. Thread safe.
   NodeMesh readLeaf(uint32_t leaf) const;
-  /// Syncs the partition to disk and records all that load() needs.
+  /// Syncs the partition to disk and writes to `record` all that load() needs.
   void save(RecordWriter& record) const;
   /// Opens the partition that save() recorded. @throws Error kIo, kFormat.
   static Partition load(const TemporaryFolder& folder, AttributeSet attributes, RecordReader& record);
