@@ -167,8 +167,8 @@ std::optional<RecordSorter::Record> RecordSorter::nextOfMemory() {
 
 std::optional<RecordSorter::Record> RecordSorter::nextOfRuns() {
   const auto order = [this](uint32_t a, uint32_t b) { return later(a, b); };
-  // Advance the run of the last returned record only now, because that invalidates the record. The run is
-  // still on top of the heap.
+  // The caller has finished with the last returned record. Advance the record's run, which is still on top of
+  // the heap.
   if (top_given_) {
     std::pop_heap(heap_.begin(), heap_.end(), order);
     if (runs_[heap_.back()]->advance(record_bytes_)) {

@@ -28,7 +28,7 @@ class RecordSorter {
   RecordSorter(size_t record_bytes, uint64_t memory_bytes, TemporaryFile runs, unsigned threads = 1);
   ~RecordSorter();
 
-  /// Reserves memory for `records` records, but for no more than one run holds.
+  /// Reserves memory for `records` records, at most for a full run.
   void reserve(uint64_t records);
   void push(uint64_t key, std::span<const std::byte> record);
   uint64_t size() const noexcept { return size_; }
@@ -40,13 +40,13 @@ class RecordSorter {
   void spill(const Progress& progress = {});
   /// Syncs the runs to disk and writes their end offsets to `record`.
   void save(RecordWriter& record);
-  /// Restores the runs whose end offsets save() wrote. Call restore() before the first push().
+  /// Restores the runs that save() described. Call restore() before the first push().
   /// @throws Error kIo, kFormat.
   void restore(RecordReader& record);
 
   /// Ends the input; next() then returns the records in order.
-  /// @param progress  receives the progress of sorting, and perhaps writing, the records that are still in
-  /// memory.
+  /// @param progress  reports how far the records still in memory are sorted and, if they become a run,
+  /// written.
   void finish(const Progress& progress = {});
 
   struct Record {

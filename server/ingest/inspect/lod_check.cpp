@@ -18,7 +18,8 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Distances below this multiple of the stored error are not measured exactly.
 constexpr float kTolerance = 0.75f;
-constexpr float kReach = 1.25f;  ///< leaves beyond this multiple of the stored error are skipped
+/// Leaves farther from a point than this multiple of the stored error are skipped.
+constexpr float kReach = 1.25f;
 /// Distance assumed for a point without a leaf within kReach, as a multiple of the stored error.
 constexpr float kBeyond = 1.3f;
 /// Largest number of points per LOD, not counting one point per corner and one per triangle.

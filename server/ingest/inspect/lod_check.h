@@ -37,8 +37,8 @@ struct FarPoint {
   bool of_lod = false;       ///< true if the point is on the LOD, false if it is on a leaf
   bool on_boundary = false;  ///< true if `steps` is the distance from a boundary of the leaves
 
-  /// Replaces this point by `other` if that is farther, or equally far and first in coordinate order. The
-  /// result does not depend on the order of the calls.
+  /// Replaces this point by `other` if that is farther, or equally far and first in coordinate order, so that
+  /// the result does not depend on the order of calls.
   void raiseTo(const FarPoint& other) noexcept;
 };
 

@@ -18,7 +18,7 @@ class SamePlaces {
  public:
   SamePlaces(const TemporaryFolder& folder, uint64_t memory_bytes);
 
-  /// @pre the calls are in ascending order of `vertex`.
+  /// Adds a vertex and its position. @pre calls are in ascending order of `vertex`.
   void add(uint32_t vertex, glm::dvec3 place);
   /// Finds the duplicates; call it after the last add(). @return number of vertices at the position of an
   /// earlier vertex.

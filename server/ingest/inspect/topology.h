@@ -21,8 +21,8 @@ namespace lode::ingest {
 /// Topology of a file's faces. As in a build, vertices at exactly the same position count as one vertex,
 /// except in the numbers of duplicate and unused vertices.
 struct Topology {
-  /// Number of vertices at the position of an earlier vertex. Vertices that were skipped because they are bad
-  /// count as being at the origin.
+  /// Number of vertices at the position of an earlier vertex. Bad vertices, which are skipped, count as being
+  /// at the origin.
   uint64_t duplicate_vertices = 0;
   uint64_t unused_vertices = 0;     ///< vertices that no face uses
   uint64_t flat_faces = 0;          ///< faces with fewer than three distinct positions
@@ -44,10 +44,10 @@ struct Topology {
 /// Not thread safe. All functions throw Error kIo.
 class TopologyCounter {
  public:
-  /// @param folder  folder for temporary files. @param attributes  the file's attributes; only kNormal
-  /// matters.
-  /// @param double_positions  true if floats are not precise enough for the positions. @param memory_bytes
-  /// approximate limit.
+  /// @param folder  folder for temporary files.
+  /// @param attributes  the file's attributes; only kNormal matters.
+  /// @param double_positions  true if floats are not precise enough for the positions.
+  /// @param memory_bytes  approximate limit.
   TopologyCounter(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
                   uint64_t memory_bytes);
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kMargin = 1.001f;  ///< factor that covers rounding errors
 constexpr float kBoundaryPrecision = 1.02f;
-/// In lattice steps; smaller distances do not matter, because floats are no more precise.
+/// Distance in lattice steps below which no distance matters, because floats are no more precise.
 constexpr float kNegligible = 0.25f;
 /// Parts of an edge are not divided if they are at most this long, in lattice steps.
 constexpr float kShortestPart = 0.5f;
@@ -66,7 +66,7 @@ size_t keepNear(const Segment& part, std::span<Segment> boundaries) {
 }
 
 /// Raises `farthest` to the segment's largest distance from the boundaries, which it finds by bisection.
-/// Skips parts that cannot be farther away.
+/// Skips parts that cannot raise it.
 void measureSegment(const Segment& segment, std::span<Segment> boundaries, Farthest& farthest) {
   struct Part {
     Segment segment;
@@ -109,7 +109,7 @@ class MeetingBoundaries {
   }
 
   /// Collects the references with an end that maps to an end of the edge, about `most` of them per end. If
-  /// there are more, takes those with both ends on the edge, or any if there are none.
+  /// there are more, takes those with both ends mapped to ends of the edge, or any if there are none.
   void gather(glm::u32vec2 ends, size_t most, std::vector<Segment>& boundaries) const {
     boundaries.clear();
     for (const uint32_t place : {ends.x, ends.y}) {

@@ -248,9 +248,9 @@ class FarthestInTriangle {
     return 0;
   }
 
-  /// Returns the number of edges of the chain that precede the triangle nearest to the point or, if the chain
-  /// lacks that triangle, the first triangle within the limit of the point. Returns a number above edge_count
-  /// if the chain has neither.
+  /// Finds in the chain the triangle nearest to the point or, if the chain lacks it, the first triangle
+  /// within the limit of the point. Returns the number of the chain's edges before the found triangle, or
+  /// edge_count + 1 if there is none.
   size_t edgesBefore(const TriangleChain& chain, const MeasuredPoint& point, float limit_squared) const {
     for (size_t i = 0; i <= chain.edge_count; ++i)
       if (chain.triangles[i] == point.triangle) return i;

@@ -12,13 +12,13 @@ namespace {
 
 /// A triangle whose distance exceeds this share of the largest distance so far is sampled finely.
 constexpr float kRefineAboveInLod = 0.8f;
-// LODs with at most this many triangles get more steps per edge in the first pass. Their triangles are large
-// and may hide larger distances between two samples, and so few that more steps cost little.
+// LODs with at most this many triangles get more steps per edge in the first pass. Their triangles are large,
+// so that larger distances may hide between two samples, and few, so that more steps cost little.
 constexpr size_t kVeryFewTriangles = 256, kFewTriangles = 1024;
 constexpr uint32_t stepsAtFirst(size_t triangles) {
   return triangles <= kVeryFewTriangles ? 8 : triangles <= kFewTriangles ? 4 : 2;
 }
-constexpr float kManySteps = 1.5f;  ///< number of steps per input edge in the second pass
+constexpr float kManySteps = 1.5f;  ///< number of steps per mean input edge length in the second pass
 constexpr uint32_t kMostSteps = 24;
 constexpr uint32_t kMostStarts = 64;
 
@@ -156,8 +156,8 @@ class Measurement {
   }
 
   /// Calls visit(point, is_inside, near) for the grid points of a triangle except its corners, row by row.
-  /// Each call receives `near` as it was after the previous point of the row, or after the first point of the
-  /// previous row.
+  /// Each call receives `near` as the call for the previous point of the row left it; the first call of a row
+  /// receives it as the first call of the previous row left it.
   template <typename Visit>
   void forEachPoint(const glm::u32vec3& corners, uint32_t steps, Visit&& visit) {
     const glm::vec3 a = pointOf(corners.x), b = pointOf(corners.y), c = pointOf(corners.z);

@@ -56,7 +56,7 @@ class LodInput {
   }
   ReferenceBoundary reference(uint32_t number) const noexcept;
   float referenceGapSteps() const noexcept { return references_.gap_steps; }
-  /// Returns a search tree of the mesh. Only few nodes need one, so the first call builds it.
+  /// Returns a search tree of the mesh. Few nodes need one, so it is not built before the first call.
   const TriangleTree& tree() const;
 
  private:

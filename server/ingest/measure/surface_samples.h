@@ -33,8 +33,8 @@ void selectSamples(std::vector<SurfaceSample>& samples, size_t positions, size_t
 /// them were dropped. @param depth  depth of the node.
 void addLockedPositions(std::vector<SurfaceSample>& samples, const NodeMesh& mesh, int depth);
 
-/// Of all samples with equal `position` and `near`, keeps only the one with the largest deviation. Sorts the
-/// samples by position.
+/// Removes duplicates: keeps only the sample with the largest deviation among those with equal `position` and
+/// `near`. Sorts the samples by position.
 void dropDuplicates(std::vector<SurfaceSample>& samples);
 
 /// Returns, for each position of an LOD's input, its place on the LOD; undefined for vanished positions.

@@ -53,8 +53,9 @@ class TriangleOutline {
 
   Four corner(size_t k) const noexcept { return corners_[k % 3]; }
 
-  /// Returns the edge beyond which a point lies farthest; -1 if the point lies inside all edges. Avoids a
-  /// branch, which the processor could not predict, in the usual case of a point beyond at most one edge.
+  /// Returns the edge that the point lies beyond or, if it lies beyond several, the one farthest from it; -1
+  /// if it lies beyond none. Avoids a branch, which the processor could not predict, in the usual case of a
+  /// point beyond at most one edge.
   /// @param passed_over  edge to ignore, or -1
   int edgeTowards(glm::vec3 point, int passed_over) const noexcept {
     const Four heights = dot(outwards_, FourVectors(point) - starts_);
@@ -176,10 +177,10 @@ SurfaceWalk::Place SurfaceWalk::placeAt(uint32_t position) const noexcept {
   return {first, glm::vec3(glm::equal(corners_[first], glm::u32vec3(position))), 0};
 }
 
-/// Returns the point's projection into the nearest of the triangles around a position that it projects into.
-/// Most points project into such a triangle, and it is usually the nearest of all triangles. Returns nothing
-/// if the point projects into none, around a hub, or if the triangles face in opposite directions, as at the
-/// edge of a thin plate, where another triangle may be nearer.
+/// Projects a point into the triangles around a position, and returns the nearest projection. Most points
+/// project into one of these triangles, which then is usually the nearest triangle of all. Returns nothing if
+/// the point projects into none of them, if the position is a hub, or if the triangles face in opposite
+/// directions, as at the edge of a thin plate: another triangle may then be nearer.
 std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
                                                            uint32_t position) const noexcept {
   float nearest = std::numeric_limits<float>::infinity();

@@ -41,7 +41,8 @@ class SurfaceWalk {
   /// @param mesh  the mesh to walk on.
   explicit SurfaceWalk(const NodeMesh& mesh);
 
-  /// @param point  the point to measure from, in lattice steps like all points in this class.
+  /// Walks from `start` and returns the smallest distance found. @param point  the point to measure from, in
+  /// lattice steps like all points in this class.
   /// @param start  a position of the mesh; the result is infinite if no triangle has this position.
   /// @param tolerance  the walk ends as soon as the distance is at most `tolerance`.
   float distance(glm::vec3 point, uint32_t start, float tolerance) const noexcept;
@@ -92,7 +93,8 @@ class SurfaceWalk {
     };
     return {at(0), at(1), at(2), at(3)};
   }
-  /// Returns the second triangle at an edge of `triangle`, or `triangle` if no second triangle has the edge.
+  /// Returns the other triangle at the edge of `triangle` between two positions, or `triangle` itself if the
+  /// edge has no other.
   uint32_t acrossEdge(uint32_t triangle, uint32_t from, uint32_t to) const noexcept;
   /// Sorts the triangles around a position by their angle around an axis. The axis is the mean of the
   /// directions to the triangles. If the triangles lie on all sides, the axis is the coordinate axis along

@@ -9,7 +9,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kMostHalvings = 32;  ///< triangle numbers have 32 bits
+constexpr size_t kMostHalvings = 32;  ///< enough for 32-bit triangle numbers
 /// Largest number of entries on the search stack. A fork halves its triangles twice, and its four branches
 /// replace its one entry.
 constexpr size_t kMostWaiting = 3 * kMostHalvings / 2 + 1;
@@ -190,7 +190,7 @@ TriangleTree::ExactNearest TriangleTree::nearestExactly(glm::dvec3 point, double
   search(FourVectors(glm::vec3(point)), reach, [&](size_t begin) {
     for (size_t i = begin; i < begin + 4; ++i) {
       const double distance = glm::distance(point, nearestPointOfTriangle(point, exactly(triangles_[i])));
-      if (distance < bound.distance) bound = {distance, number_[i]};  // false for an empty triangle: NaN
+      if (distance < bound.distance) bound = {distance, number_[i]};  // false for an empty triangle
     }
   });
   return bound;

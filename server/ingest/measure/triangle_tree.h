@@ -43,7 +43,8 @@ class TriangleTree {
   };
   static constexpr Nearest kNothing{kInfinity, kInfinity, 0};
 
-  /// @param tolerance  the search ends at any triangle within this distance.
+  /// Returns the triangle nearest to `point`. @param tolerance  the search ends at any triangle within this
+  /// distance.
   /// @param bound      the result if no triangle is nearer; a smaller bound makes the search shorter.
   Nearest nearest(glm::vec3 point, float tolerance = 0, Nearest bound = kNothing) const noexcept {
     uint64_t leaves = ~uint64_t{0};
@@ -68,7 +69,8 @@ class TriangleTree {
   const PackedTriangle& triangle(uint32_t number) const noexcept { return triangles_[place_[number]]; }
 
  private:
-  /// Boxes of up to four forks or leaves; unused boxes are infinitely far.
+  /// An inner node of the tree: the boxes of up to four forks or leaves. Unused boxes are infinitely far
+  /// away.
   struct Fork {
     FourVectors min, max;
     std::array<uint32_t, 4> inside{};  ///< content of each box: an index in forks_ or, with the bit kIsLeaf,

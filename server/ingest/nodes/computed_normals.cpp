@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint32_t kNoNormal = ~0u;
 constexpr float kShortest = 1e-3f;    ///< smallest usable length of a sum of normals
-constexpr float kLeastShare = 1e-3f;  ///< smallest usable sum of a corner's weights
+constexpr float kLeastShare = 1e-3f;  ///< smallest usable sum of the weights for a normal
 
 /// The distinct normals of a mesh, numbered by position. Wedges that differ only in other attributes share a
 /// normal. The first normal of a position has the position's number; the numbers of further normals follow
@@ -209,7 +209,8 @@ void giveLeafNormals(NodeMesh& mesh, std::span<const BorderVertex> border, const
   const std::vector<uint16_t> normals = normalsOfFans(mesh, fans, border);
   mesh.wedge_attributes.resize(mesh.wedge_position.size());
   std::vector<char> is_given(mesh.wedge_position.size());
-  std::vector<uint32_t> next(mesh.wedge_position.size(), kNoWedge);  // copy of each wedge with another normal
+  // Next copy of each wedge, with another normal.
+  std::vector<uint32_t> next(mesh.wedge_position.size(), kNoWedge);
   for (size_t c = 0; c < fans.of_corner.size(); ++c) {
     const uint16_t normal = normals[fans.of_corner[c]];
     uint32_t& wedge = mesh.triangles[c / 3][static_cast<int>(c % 3)];

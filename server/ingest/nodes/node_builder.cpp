@@ -263,7 +263,8 @@ LodError NodeBuilder::errorOf(const BuiltNode& built, const FinishedLod& lod) co
 }
 
 LodError NodeBuilder::errorOf(const Lod& lod) const noexcept {
-  // Round up, because an error that becomes smaller in model units would violate I3.
+  // Round up, so that the error does not shrink when it is converted back to model units. Otherwise a
+  // parent's error could be smaller than its child's, which violates I3 of docs/architecture.md.
   const auto inSteps = [&](float model) {
     const auto steps = static_cast<float>(model / settings_.lattice.step);
     const bool is_less = static_cast<float>(steps * settings_.lattice.step) < model;

@@ -23,7 +23,7 @@ class LodSpool {
 
   void put(const SimplifiedMesh& lod);
   size_t size() const noexcept { return places_.size(); }
-  /// Reads an LOD by its number in order of put(). @pre no put() after the first call.
+  /// Reads an LOD by its number in order of put(). @pre put() is not called after the first read().
   SimplifiedMesh read(size_t number);
 
  private:

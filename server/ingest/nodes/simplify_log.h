@@ -21,7 +21,7 @@ struct FinishedNodes {
     uint64_t offset = 0, bytes = 0, checksum = 0;
   };
   std::vector<FinishedNode> nodes;
-  /// Roots of the finished subtrees, with the place in the root file of the data that the root's parent
+  /// For each root of a finished subtree, the place in the root file of the data that the root's parent
   /// needs.
   std::map<NodeKey, Place> roots;
   uint64_t payload_bytes = 0;  ///< size of the payload file

@@ -25,10 +25,10 @@ struct TreeFiles {
 };
 
 /// Builds and encodes all nodes on several threads, children before parents, and adds them to files.nodes.
-/// Builds an inner node as soon as its children are built, so that memory holds the coarsest LODs of the
-/// nodes along about one path of the tree. A node waits if it does not fit into memory beside the nodes being
-/// built. The calling thread reports progress and writes finished nodes to the log. Continues from the nodes
-/// in the log. Throws the first error of any thread.
+/// Builds an inner node as soon as its children are built, so that memory holds coarsest LODs only along
+/// about one path of the tree. A node waits if it does not fit into memory beside the nodes being built. The
+/// calling thread reports progress and writes finished nodes to the log. Continues from the nodes in the log.
+/// Throws the first error of any thread.
 void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, const TreeFiles& files,
                const TreeResources& resources, const BuildProgress& progress);
 

@@ -25,8 +25,8 @@ void TreePlan::plan(NodeKey key, const std::vector<NodeKey>& leaves, size_t& nex
   for (const uint32_t child : children(number)) entries_[child].parent = number;
 }
 
-/// Finds the children from the post-order: the last child's number is just before the node's, and the number
-/// of every other child is just before those of the next child's subtree.
+/// Finds the children from the last to the first. In post-order, the last child directly precedes the node,
+/// and every other child directly precedes the first node of the next child's subtree.
 std::vector<uint32_t> TreePlan::children(uint32_t number) const {
   std::vector<uint32_t> result;
   const uint32_t first = entries_[number].first;

@@ -42,7 +42,7 @@ class BorderTable {
   /// Opens a joined table that save() recorded. @throws Error kIo, kFormat.
   BorderTable(const TemporaryFolder& folder, RecordReader& record);
 
-  /// Adds a fan at a border vertex. Add the leaves in rising order, and the fans of a leaf in the order of
+  /// Adds a fan at a border vertex. Add the leaves in ascending order, and the fans of a leaf in the order of
   /// listFans().
   void add(PositionCode position, const ListedFan& fan);
 

@@ -28,7 +28,7 @@ class LeafWelder {
              Sink sink);
 
   /// Welds a leaf, in the background if a thread is free.
-  /// @param leaf     number of the leaf, in rising order.
+  /// @param leaf  number of the leaf; call add() in ascending order of leaves.
   /// @param records  triangles of the leaf; add() copies the records.
   void add(uint32_t leaf, std::span<const std::byte> records);
   /// Waits until all leaves are in the table. Like add(), rethrows exceptions of welding.

@@ -50,7 +50,7 @@ struct ListedFan {
 };
 static_assert(sizeof(ListedFan) == 72);
 
-/// Lists the fans of some positions. @param positions  positions in rising order. @return one list per
+/// Lists the fans of some positions. @param positions  positions in ascending order. @return one list per
 /// position; `leaf` is not set.
 std::vector<std::vector<ListedFan>> listFans(const NodeMesh& mesh, const NormalFans& fans,
                                              std::span<const uint32_t> positions);
