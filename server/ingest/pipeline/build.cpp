@@ -16,7 +16,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Resolves links, so that temporary files are next to the real output.
+/// Returns the output's path with symbolic links resolved, so that temporary files lie beside the real file.
 std::filesystem::path outputOf(const BuildOptions& options) {
   OutputTarget target = findOutput(options.output);
   if (target.is_stream)
@@ -53,7 +53,8 @@ void runStages(BuildSession& session) {
   session.noteTextureFiles(scan.textureFiles());
 }
 
-/// Returns a hint how to resume after a failure, or an empty text if the build would only fail again.
+/// Returns a hint on how to resume after a failure, or an empty string if a resumed build would fail in the
+/// same way.
 std::string_view resumeHint(const Error& error, const BuildSession& session) noexcept {
   if (error.code() == ErrorCode::kIo) return "run the same command again to continue";
   return session.lacksMemory() ? "run the same command with more --memory to continue" : "";

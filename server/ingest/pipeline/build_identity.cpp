@@ -21,7 +21,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kEndBytes = 256 << 10;  ///< number of bytes that are hashed at each end of a file
+constexpr uint64_t kEndBytes = 256 << 10;  ///< bytes hashed at the start of a file, and as many at its end
 constexpr uint64_t kSamples = 64, kSampleBytes = 4096;
 
 void append(int file, uint64_t offset, uint64_t bytes, std::vector<std::byte>& to) {
@@ -38,8 +38,8 @@ uint64_t hashContent(int file, uint64_t bytes) {
   return checksum(taken);
 }
 
-/// Computes fingerprints of the images that a model names. Returns nothing if the header cannot be read or
-/// names too many images; the scan stage reports such errors.
+/// Computes fingerprints of the images that a model names. Returns an empty list if the header cannot be read
+/// or names too many images, because the scan stage reports such errors.
 std::vector<BuildIdentity::Texture> texturesOf(const BuildOptions& options) {
   std::vector<BuildIdentity::Texture> textures;
   try {
@@ -89,8 +89,8 @@ std::string asGiven(const std::string& name, float value) {
   return name + text;
 }
 
-/// Returns the first option of `then` that differs in `now`, as the command line would give it. Returns an
-/// empty text if all options are equal.
+/// Finds the first option that differs between `then` and `now`. Returns the option with its value in `then`,
+/// as written on the command line, or an empty string if all options are equal.
 std::string changedOption(const ResultOptions& then, const ResultOptions& now) {
   std::string changed;
   forEachResultOption([&](const auto& option) {
@@ -152,7 +152,8 @@ BuildIdentity BuildIdentity::load(RecordReader& record) {
   return identity;
 }
 
-/// Compares the fingerprints of textures. The inputs must be equal, so that the names are equal too.
+/// Compares the fingerprints of textures. Assumes that the inputs are equal and therefore name the same
+/// textures in the same order.
 std::string BuildIdentity::textureDifference(const BuildIdentity& now) const {
   for (size_t i = 0; i < std::min(textures.size(), now.textures.size()); ++i) {
     const FileFingerprint &then = textures[i].image, &today = now.textures[i].image;

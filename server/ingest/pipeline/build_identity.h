@@ -10,18 +10,19 @@
 
 namespace lode::ingest {
 
-/// Identifies a file by its path, size, time of change and samples of its content. Only the samples are read.
+/// Identifies a file by its path, size, modification time and samples of its content. Large files are not
+/// read completely.
 struct FileFingerprint {
   std::string path;  ///< absolute path
   uint64_t bytes = 0;
   int64_t modified_ns = 0;  ///< time of the last change, in ns since 1970
-  uint64_t content = 0;     ///< hash of the file's head, its tail and evenly spread samples
+  uint64_t content = 0;     ///< hash of the file's start, its end and evenly spaced samples
 
   bool operator==(const FileFingerprint&) const = default;
 };
 
-/// Computes the fingerprint of a file. Returns the path and zeros if the path is not a readable regular file;
-/// the stage that reads the file reports the error.
+/// Computes the fingerprint of a file. Sets only the path if it is not a readable regular file; the stage
+/// that reads the file reports the error.
 FileFingerprint fingerprint(const std::filesystem::path& path);
 
 /// All inputs and options that determine a store's bytes. A build resumes only if its identity is unchanged.
@@ -33,7 +34,7 @@ struct BuildIdentity {
   };
   FileFingerprint input;
   std::vector<Texture> textures;  ///< images that the input names
-  uint64_t program = 0;           ///< hash of the executable
+  uint64_t program = 0;           ///< FileFingerprint::content of the executable
   std::string temporary_folder;
   ResultOptions options;
 
@@ -43,7 +44,7 @@ struct BuildIdentity {
   void save(RecordWriter& record) const;
   static BuildIdentity load(RecordReader& record);
 
-  /// Describes the first difference to `now` and its remedy. Returns an empty text if nothing differs.
+  /// Describes the first difference from `now`, and its remedy. Returns an empty string if nothing differs.
   std::string difference(const BuildIdentity& now) const;
 
  private:

@@ -10,7 +10,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Measures the time and CPU time of a stage, from construction to finish().
+/// Measures the wall time and CPU time of a stage, from construction to finish().
 class StageClock {
  public:
   StageClock(BuildReport& report, std::string name) : report_(report), name_(std::move(name)) {}
@@ -46,7 +46,8 @@ BuildSession::BuildSession(const BuildOptions& options, const BuildProgress& pro
   if (!options.resume) folder_.removeWhenInterrupted();
 }
 
-/// Opens the existing journal if this build can resume from it. Otherwise removes the earlier build.
+/// Opens the existing journal if this build resumes from it. Otherwise deletes the files of the earlier
+/// build. @throws Error kInput if --resume is given but the build has changed.
 void BuildSession::resume() {
   try {
     journal_.emplace(Journal::open(

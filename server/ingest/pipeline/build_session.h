@@ -25,7 +25,8 @@ class BuildSession {
   /// another input or other options.
   BuildSession(const BuildOptions& options, const BuildProgress& progress);
 
-  /// Runs or loads a stage. @param stage  must outlive the last call of run().
+  /// Runs or loads a stage. @param stage  must outlive the last call of run(), which reads the traits of all
+  /// earlier stages.
   void run(Stage& stage);
   BuildReport takeReport() { return std::move(report_); }
   /// Keeps the finished work so that a later build can resume. @return false if no work is finished.
@@ -38,10 +39,10 @@ class BuildSession {
   const BuildProgress& progress() const noexcept { return progress_; }
   const MemoryPlan& plan() const noexcept { return plan_; }
   const TemporaryFolder& files() const noexcept { return *files_; }
-  /// Returns the path of the store while the store is incomplete.
+  /// Returns the temporary path under which the store is written.
   std::filesystem::path store() const { return folder_.store(); }
   BuildFacts& facts() noexcept { return facts_; }
-  /// Returns the recorded work of the build to resume. Each stage moves its own part out of the record.
+  /// Returns the recorded work of the build to resume. Each stage moves its own part out.
   RecordedBuild& recorded() noexcept { return recorded_; }
   /// Sets the report's summary. The last stage calls this when the store is complete.
   void setSummary(ModelSummary summary) { report_.summary = std::move(summary); }
@@ -49,7 +50,7 @@ class BuildSession {
   void warn(std::string warning);
   void warn(const std::vector<std::string>& warnings);
   void noteTextureFiles(std::vector<std::string> names) { report_.texture_files = std::move(names); }
-  /// Fails a build that would succeed with more memory. @throws Error kLimit always.
+  /// Ends a build that would succeed with more memory. @throws Error kLimit always.
   [[noreturn]] void refuseForMemory(const std::string& problem);
   /// Syncs the folder of temporary files to disk, then appends an entry to the journal.
   void note(BuildEntry entry, std::span<const std::byte> bytes);

@@ -30,7 +30,7 @@ enum class BuildEntry : uint32_t {
   kPacked = 9,  ///< the store is complete and has its final name
 };
 
-/// Facts about the model. A stage finds each fact, and later stages need it.
+/// Facts about the model that one stage finds and later stages need.
 struct BuildFacts {
   LatticeChoice choice;  ///< scan sets this member and the next three
   /// Attributes taken from the file; without normals if all normals have length zero.
@@ -39,7 +39,7 @@ struct BuildFacts {
   uint64_t dropped_triangles = 0;
   DereferenceCounts counts;  ///< dereference sets this member
 
-  /// Returns the attributes of payloads: soup_attributes, with computed normals if the file has no normals.
+  /// Returns the attributes of payloads: soup_attributes, plus computed normals if these lack normals.
   AttributeSet payloadAttributes() const noexcept {
     AttributeSet attributes = soup_attributes;
     if (!attributes.has(AttributeSet::kNormal))
@@ -48,7 +48,7 @@ struct BuildFacts {
   }
 };
 
-/// Journal of an earlier build of the same output, which this build can resume.
+/// Contents of the journal of an earlier build of the same output, from which this build can resume.
 struct RecordedBuild {
   std::optional<BuildIdentity> identity;
   std::map<BuildEntry, std::vector<std::byte>> stages;  ///< entries of finished stages

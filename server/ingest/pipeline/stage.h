@@ -10,9 +10,9 @@
 
 namespace lode::ingest {
 
-/// A stage of a build. The constructor of a stage names the stages whose results the stage needs. The stage
-/// stores its own result for later stages. BuildSession runs the stage, or loads the result if an earlier,
-/// interrupted build had finished the stage.
+/// A stage of a build. A derived class takes the stages that it depends on in its constructor, and keeps its
+/// own result for later stages. BuildSession runs the stage, or loads the result if an earlier, interrupted
+/// build had finished the stage.
 class Stage {
  public:
   struct Traits {
@@ -33,16 +33,16 @@ class Stage {
 
   const Traits& traits() const noexcept { return traits_; }
 
-  /// Returns false if the input has no work for this stage.
+  /// Returns false if the stage has nothing to do for this input.
   virtual bool isNeeded() const { return true; }
   /// Does the work of the stage. @throws Error.
   virtual Work run() = 0;
   /// Returns true if save() can record the result. Returns false if the result is only in memory.
   virtual bool isOnDisk() const { return true; }
-  /// Records all data that load() needs in addition to the files and BuildFacts.
+  /// Writes the data that load() needs in addition to the files and BuildFacts.
   virtual void save(RecordWriter& record) const = 0;
   /// Restores the result that save() recorded. @param is_used_up  true if all stages that need the result are
-  /// finished, so that the result's files are removed. @throws Error kIo, kFormat.
+  /// finished; its files are then already deleted. @throws Error kIo, kFormat.
   virtual void load(RecordReader& record, bool is_used_up) = 0;
 
  private:

@@ -21,8 +21,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Finds the images that an input names. Fails if an image is too large for the memory: if the build left the
-/// image out, the store would depend on --memory. @throws Error kLimit.
+/// Finds the images that an input names. Fails if an image does not fit in memory, because a store without
+/// this image would depend on --memory. @throws Error kLimit.
 std::vector<TextureImage> findImages(BuildSession& session, std::span<const std::string> names) {
   const BuildOptions& options = session.options();
   std::vector<TextureImage> images =
@@ -36,7 +36,7 @@ std::vector<TextureImage> findImages(BuildSession& session, std::span<const std:
 constexpr std::string_view kRunsFile = "runs";
 constexpr uint64_t kTrianglesPerClockCheck = 1 << 16;
 
-/// Records the written runs of a sort in the journal, with the position of the sort in its input.
+/// Records in the journal which sorted runs are on disk and which batch of faces the sort is reading.
 class SortLog {
  public:
   SortLog(BuildSession& session, RecordSorter& sorter)
@@ -71,7 +71,7 @@ class SortLog {
   CheckpointClock clock_{last_run_};
 };
 
-constexpr double kRounding = 1.0001;  ///< factor that keeps an error an upper bound in spite of rounding
+constexpr double kRounding = 1.0001;  ///< factor that keeps an error an upper bound despite rounding
 
 /// Returns an upper bound on the number of triangles that the root's children pass to the root. The bound
 /// grows with the number of locked vertices.
@@ -207,8 +207,8 @@ void DereferenceStage::checkCounts() {
   if (lost.lost > 0) session_.warn(input + lost.inWords());
 }
 
-/// Sorts the triangles. A resumed build continues at the batch of the last recorded run. A resumed build
-/// dereferences this batch again, but skips the triangles that are already in a run.
+/// Sorts the triangles. A resumed build continues at the batch that was being read when the last recorded run
+/// was written. It dereferences this batch again, but skips the triangles that are already in a run.
 void DereferenceStage::sortSoup(const PackedInput& input) {
   DereferencePoint begin;
   uint64_t sorted = 0;  // triangles of the batch that are already in runs

@@ -29,9 +29,10 @@ class ScanStage final : public Stage {
   void save(RecordWriter& record) const override;
   void load(RecordReader& record, bool is_used_up) override;
 
-  /// Returns the names of texture files in the header, or nothing if the file has no texture coordinates.
+  /// Returns the names of texture files in the header, or an empty list if the file has no texture
+  /// coordinates.
   const std::vector<std::string>& textureFiles() const noexcept { return texture_files_; }
-  /// Moves out the images that were found for textureFiles(). Returns nothing after load().
+  /// Moves out the images that run() found for textureFiles(). Returns an empty list after load().
   std::vector<TextureImage> takeImages() { return std::move(images_); }
   std::unique_ptr<PackedInput> takeInput() { return std::move(input_); }
 
@@ -81,7 +82,7 @@ class DereferenceStage final : public Stage {
  private:
   void openSorter();
   void sortSoup(const PackedInput& input);
-  /// Checks the number of triangles left. @throws Error kInput if no triangle is left, or if most triangles
+  /// Checks how many triangles are left. @throws Error kInput if no triangle is left, or if most triangles
   /// were lost on the lattice.
   void checkCounts();
 

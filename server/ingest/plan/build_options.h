@@ -29,8 +29,8 @@ constexpr std::string_view nameOf(Simplifier simplifier) noexcept {
 struct ResultOptions {
   uint32_t triangles_per_node = 16384;
   Simplifier simplifier = Simplifier::kCollapse;
-  /// Crease angle. Computed normals are smooth across an edge if the faces at the edge meet at a smaller
-  /// angle. With the default, chamfers of 45 degrees stay sharp, and bores with nine sides look round.
+  /// Crease angle. Computed normals are smooth across an edge if the normals of its two faces differ by less
+  /// than this angle. With the default, chamfers of 45 degrees stay sharp, and nine-sided bores look round.
   float crease_angle_deg = 44;
   /// If set, the build drops faces and vertices with bad indices or coordinates, sets bad attributes to zero,
   /// and counts both. If not set, the build fails.
@@ -38,17 +38,17 @@ struct ResultOptions {
   bool strict = false;  ///< true treats warnings as errors
 };
 
-/// Declaration of one result option.
+/// Describes one member of ResultOptions as a command-line option.
 template <class Value>
 struct ResultOption {
   const char* name;  ///< name on the command line
   Value ResultOptions::*member;
   const char* help;
-  Value least{}, most{};       ///< range of a number
-  const char* unit = nullptr;  ///< unit of a number in help texts
+  Value least{}, most{};       ///< allowed range of a numeric option
+  const char* unit = nullptr;  ///< unit of a numeric option, shown in help texts
 };
 
-/// Calls visit(ResultOption<Value>) for each result option.
+/// Calls visit(ResultOption<Value>) for each member of ResultOptions.
 template <class Visit>
 void forEachResultOption(Visit&& visit) {
   visit(ResultOption<uint32_t>{"--triangles-per-node", &ResultOptions::triangles_per_node,
@@ -70,13 +70,13 @@ void forEachResultOption(Visit&& visit) {
 struct BuildOptions : ResultOptions {
   std::filesystem::path input, output;
   /// Folder to search first for the images that the input names; empty: only the input's folder. The images
-  /// belong to the identity of a build, the folder does not.
+  /// are part of the build's identity (BuildIdentity), but the folder is not.
   std::filesystem::path textures_folder;
   std::filesystem::path temporary_folder;  ///< parent of the temporary files; empty: the output's folder
   uint64_t memory_bytes = 0;               ///< memory budget; 0: defaultMemoryBytes()
   unsigned threads = 0;                    ///< number of threads; 0: one per core
-  /// True continues a killed or failed build of the same input, output and options. The build then also keeps
-  /// its own finished work if it fails for a reason other than its input.
+  /// True continues a killed or failed build of the same input, output and options. If this build fails for
+  /// lack of memory or through an I/O error, it keeps its own finished work, too.
   bool resume = false;
 };
 
@@ -90,9 +90,10 @@ struct BuildReport {
   };
   ModelSummary summary;
   std::vector<Stage> stages;  ///< stages that this run executed
-  std::string resumed_from;   ///< first stage that this run executed if this run resumed a build; else empty
+  std::string resumed_from;   ///< first stage executed after resuming a build; empty if none was resumed
   std::vector<std::string> warnings;
-  /// Names of the images in an input with texture coordinates; an image need not exist.
+  /// Names of the texture images in the input's header, even of missing images; empty if the input has no
+  /// texture coordinates.
   std::vector<std::string> texture_files;
   uint64_t peak_rss_bytes = 0;
   double seconds = 0, cpu_seconds = 0;

@@ -16,8 +16,8 @@
 namespace lode::ingest {
 namespace {
 
-/// The allocator may use one heap per this part of the memory budget. If each of eight threads had its own
-/// heap, a small build would use half as much memory again.
+/// Bytes of memory budget per allocator heap. If each of eight threads had its own heap, a small build would
+/// use 50 % more memory.
 constexpr uint64_t kMemoryForEachHeap = 64 << 20;
 constexpr uint64_t kMostHeaps = 256;
 

@@ -17,8 +17,8 @@ double cpuSeconds() noexcept;
 /// Returns the peak resident memory of this process.
 uint64_t peakRssBytes() noexcept;
 
-/// Limits the number of the allocator's heaps if the memory budget is small, so that threads reuse each
-/// other's freed memory.
+/// Limits the number of allocator heaps if the memory budget is small, so that threads reuse memory that
+/// other threads have freed.
 void shareHeaps(uint64_t memory_bytes) noexcept;
 
 /// Returns freed memory to the system. A build calls this function between stages.

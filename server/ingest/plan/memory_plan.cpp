@@ -9,22 +9,23 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kProgramBytes = 24 << 20;  ///< memory of code and file buffers
-constexpr uint64_t kMarginBytes = 24 << 20;   ///< memory that the allocator keeps from earlier stages
-/// Memory of all finished nodes whose parents are not built yet, in bytes per triangle of the node capacity.
-/// Builds usually need half as much.
+constexpr uint64_t kMarginBytes = 24 << 20;   ///< freed memory that the allocator keeps from earlier stages
+/// Memory of all finished nodes that wait for their parents to be built, in bytes per triangle of the node
+/// capacity. Most builds need only half of it.
 constexpr uint64_t kFrontierBytes = 5 << 10;
-constexpr uint64_t kWorkerBytes = 2816;  ///< memory of a thread, per triangle of the node that it simplifies
-/// Memory per triangle of a large node, whose LODs are on disk. The second value is for models whose quadrics
-/// include attributes.
+constexpr uint64_t kWorkerBytes = 2816;  ///< bytes per thread and triangle of the node capacity
+/// Memory per triangle of a large node, that is, a node whose LODs are written to disk. The second value is
+/// for models whose quadrics include attributes.
 constexpr uint64_t kLargeNodeBytes = 300, kLargeNodeBytesWithAttributes = 360;
 /// Memory per triangle of a small model: kSmallModelBytes for the nodes that threads simplify,
-/// kGrowingFrontierBytes for finished nodes whose parents are not built yet.
+/// kGrowingFrontierBytes for finished nodes that wait for their parents.
 constexpr uint64_t kSmallModelBytes = 704, kGrowingFrontierBytes = 64;
 constexpr uint64_t kEncoderBytes = 20 << 20;  ///< memory of a thread's tile, encoder and encoded tiles
 constexpr uint64_t kBesideImage = kProgramBytes + kEncoderBytes;
-constexpr uint64_t kSortOrderBytes = 16;    ///< memory per record of a sort
+constexpr uint64_t kSortOrderBytes = 16;    ///< memory of a sort per record, in addition to the record itself
 constexpr uint64_t kBatchVertexBytes = 20;  ///< memory of a batch per vertex: position and attributes
-/// Typical values for forecasts: memory of the program, and the part of the planned memory that nodes use.
+/// Typical values for forecasts: memory of the program, and the fraction of the planned memory that nodes
+/// really use.
 constexpr uint64_t kUsualProgramBytes = 14 << 20;
 constexpr double kUsualShare = 0.75, kUsualShareWithoutAttributes = 0.5;
 constexpr double kGrowth = 1.25;  ///< ratio of a growing buffer's capacity to its size

@@ -7,17 +7,17 @@
 
 namespace lode::ingest {
 
-/// Division of a build's memory (I7 in docs/architecture.md). The memory that a stage needs is proportional
-/// to the triangles per node; measurements gave the factors.
+/// Division of a build's memory (I7 in docs/architecture.md). Simplification needs memory in proportion to
+/// the node capacity; its measured factors are in memory_plan.cpp.
 struct MemoryPlan {
-  uint64_t sort_bytes = 0;  ///< memory for one sort, or for one batch of faces with their vertices
+  uint64_t sort_bytes = 0;  ///< memory for one sort, or for dereferencing batches of faces
   /// Number of threads: as requested, or fewer if the nodes that they simplify would not fit.
   unsigned threads = 1;
   /// Memory for one texture image: its file, its texels, and the buffers to decode and halve the texels. The
   /// image gets at least half of the budget, or all memory that the program and one tile encoder leave.
   uint64_t image_bytes = 0;
   uint64_t node_bytes = 0;  ///< memory for nodes being simplified and for the records of all nodes
-  /// Least budget with which one thread can build its nodes; small models need less.
+  /// Smallest budget with which a single thread can build nodes. Small models need less.
   uint64_t minimum_bytes = 0;
 };
 
@@ -33,8 +33,8 @@ constexpr uint64_t memoryOfNode(uint64_t triangles) noexcept {
   return triangles * kTriangleBytes;
 }
 
-/// Returns a warning that names the least sufficient budget if a build could exceed `memory_bytes`, else an
-/// empty text. @param is_one_node  true if the whole model fits in one node, which needs little memory.
+/// Returns a warning with the smallest sufficient budget if a build could exceed `memory_bytes`, else an
+/// empty string. @param is_one_node  true if the whole model fits in one node, which needs little memory.
 std::string smallBudgetInWords(uint64_t memory_bytes, uint32_t triangles_per_node, bool is_one_node);
 /// Returns "--memory is less than the N needed for PURPOSE; ...".
 std::string budgetBelowInWords(uint64_t least_bytes, const std::string& purpose);
@@ -43,7 +43,7 @@ std::string budgetBelowInWords(uint64_t least_bytes, const std::string& purpose)
 /// while no other node is being built.
 uint64_t memoryForLargeNode(uint64_t triangles, AttributeSet attributes) noexcept;
 
-/// Returns the least memory budget with which an image can use `image_bytes`.
+/// Returns the smallest memory budget that leaves `image_bytes` for one image.
 uint64_t budgetForImage(uint64_t image_bytes) noexcept;
 
 /// Returns the number of threads that can encode tiles of an image that uses `image_bytes`: the requested

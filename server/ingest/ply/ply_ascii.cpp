@@ -14,8 +14,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Limit on the length of a number. The exact digits of a double can take 1079 characters, but no program
-/// writes so many.
+/// Maximum length of a number. The exact digits of a double can take 1079 characters, but no program writes
+/// so many.
 constexpr size_t kMaxTokenBytes = 512;
 
 constexpr const char* kOneRowPerLine = ", with one row per line";
@@ -31,8 +31,8 @@ Parsed parseFloating(std::string_view token, double& value) {
   const char* const end = token.data() + token.size();
   const auto result = fast_float::from_chars(token.data(), end, parsed);
   value = static_cast<double>(parsed);
-  // Newer versions of fast_float report a number out of range, but also return zero or infinity, as older
-  // versions do.
+  // For a number out of range, all versions of fast_float return zero or infinity; newer versions also report
+  // an error.
   const bool is_number = result.ec == std::errc{} || result.ec == std::errc::result_out_of_range;
   if (is_number && result.ptr == end) return Parsed::kOk;
   // The C library of Windows writes 1.#INF, -1.#IND and 1.#QNAN.
@@ -60,7 +60,8 @@ Parsed parseInteger(std::string_view token, double& value) {
   return fits ? Parsed::kOk : Parsed::kOutOfRange;
 }
 
-/// Parses a value of a type. Rounds a float only once, directly to the type.
+/// Parses a value of the given type. Parses a float directly, not through double, so that it is rounded only
+/// once.
 Parsed parseValue(PlyType type, std::string_view token, double& value) {
   if (token.starts_with('+')) token.remove_prefix(1);
   return withPlyType(type, [&]<class T>(std::type_identity<T>) {
@@ -146,7 +147,8 @@ class AsciiBody final : public PlyBody {
     }
   }
 
-  /// Returns the next word of the line, valid until the next call. Returns an empty word at the line's end.
+  /// Returns the next word of the line, valid until the next call. Returns an empty word at the end of the
+  /// line.
   std::string_view nextToken() {
     if (!skipBlanks()) return {};
     if (input_.available() <= kMaxTokenBytes) {

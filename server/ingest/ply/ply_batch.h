@@ -12,10 +12,12 @@
 namespace lode::ingest {
 
 constexpr size_t kPlyBatchRows = 8192;
-/// Limit of corners per face. The time of ear clipping can grow with the square of the number of corners.
+/// Maximum number of corners of a face. The time of ear clipping can grow with the square of the number of
+/// corners.
 constexpr uint64_t kMaxFaceCorners = 1u << 16;
 
-/// Set of skipped vertices. An empty set takes no memory; other sets take about one bit per vertex at most.
+/// Set of skipped vertices. An empty set takes no memory; any other set takes at most about one bit per
+/// vertex of the file.
 class SkippedVertices {
  public:
   void add(uint64_t vertex);
@@ -35,7 +37,7 @@ class PlyVertexBatch {
   PlyVertexBatch(const VertexPlan& plan, const PlyReader::VertexSink& sink, PlyCounts& counts,
                  SkippedVertices& skipped);
 
-  /// Returns space for 1 to kPlyBatchRows vertices. Fill some from the start, then call commit().
+  /// Returns space for 1 to kPlyBatchRows vertices. Fill the first n of them, then call commit(n).
   std::span<PlyVertex> room() noexcept { return std::span(rows_).subspan(used_); }
   void commit(size_t vertices);
   /// Counts a defect of the uncommitted vertex at room()[index].
@@ -70,8 +72,8 @@ struct FaceAttributes {
   glm::u8vec4 colour{255};
 };
 
-/// Collects faces, drops degenerate faces, and passes the remaining faces to a sink in batches. A batch is
-/// empty if many faces in a row are dropped.
+/// Collects faces, drops degenerate faces, and passes the remaining faces to a sink in batches. If many
+/// consecutive faces are dropped, passes on an empty batch.
 class PlyFaceBatch {
  public:
   PlyFaceBatch(const PlyPlan& plan, const PlyReader::FaceSink& sink, PlyCounts& counts,
@@ -82,22 +84,24 @@ class PlyFaceBatch {
   /// Adds a face, or counts the face as dropped or skipped.
   FaceVerdict add(std::span<const int64_t> corners, const FaceAttributes& attributes);
   void addTriangle(const std::array<int64_t, 3>& corners) { add(corners, {}); }
-  /// Counts a row of the face element, or a strip.
+  /// Counts a row of the face element, or a triangle strip.
   void countFace() noexcept { ++counts_.faces; }
   /// Counts a face that the caller skips.
   void countSkipped(size_t corners) noexcept {
     ++counts_.skipped_bad;
     countDropped(corners);
   }
-  /// Counts a face whose colour is clamped, or set to zero because it is NaN or infinite.
+  /// Counts a face with a clamped colour.
   void countClamped() noexcept { ++counts_.clamped_colours; }
+  /// Counts a face with a NaN or infinite colour, which becomes zero.
   void countReplaced() noexcept { ++counts_.replaced_attributes; }
   /// Counts faces without corners as dropped.
   void addEmpty(uint64_t faces);
   void flush();
 
  private:
-  /// Passes on the batch after many faces that are not part of it, so that progress is reported.
+  /// Counts faces that are left out of the batch. Flushes the batch after many such faces, so that progress
+  /// is reported.
   void noteLeftOut(uint64_t faces);
   FaceVerdict judge(std::span<const int64_t> corners);
   void countDropped(size_t corners) noexcept { counts_.dropped_triangles += corners > 2 ? corners - 2 : 0; }

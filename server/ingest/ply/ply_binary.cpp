@@ -20,7 +20,7 @@ T load(const char* from, bool swap) noexcept {
   return std::bit_cast<T>(bytes);
 }
 
-/// Converts one property of many rows. @return false if a value is NaN or infinite.
+/// Converts one property of many rows. @return false if a value is NaN, infinite or out of float's range.
 template <class T, bool kSwap, class Store>
 bool convertColumn(const char* from, size_t stride, std::span<PlyVertex> rows, Store store) {
   bool finite = true;
@@ -35,7 +35,7 @@ bool convertColumn(const char* from, size_t stride, std::span<PlyVertex> rows, S
   return finite;
 }
 
-/// Converts one field of a batch of rows. @return false if some value needs a check by makeVertex().
+/// Converts one field of a batch of rows. @return false if makeVertex() must check the rows one by one.
 template <class T, bool kSwap>
 bool convertField(VertexField field, const char* from, size_t stride, std::span<PlyVertex> rows) {
   using enum VertexField;
@@ -61,7 +61,7 @@ bool convertField(VertexField field, const char* from, size_t stride, std::span<
   return convert([i](PlyVertex& row, T value) { row.texture[i] = static_cast<float>(value); });
 }
 
-constexpr uint64_t kRowsAtFirst = 64;  ///< faces that are read one by one, so that a report can name them
+constexpr uint64_t kRowsAtFirst = 64;  ///< number of first faces read one by one, so that reports name them
 
 class BinaryBody final : public PlyBody {
  public:
@@ -155,8 +155,9 @@ class BinaryBody final : public PlyBody {
     return items;
   }
 
-  /// Consumes a run of rows that consist of one empty list, at the speed of reading. Leaves short runs.
-  /// @return the number of rows.
+  /// Consumes a run of rows that each consist of one empty list, as fast as they can be read. Consumes
+  /// nothing if the run is short.
+  /// @return the number of rows consumed.
   uint64_t takeEmptyRows(const PlyElement& element) {
     constexpr size_t kStep = 64;
     constexpr std::array<char, kStep> kZeros{};

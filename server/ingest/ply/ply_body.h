@@ -17,9 +17,9 @@ struct PlyPlace {
   uint64_t line = 0;    ///< line number from 1; ascii files only
 };
 
-/// Interface that reads the elements of a body. Each encoding of PLY files has an implementation. All
-/// functions throw Error kInput, whose message contains the element's name, the row (from 0), and the byte
-/// or, in ascii, the line.
+/// Reads the elements of a PLY file's body. Each encoding has its own implementation. All functions throw
+/// Error kInput, whose message contains the element's name, the row (from 0), and the byte or, in ascii, the
+/// line.
 class PlyBody {
  public:
   virtual ~PlyBody() = default;
@@ -32,7 +32,7 @@ class PlyBody {
 
   virtual PlyPlace place() const noexcept = 0;
   virtual void goTo(PlyPlace place) = 0;
-  /// Returns the least size of a row of an element.
+  /// Returns the smallest possible size of an element's row.
   virtual uint64_t leastRowBytes(const PlyElement& element) const noexcept = 0;
 
  protected:
@@ -41,16 +41,17 @@ class PlyBody {
   /// Returns the position of the current row: "byte 12" or "line 3".
   virtual std::string where() const = 0;
   [[noreturn]] void fail(const std::string& what, const std::string& remedy) const;
-  /// Fails because the file is too short. @param how  text that follows the remedy after a comma.
+  /// Fails because the file is too short. @param how  text to append to the remedy, with its comma.
   [[noreturn]] void failTruncated(const std::string& how = {}) const;
 
   /// Reports a defect of the current row, or of several rows from the current row on, to options.on_defect.
   void reportDefect(bool is_bad, const std::string& what, uint64_t rows = 1) const;
-  /// Handles a defect of the vertex at batch.room()[index]: counts the defect if skip_bad is set, else fails.
+  /// Handles a defect of the vertex at batch.room()[index]. Counts a colour out of range. Counts any other
+  /// defect if skip_bad is set, else fails.
   void handleVertexDefect(VertexDefect defect, size_t index, PlyVertexBatch& batch) const;
-  /// Starts a row of the face element.
+  /// Resets the values of the current face, before a row of the face element is read.
   void beginFace() noexcept;
-  /// Takes a value of the current face.
+  /// Stores the value of a property that is not a list, for the current face.
   /// @param role  kMaterial, kRed, kGreen, kBlue or kAlpha.
   void takeFaceValue(FaceRole role, PlyType type, double value) noexcept;
   /// Adds the current face to the batch.
@@ -64,13 +65,13 @@ class PlyBody {
   PlyReadOptions options_;
   const PlyElement* element_ = nullptr;
   uint64_t row_ = 0;
-  std::vector<int64_t> corners_;  ///< vertex numbers of the current face
+  std::vector<int64_t> corners_;  ///< vertex indices of the current face
   std::vector<float> texture_;    ///< texture coordinates of the current face, two numbers per corner
 
  private:
-  /// Returns the problem of the texture coordinates of the current face, or an empty text.
+  /// Returns the problem with the current face's texture coordinates, or an empty string.
   std::string textureProblem() const;
-  /// Handles a wrong colour of the current face: counts the face if the colour is out of range or skip_bad is
+  /// Handles a bad colour of the current face: counts the face if the colour is out of range or skip_bad is
   /// set, else fails.
   void handleColourDefect(PlyFaceBatch& batch) const;
   /// Handles a corner whose vertex does not exist: reports the corner if skip_bad is set, else fails.
@@ -83,7 +84,7 @@ class PlyBody {
 
 std::unique_ptr<PlyBody> makeBinaryBody(PlyInput& input, PlyEncoding encoding, PlyReadOptions options);
 /// @param first_line    line number of the body's first line, from 1.
-/// @param extra_tokens  receives the number of values that follow the properties of a row.
+/// @param extra_tokens  receives the number of surplus values at the ends of rows.
 std::unique_ptr<PlyBody> makeAsciiBody(PlyInput& input, PlyReadOptions options, uint64_t first_line,
                                        uint64_t& extra_tokens);
 

@@ -61,10 +61,10 @@ class HeaderLines {
  public:
   HeaderLines(std::string_view text, bool whole_file) : text_(text), whole_file_(whole_file) {}
 
-  uint64_t number() const noexcept { return number_; }  ///< number of the last line, from 1
+  uint64_t number() const noexcept { return number_; }  ///< number of the line last returned, from 1
   size_t position() const noexcept { return position_; }
 
-  /// Returns true if the limit of a header cuts the last line or its line end.
+  /// Returns true if the line last returned, or its line end, is cut off by the limit kMaxPlyHeaderBytes.
   bool isCut() const noexcept { return !whole_file_ && is_last_; }
 
   std::optional<std::string_view> next() {
@@ -90,7 +90,7 @@ class HeaderLines {
   size_t position_ = 0;
   uint64_t number_ = 0;
   bool only_carriage_returns_ = true;
-  bool is_last_ = false;  ///< the last line or its line end ends with the text
+  bool is_last_ = false;  ///< the line last returned, or its line end, reaches the end of the text
 };
 
 class HeaderParser {

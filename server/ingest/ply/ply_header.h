@@ -18,7 +18,7 @@ enum class PlyType : uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, 
 /// Returns the size of a value in a binary body.
 size_t plyTypeBytes(PlyType type) noexcept;
 bool isFloating(PlyType type) noexcept;
-/// Returns the classic name of a type: char, uchar, short, ...
+/// Returns the traditional name of a type: char, uchar, short, ...
 const char* plyTypeName(PlyType type) noexcept;
 
 struct PlyProperty {
@@ -50,7 +50,8 @@ struct PlyHeader {
 /// Reads the header of a PLY file with CR, LF, CRLF or mixed line ends. A binary body begins right after the
 /// line end of `end_header`. CR LF after `end_header` counts as one line end, unless all earlier lines end in
 /// CR alone; then LF is the first byte of the body.
-/// @throws Error kIo (no file, a directory) or kInput (problem, line, and remedy).
+/// @throws Error kIo if the path is not a readable file; kInput if the header is invalid, with line, problem
+/// and remedy.
 PlyHeader readPlyHeader(const std::filesystem::path& path);
 
 }  // namespace lode::ingest

@@ -26,7 +26,8 @@ class PlyInput {
 
   const char* data() const noexcept { return buffer_.get() + begin_; }
   size_t available() const noexcept { return end_ - begin_; }  ///< number of bytes at data()
-  /// Reads until n bytes (at most kBufferBytes) are available at data(). The address data() can change.
+  /// Reads until n bytes (at most kBufferBytes) are available at data(). The pointer that data() returns can
+  /// change.
   /// @return false if the file ends before that.
   bool fill(size_t n) { return available() >= n || refill(n); }
   /// Skips n bytes, n <= available().

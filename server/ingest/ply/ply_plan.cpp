@@ -12,9 +12,9 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kShownName = 64;  ///< largest number of bytes that a message shows of a name
+constexpr size_t kShownName = 64;  ///< maximum number of bytes of a name that a message shows
 
-/// Names of a colour's properties.
+/// Names of the properties that hold a colour.
 struct ColourNames {
   std::string_view red, green, blue, alpha;
 };
@@ -115,7 +115,7 @@ FacePlan planFaces(const PlyElement& element, bool strips, const std::string& fi
   return plan;
 }
 
-/// Adds the colours of faces to the plan if the element has any.
+/// Adds the colours of faces to the plan if the element has colours.
 void takeFaceColours(FacePlan& plan) {
   const auto take = [&](std::string_view name, FaceRole role) {
     const PlyProperty* const property = findScalar(*plan.element, name);
@@ -136,7 +136,7 @@ void takeFaceColours(FacePlan& plan) {
   }
 }
 
-/// Leaves the colours of faces out.
+/// Removes the colours of faces from the plan.
 void dropFaceColours(FacePlan& plan) {
   for (FaceRole& role : plan.roles) {
     if (isColourRole(role)) role = FaceRole::kSkipped;
@@ -144,8 +144,8 @@ void dropFaceColours(FacePlan& plan) {
   plan.colours = {};
 }
 
-/// Returns true if the vertices are the Gaussians of a splat. Their colours can be in f_dc_* or in other
-/// properties. Some programs pack each group of properties into one property.
+/// Returns true if the vertices are the splats of a Gaussian splat. Does not check for colours, because
+/// writers name them differently. Some writers pack each group of properties into one property.
 bool isGaussianSplat(const PlyElement& vertices) {
   const auto hasAll = [&](const auto& names) {
     return std::ranges::all_of(names,

@@ -14,31 +14,30 @@
 
 namespace lode::ingest {
 
-/// Destination of a vertex property.
+/// Field of a vertex that a property is read into.
 enum class VertexField : uint8_t { kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kAlpha, kS, kT, kNone };
 constexpr size_t kVertexFields = static_cast<size_t>(VertexField::kNone);
 
-/// Values of one vertex in the file, indexed by VertexField. Values of fields that the file does not have are
-/// undefined.
+/// Values of one vertex in the file, indexed by VertexField. Fields that the file lacks have undefined
+/// values.
 using VertexValues = std::array<double, kVertexFields>;
 
-/// Mapping of the vertex element's rows to vertices.
+/// Describes how rows of the vertex element are read as vertices.
 struct VertexPlan {
   const PlyElement* element = nullptr;
   std::vector<VertexField> fields;                ///< field of each property; kNone: the property is skipped
   std::array<PlyType, kVertexFields> types{};     ///< type of each field's property
   std::array<bool, kVertexFields> has{};          ///< true if the file has the field
   std::array<uint32_t, kVertexFields> offsets{};  ///< offset of each field in a binary row, if row_bytes > 0
-  uint32_t row_bytes = 0;                         ///< size of a binary row; 0 if the rows contain lists, so
-                                                  ///< that their sizes vary
+  uint32_t row_bytes = 0;  ///< size of a binary row; 0 if rows contain lists and therefore vary in size
   AttributeSet attributes;
 };
 
-/// Destination of a property of the face or tristrips element.
+/// Part of a face that a property of the face or tristrips element is read into.
 enum class FaceRole : uint8_t { kSkipped, kIndices, kTexture, kMaterial, kRed, kGreen, kBlue, kAlpha };
 constexpr bool isColourRole(FaceRole role) noexcept { return role >= FaceRole::kRed; }
 
-/// Mapping of the face or tristrips element's rows to faces.
+/// Describes how rows of a face or tristrips element are read as faces.
 struct FacePlan {
   const PlyElement* element = nullptr;
   bool strips = false;
@@ -52,15 +51,15 @@ struct PlyPlan {
   bool corner_texture = false;        ///< true if a face element has texcoord
   bool materials = false;             ///< true if a face element has texnumber
   AttributeSet face_colours;          ///< kColour and kAlpha if faces have them and vertices do not
-  bool ignores_face_colours = false;  ///< true if faces have colours, but those of vertices are read
+  bool ignores_face_colours = false;  ///< true if face colours are ignored because vertices have colours
   size_t textures = 0;                ///< number of textures that the header names
 
   AttributeSet attributes() const noexcept;
-  /// Returns the attributes that faces or corners have instead of vertices.
+  /// Returns the attributes that are stored per face or per corner instead of per vertex.
   AttributeSet faceAttributes() const noexcept;
 };
 
-/// Plans how to read the body. The plan contains pointers into the header.
+/// Plans how to read the body. The plan points into the header, which must outlive it.
 /// @param file  quoted name of the file, for messages.
 /// @throws Error kInput if the file has no vertices or no faces, or if a required property is missing.
 PlyPlan planBody(const PlyHeader& header, const std::string& file);
@@ -130,8 +129,8 @@ inline uint8_t colourByte(PlyType type, double value, bool& fits) noexcept {
   });
 }
 
-/// Worst defect of a vertex, in rising severity. kColour: a colour is out of range. kAttribute: an attribute
-/// is NaN or infinite. kPosition: the position is NaN or infinite.
+/// Worst defect of a vertex, in order of increasing severity. kColour: a colour is out of range. kAttribute:
+/// an attribute is NaN or infinite. kPosition: the position is NaN or infinite.
 enum class VertexDefect { kNone, kColour, kAttribute, kPosition };
 
 /// Turns the values of one row into a vertex. Attributes that are NaN or infinite become zero.

@@ -15,9 +15,9 @@
 namespace lode::ingest {
 namespace {
 
-/// Returns a message if the file is too short for the header's counts, else an empty text.
+/// Returns a message if the file is too short for the header's counts, else an empty string.
 std::string sizeProblem(const PlyHeader& header, const PlyBody& body, const PlyInput& input) {
-  uint64_t left = input.remaining() + 1;  // count a missing line end at the end of an ascii file
+  uint64_t left = input.remaining() + 1;  // an ascii file may lack its last line end
   for (const PlyElement& element : header.elements) {
     const uint64_t row_bytes = body.leastRowBytes(element);
     if (row_bytes > 0 && element.count > left / row_bytes) {

@@ -17,16 +17,16 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kNone = ClusterTree::kNone;
-constexpr double kStay = 1e-4;  // weight of the cell's mean position, relative to the quadric's trace; makes
-                                // the optimum unique on flat surfaces
+constexpr double kStay = 1e-4;  // weight of a point at the cell's mean position, relative to the quadric's
+                                // trace; makes the optimum unique on flat surfaces
 
-/// State of a cell, for the position into which its positions merge.
+/// State of an octree cell (see ClusterTree). When the cell merges, its positions become one position.
 struct CellState {
-  Quadric quadric;    // sum of the positions' quadrics; the error that optimal attributes avoid is subtracted
+  Quadric quadric;    // sum of the positions' quadrics, minus the error that optimal attributes avoid
   glm::dvec3 sum{0};  // sum of the positions
   uint32_t count = 0;
-  uint32_t deaths = 0;  // number of triangles that disappear when this cell merges, but not when a smaller
-                        // cell inside merges
+  // Number of triangles that disappear when this cell merges, but not when only its descendants merge.
+  uint32_t deaths = 0;
   glm::dvec3 point{0};
   double cost = 0;
   bool merged = false;
@@ -39,8 +39,9 @@ class FoldFinder {
     entries_.reserve(triangles);
   }
 
-  /// Pairs the triangle `t` with an earlier unpaired triangle of opposite orientation. @return number of the
-  /// earlier triangle. If there is no such triangle, records `t` and returns kNone.
+  /// Pairs the triangle `t` with an earlier unpaired triangle that has the same corners in opposite
+  /// orientation. @param number  index of `t`. @return index of the earlier triangle. If there is no such
+  /// triangle, records `t` and returns kNone.
   uint32_t partnerOf(glm::u32vec3 t, uint32_t number) {
     while (t.x > t.y || t.x > t.z) t = {t.y, t.z, t.x};
     const bool turned = t.y > t.z;
@@ -64,7 +65,7 @@ class FoldFinder {
 
  private:
   struct Entry {
-    glm::u32vec3 corners;  // sorted by number
+    glm::u32vec3 corners;  // in increasing order
     uint32_t next;         // next entry in the bucket
     uint32_t last;         // last unpaired triangle; before_ links it to earlier unpaired triangles
     bool turned;           // orientation of all unpaired triangles
@@ -162,7 +163,7 @@ void Clusterer::addUpCells() {
 void Clusterer::place(uint32_t number) {
   const ClusterTree::Cell& cell = tree_.cells()[number];
   CellState& state = states_[number];
-  if (state.count == 0) {  // all positions of the cell are without triangles
+  if (state.count == 0) {  // no position of the cell has triangles
     state.point = mesh_.point(cell.a_position);
     return;
   }
@@ -179,7 +180,8 @@ void Clusterer::place(uint32_t number) {
   state.cost = std::max(state.cost, state.quadric.at(point));
 }
 
-/// Maps each position: to its own number, or to the number of positions plus the number of the merged cell.
+/// Returns the destination of each position: its own index, or, if it lies in merged cells, the number of
+/// positions plus the index of the largest of these cells.
 std::vector<uint32_t> Clusterer::destinations() const {
   const uint32_t count = static_cast<uint32_t>(mesh_.positions.size());
   std::vector<uint32_t> top(states_.size(), kNone);
@@ -196,7 +198,7 @@ std::vector<uint32_t> Clusterer::destinations() const {
   return destination;
 }
 
-/// Maps the corners of each remaining triangle; kNone marks removed triangles.
+/// Returns the destinations of each triangle's corners; kNone marks removed triangles.
 std::vector<glm::u32vec3> Clusterer::survivors(const std::vector<uint32_t>& destination) const {
   std::vector<glm::u32vec3> result(mesh_.corner_position.size() / 4, glm::u32vec3(kNone));
   FoldFinder folds(result.size());
@@ -213,7 +215,8 @@ std::vector<glm::u32vec3> Clusterer::survivors(const std::vector<uint32_t>& dest
   return result;
 }
 
-// Computes the attributes of merged wedges, stored at the root's index.
+// Computes the attributes of merged wedges and stores them in values_, at the index that
+// ClusterWedges::find() returns.
 void Clusterer::joinWedges() {
   wedges_.reset();
   values_ = mesh_.wedges;
@@ -263,8 +266,7 @@ SimplifiedMesh Clusterer::snapshot() {
     if (!mesh_.hasWedges()) result.wedge_position.push_back(position);
     return position;
   };
-  const auto wedgeAt = [&](uint32_t position, uint32_t old) {  // returns an equal wedge of the position if
-                                                               // there is one
+  const auto wedgeAt = [&](uint32_t position, uint32_t old) {  // reuses an equal wedge of the position
     uint32_t& wedge = new_wedge[wedges_.find(old)];
     if (wedge != kNone) return wedge;
     const VertexAttributes code = values_.code(wedges_.find(old));
@@ -291,7 +293,7 @@ SimplifiedMesh Clusterer::snapshot() {
 }
 
 void Clusterer::run(std::span<const size_t> targets, const SnapshotSink& sink) {
-  // Cells by ascending cost; among equal costs, inner cells first.
+  // Cells in order of increasing cost; among equal costs, children before parents.
   std::vector<std::pair<double, uint32_t>> order;
   for (uint32_t i = 0; i < tree_.order().size(); ++i) order.emplace_back(states_[tree_.order()[i]].cost, i);
   std::sort(order.begin(), order.end());

@@ -42,9 +42,9 @@ ClusterTree::ClusterTree(const CollapseMesh& mesh)
   }
 }
 
-// Builds the cells in one pass over the positions in Morton order. `open` is a stack of nested cells that
-// have not ended. The common level of two neighbouring positions tells which of these cells end between the
-// two.
+// Builds the cells in one pass over the positions in Morton order. `open` is a stack of nested cells that can
+// still receive positions. A cell ends before the first position outside it, which the common level of two
+// consecutive positions tells.
 void ClusterTree::build(const std::vector<Entry>& entries) {
   std::vector<uint32_t> open;
   for (size_t i = 0; i < entries.size(); ++i) {
@@ -99,7 +99,7 @@ ClusterWedges::ClusterWedges(const CollapseMesh& mesh, const ClusterTree& tree)
     : first_(tree.cells().size() + 1), root_(mesh.wedges.size()) {
   reset();
   if (!mesh.hasWedges()) return;
-  // Smallest cell that contains the edge that starts at a corner, indexed by corner.
+  // For each corner, the smallest cell that contains the triangle edge starting at the corner.
   std::vector<uint32_t> cells(mesh.corner_position.size(), ClusterTree::kNone);
   for (uint32_t c = 0; c < cells.size(); ++c) {
     if ((c & 3) == 3) continue;

@@ -9,8 +9,8 @@
 
 namespace lode::ingest {
 
-/// Octree over a mesh's unlocked positions. The octree has only cells with positions in at least two of their
-/// octants.
+/// Octree over a mesh's unlocked positions. The octree contains only cells with positions in at least two of
+/// their octants.
 class ClusterTree {
  public:
   static constexpr uint32_t kNone = ~0u;
@@ -18,14 +18,14 @@ class ClusterTree {
   struct Cell {
     uint32_t parent = kNone;
     uint32_t level = 0;       ///< the cell's side is 2^level lattice steps long
-    glm::dvec3 corner{0};     ///< lowest corner, relative to the mesh's origin
+    glm::dvec3 corner{0};     ///< minimum corner, relative to the mesh's origin
     uint32_t a_position = 0;  ///< any position inside the cell
   };
 
   explicit ClusterTree(const CollapseMesh& mesh);
 
   const std::vector<Cell>& cells() const noexcept { return cells_; }
-  /// All cells, inner cells first.
+  /// Returns all cells, children before parents.
   const std::vector<uint32_t>& order() const noexcept { return order_; }
   /// Returns the smallest cell that contains a position; kNone if the position is locked or the tree is
   /// empty.
@@ -44,7 +44,7 @@ class ClusterTree {
 
   std::vector<Cell> cells_;
   std::vector<uint32_t> order_;
-  std::vector<uint32_t> cell_of_;  ///< smallest cell that contains a position, indexed by position
+  std::vector<uint32_t> cell_of_;  ///< for each position, the smallest cell that contains it
   std::vector<uint64_t> codes_;    ///< Morton code of each position
 };
 
@@ -58,7 +58,7 @@ class ClusterWedges {
 
   ClusterWedges(const CollapseMesh& mesh, const ClusterTree& tree);
 
-  /// Returns the links inside a cell, except links inside a smaller cell.
+  /// Returns the links inside a cell that do not lie inside one of its child cells.
   std::span<const Link> linksOf(uint32_t cell) const noexcept {
     return {links_.data() + first_[cell], first_[cell + 1] - first_[cell]};
   }
@@ -79,7 +79,7 @@ class ClusterWedges {
  private:
   std::vector<Link> links_;      ///< sorted by cell
   std::vector<uint32_t> first_;  ///< index of each cell's first link; the last element is the number of links
-  /// Union-find parent of each wedge. The number of a parent is never higher than the number of the wedge.
+  /// Union-find parent of each wedge. The parent's index is never larger than the wedge's index.
   std::vector<uint32_t> root_;
 };
 

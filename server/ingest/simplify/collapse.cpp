@@ -28,30 +28,31 @@ constexpr std::array<CollapseLimits, 3> kLimits{{
     {.least_cosine = 0.0, .least_shape = 0.0, .link_condition = false, .most_triangles = 4096},
     {.least_cosine = -1.0, .least_shape = 0.0, .link_condition = false},
 }};
-// Factor by which an edge's cost grows each time its collapse is not possible.
+// Factor by which an edge's cost grows each time its collapse is postponed.
 constexpr double kPostponed = 4;
 // After this number of postponements, an edge waits for the next round.
 constexpr uint32_t kMostPostponements = 6;
-constexpr double kBreaksFeature = 8;  // cost factor of a collapse that moves a position off its seam
-constexpr double kLeastArea = 1e-6;   // area that replaces zero, in square lattice steps
-// The next level begins after a round that collapses less than 1 in 32 of its edges.
+// Cost factor of moving a position off its seam, or off a corner of seams or boundaries.
+constexpr double kBreaksFeature = 8;
+constexpr double kLeastArea = 1e-6;  // area that replaces zero, in square lattice steps
+// The next level begins after a round that collapses fewer than 1 in 32 of its edges.
 constexpr size_t kProgress = 32;
-// Up to this number of pairs of wedges, the cost of an edge counts attributes.
+// Largest number of pairs of wedges for which the cost of an edge includes attributes.
 constexpr size_t kMostPairs = 64;
-// The cost of a position around a vertex with very many triangles grows by this share per trailing zero bit
-// of the position's number; see drop().
+// Around a hub (a vertex with very many triangles), the cost of merging a neighbour into the hub grows by
+// this fraction for each trailing zero bit of the neighbour's index; see drop().
 constexpr double kSpread = 0.25;
-// Factor on the key of an edge at a vertex with very many triangles. The cost of such an edge grows with each
-// collapse, so that a higher key saves evaluations.
+// Factor on the key of a changed edge at a hub when it is queued again. The cost of such an edge grows with
+// each collapse at the hub, and a key above the present cost saves evaluations.
 constexpr double kAhead = 1.5;
-// Collapses around vertices with very many triangles may check kLooksOfMesh triangles per mesh, plus
-// kLooksPerTriangle for each triangle of the mesh.
+// Limit on the number of triangles that collapses around hubs may check: kLooksOfMesh, plus kLooksPerTriangle
+// for each triangle of the mesh.
 constexpr uint64_t kLooksOfMesh = 1u << 18, kLooksPerTriangle = 64;
 
 /// Freedom of an edge's end in a collapse: the end may move, may move at a higher cost, or must stay.
 enum class Freedom { kFree, kPenalised, kFixed };
 
-/// Kind of a merged position until the next round reclassifies it.
+/// Returns the kind that a merged position has until the next round reclassifies all positions.
 PositionKind joined(PositionKind a, PositionKind b) {
   if (a > b) std::swap(a, b);
   const bool seam_meets_boundary =
@@ -78,7 +79,7 @@ class Collapser {
     bool possible = false;
     double breadth = 1;  ///< result of breadth()
   };
-  /// An edge that was evaluated again; see alreadyQueued().
+  /// An edge that was evaluated again after a change; see alreadyQueued().
   struct Seen {
     uint32_t u = 0, v = 0, changed_at = 0;
   };
@@ -99,6 +100,8 @@ class Collapser {
   double breadth(uint32_t u, uint32_t v) const noexcept;
   Freedom freedom(const CollapsePosition& position, EdgeKind edge) const;
   bool alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at);
+  /// Returns true if the last level of limits is reached and so many triangles surround the edge that one end
+  /// is a hub, a vertex with very many triangles.
   bool isAroundHub(const Record& record) const noexcept {
     return level_ + 1 == kLimits.size() &&
            mesh_.positions[record.u].count + mesh_.positions[record.v].count > kLimits[0].most_triangles;
@@ -124,10 +127,10 @@ class Collapser {
   std::vector<Seen> seen_;
   /// Sum of the quadrics at both ends of the edge that was evaluated last.
   Quadric quadric_;
-  std::vector<WedgeTable::Pair> pairs_;  ///< memory that is reused between calls
-  std::vector<uint32_t> forward_;  ///< position into which a position has merged, indexed by position; a
-                                   ///< remaining position refers to itself
-  uint32_t clock_ = 0;             ///< number of collapses so far
+  std::vector<WedgeTable::Pair> pairs_;  ///< buffer that is reused between calls
+  /// For each position, the position it was merged into, or itself if it remains.
+  std::vector<uint32_t> forward_;
+  uint32_t clock_ = 0;  ///< number of collapses so far
   size_t level_ = 0;
   uint64_t looks_left_ = 0;  ///< number of triangles that further collapses may check; see kLooksPerTriangle
 };
@@ -243,9 +246,9 @@ void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
 }
 
 /// Returns the side of a square with about the area of the triangles around both ends; never 0. The area is
-/// the geometric mean of two values: the true area, and the weight of all planes, which is larger if boundary
-/// or seam edges end there. With the weight alone, collapses at boundaries would be too cheap. With the area
-/// alone, boundaries would keep triangles that the rest of the mesh needs.
+/// the geometric mean of two values: the true area, and the weight of all planes, which is larger than the
+/// area if boundary or seam edges end at the two ends. With the weight alone, collapses at boundaries would
+/// be too cheap. With the area alone, boundaries would keep triangles that the rest of the mesh needs.
 double Collapser::breadth(uint32_t u, uint32_t v) const noexcept {
   const double area = mesh_.areas[u] + mesh_.areas[v];
   const double weight = mesh_.quadrics[u].weight() + mesh_.quadrics[v].weight();
@@ -320,9 +323,9 @@ bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
   return false;
 }
 
-// Processes the next edge of the queue; returns false if the queue is empty. Evaluates an edge that has
-// changed only now, when the edge leaves the queue. Until then its old key is nearly always a lower bound,
-// because adding quadrics rarely lowers a cost.
+// Processes the next edge of the queue; returns false if the queue is empty. An edge whose surroundings have
+// changed is not evaluated again before it leaves the queue. Until then its old key is nearly always a lower
+// bound, because adding quadrics rarely lowers a cost.
 bool Collapser::collapseNext() {
   Record record;
   if (!queue_.pop(record, [this](Record& soon) { prefetch(soon); })) return false;
@@ -351,8 +354,8 @@ bool Collapser::collapseNext() {
 }
 
 // Returns true if looks_left_ allows a check of all triangles around both ends of an edge. The limit exists
-// because a vertex with n triangles has about n edges, and checking n triangles for each edge takes a time of
-// n * n.
+// because a vertex with n triangles has about n edges, and checking n triangles for each edge takes time
+// proportional to n * n.
 bool Collapser::mayLookAround(uint32_t u, uint32_t v) {
   const uint32_t triangles = mesh_.positions[u].count + mesh_.positions[v].count;
   if (triangles <= kLimits[0].most_triangles) return true;
@@ -361,9 +364,9 @@ bool Collapser::mayLookAround(uint32_t u, uint32_t v) {
   return true;
 }
 
-// Returns true if the position `gone` with few triangles can merge into the position `keep` with very many
-// triangles, without a check of the triangles at `keep`. This is possible if all triangles at `gone` also
-// have `keep`: they vanish, and no other triangle moves.
+// Returns true if the position `gone`, which has few triangles, can merge into the hub `keep` without a check
+// of the hub's triangles. This is so if all triangles at `gone` also have `keep` as a corner, because then
+// they vanish and no other triangle changes.
 bool Collapser::canDrop(uint32_t gone, uint32_t keep) const {
   const CollapsePosition& position = mesh_.positions[gone];
   const bool is_free = position.kind == PositionKind::kSmooth || position.kind == PositionKind::kBoundary;
@@ -373,9 +376,9 @@ bool Collapser::canDrop(uint32_t gone, uint32_t keep) const {
   });
 }
 
-// Merges the position `gone` into the position `keep`, which has very many triangles. First merges every
-// second position around `keep`, then every second remaining position, and so on, so that the remaining
-// positions are evenly spread.
+// Merges the position `gone` into the hub `keep`, or queues the edge again if its cost is too high for now.
+// Costs are raised so that every second position around the hub merges first, then every second remaining
+// position, and so on. The remaining positions are then evenly spread.
 void Collapser::drop(Record record, uint32_t gone, uint32_t keep, const Candidate& candidate) {
   const double cost = candidate.placement.cost * (1 + kSpread * std::countr_zero(gone | 1u << 31));
   if (EdgeQueue<Record>::bucketOf(keyOf(cost)) <= queue_.current())
@@ -406,7 +409,7 @@ void Collapser::collapseEdge(Record record, const Candidate& candidate) {
                                        mesh_.point(record.u), mesh_.point(record.v));
   const CollapseFinding finding = check_.check(around_, to, limits);
   if (!finding.allowed) return postpone(record, candidate);
-  if (finding.folds) {  // a piece or a fin of the mesh vanishes, so its size is the cost
+  if (finding.folds) {  // a piece or a fin of the mesh vanishes, so its area determines the cost
     const glm::dvec3 along = mesh_.point(record.u) - mesh_.point(record.v);
     const double lost = finding.folded_area * glm::dot(along, along) / candidate.breadth;
     if (EdgeQueue<Record>::bucketOf(keyOf(lost)) > queue_.current()) {

@@ -17,19 +17,20 @@ struct CollapseOptions {
   double attribute_weight = 1;
 };
 
-/// A function that receives a compacted mesh for each triangle count that was reached, in the order of
-/// `targets`. If no further collapse is possible before the last target, it receives the mesh so far.
+/// Receives a compacted mesh for each target triangle count, in the order of the targets. If a target cannot
+/// be reached, receives the smallest possible mesh for this target, and nothing for later targets.
 using SnapshotSink = std::function<void(size_t target_index, SimplifiedMesh&& snapshot)>;
 
 /// Simplifies a node's mesh by edge collapses in order of quadric error. One sequence of collapses yields all
-/// LODs.
+/// LODs. If too few edges can collapse, continues with cluster().
 ///
 /// Simplification maps positions to positions. Locked positions map to themselves and do not move. A triangle
-/// disappears only if two of its corners coincide, or together with a triangle of opposite orientation. So
-/// boundary edges map to boundary edges (I2). Boundary edges add quadrics that keep them in place. Seams, at
-/// which attributes differ between two triangles, collapse along themselves, not across. The quadrics include
-/// the file's normals, colours and texture coordinates (see wedge_quadrics.h). Attributes of locked positions
-/// stay. Positions are rounded to the lattice. Deterministic, stateless, thread safe.
+/// disappears only if two of its corners coincide, or together with a triangle of opposite orientation.
+/// Therefore boundary edges map to boundary edges (I2 in docs/architecture.md). Boundary edges add quadrics
+/// that keep them in place. Seams, at which attributes differ between two triangles, collapse along
+/// themselves, not across. The quadrics include the file's normals, colours and texture coordinates (see
+/// wedge_quadrics.h). Locked positions keep their attributes. Positions are rounded to the lattice.
+/// Deterministic, stateless, thread safe.
 /// @param targets  triangle counts, descending.
 /// Sources: Garland & Heckbert, Surface Simplification Using Quadric Error Metrics, 1997; Simplifying
 /// Surfaces with Color and Texture using Quadric Error Metrics, 1998; Hoppe, New Quadric Metric, 1999.

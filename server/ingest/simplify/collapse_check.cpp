@@ -10,7 +10,7 @@ namespace {
 
 /// Two doubles for SIMD; see Four.
 using Two = double __attribute__((vector_size(16)));
-/// Comparison result of two pairs.
+/// Result of comparing two pairs of doubles.
 using TwoTruths = int64_t __attribute__((vector_size(16)));
 
 inline Two twoOf(double value) noexcept { return Two{value, value}; }
@@ -20,7 +20,7 @@ inline bool anyOf(TwoTruths truths) noexcept { return (truths[0] | truths[1]) !=
 struct TwoVectors {
   TwoVectors(Two of_x, Two of_y, Two of_z) noexcept : x(of_x), y(of_y), z(of_z) {}
   TwoVectors(glm::dvec3 a, glm::dvec3 b) noexcept : x{a.x, b.x}, y{a.y, b.y}, z{a.z, b.z} {}
-  /// Converts the first two or the last two of four vectors.
+  /// Converts the first two or the last two of four vectors to doubles.
   TwoVectors(const FourVectors& four, bool last) noexcept
       : x(half(four.x, last)), y(half(four.y, last)), z(half(four.z, last)) {}
 
@@ -44,7 +44,7 @@ inline TwoVectors cross(const TwoVectors& a, const TwoVectors& b) noexcept {
   return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
 }
 
-/// Returns true if one of two triangles (a, b, from) turns too far or becomes too thin when its third corner
+/// Returns true if one of two triangles (a, b, from) turns too far or becomes too thin when its corner `from`
 /// moves to `to`.
 bool harms(const TwoVectors& a, const TwoVectors& b, const TwoVectors& from, const TwoVectors& to,
            const CollapseLimits& limits) {

@@ -15,17 +15,17 @@ namespace lode::ingest {
 /// Limits on the harm that a collapse may do to the surrounding mesh. With any limits, a watertight mesh
 /// stays watertight.
 struct CollapseLimits {
-  double least_cosine = 0;  ///< least cosine between the old and the new normal of a triangle
+  double least_cosine = 0;  ///< least allowed cosine of the angle between a triangle's old and new normal
   double least_shape =
       0;  ///< least allowed ratio of height to longest side; checked for triangles that become thinner
   bool link_condition = true;     ///< true rejects collapses that make a manifold surface non-manifold
-  uint32_t most_triangles = ~0u;  ///< largest number of triangles around both ends
+  uint32_t most_triangles = ~0u;  ///< largest allowed number of triangles around both ends
 };
 
 /// Result of a check.
 struct CollapseFinding {
-  bool allowed = false;    ///< the collapse is within the limits
-  bool folds = false;      ///< the collapse leaves two identical triangles of opposite orientation
+  bool allowed = false;  ///< the collapse is within the limits
+  bool folds = false;  ///< the collapse leaves pairs of triangles with equal corners and opposite orientation
   double folded_area = 0;  ///< sum over these pairs of twice the area of one triangle
 };
 
@@ -43,15 +43,16 @@ class CollapseCheck {
   /// Returns true if one of `sides` has the same two ends as `side`.
   bool hasSide(std::span<const EdgeSurroundings::Side> sides, EdgeSurroundings::Side side);
 
-  /// Added to stamp_ in the mark of an apex of the edge; the mark of any other neighbour of u is stamp_.
+  /// A check marks each apex of the edge (EdgeSurroundings::apexes()) with stamp_ + kApex, and each other
+  /// neighbour of u with stamp_.
   static constexpr uint32_t kApex = 1;
   static constexpr uint32_t kMarks = 2;
   static constexpr size_t kFewSides = 16;  ///< number of sides up to which hasSide() compares one by one
 
   const CollapseMesh& mesh_;
   std::vector<uint32_t> marks_;
-  std::vector<uint64_t> ends_of_u_;  ///< ends of u's sides, sorted; memory that is reused between calls
-  uint32_t stamp_ = 0;  ///< smallest mark of the current check; lower marks belong to earlier checks
+  std::vector<uint64_t> ends_of_u_;  ///< sorted ends of u's sides; buffer that is reused between calls
+  uint32_t stamp_ = 0;  ///< smallest mark of the current check; smaller marks belong to earlier checks
 };
 
 }  // namespace lode::ingest

@@ -13,14 +13,16 @@ namespace {
 
 constexpr uint32_t kNoIndex = ~0u;
 constexpr uint32_t kSlack = 4;  // number of spare slots of a corner list after the list has moved
-// From this number of removed triangles on, each affected corner list is scanned once for all of them.
+// If at least this many triangles are removed at once, each affected corner list is scanned once for all of
+// them.
 constexpr size_t kMany = 64;
 
-// From this length on, the slots of a list's corners are recorded.
+// In lists longer than this, the slot of each corner is recorded, so that corners are removed without a
+// search.
 constexpr uint32_t kLongList = 256;
 
-// Weights in quadrics. The plane of a triangle has the triangle's area as weight. Weight of a corner's own
-// point, relative to the area. This point makes the optimum unique on flat surfaces.
+// Weight of a position's own point in its quadric, relative to the planes of its triangles, which are
+// weighted by area. The point makes the optimum unique on flat surfaces.
 constexpr double kPointWeight = 1e-6;
 // Weight of the plane through a boundary edge, relative to the edge's squared length.
 constexpr double kBoundaryWeight = 2;
@@ -281,7 +283,7 @@ void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) 
     const bool again = std::exchange(wedge_marks_[pair.keep], stamp) == stamp;
     if (!again && mixes_values) wedges.mix(pair.keep, pair.gone, gone_share);
   }
-  const uint64_t first = stamp + 1;  // the mark of pair i's wedge is first + i
+  const uint64_t first = stamp + 1;  // the wedge pairs_[i].gone is marked first + i
   for (const WedgeTable::Pair& pair : pairs_) wedge_marks_[pair.gone] = newStamp();
   for (const uint32_t corner : around(gone)) {
     const uint64_t mark = wedge_marks_[corner_wedge[corner]];
@@ -290,8 +292,8 @@ void CollapseMesh::mergeWedges(uint32_t keep, uint32_t gone, double gone_share) 
 }
 
 void CollapseMesh::removeFolds(uint32_t position) {
-  // A triangle at `position`: the lower and the higher of its other positions, whether the triangle lists the
-  // lower position first, and the corner at `position`.
+  // A triangle at `position`: the smaller and the larger index of its other positions, whether the triangle
+  // lists the smaller one first, and the corner at `position`.
   using Side = std::tuple<uint32_t, uint32_t, bool, uint32_t>;
   std::vector<Side> sides;
   for (const uint32_t corner : around(position)) {
@@ -370,7 +372,8 @@ void addPlanes(CollapseMesh& mesh) {
     const double length = glm::length(normal);
     if (length == 0) continue;
     Quadric plane;
-    // The weight makes the term equal to the plane of the unit normal, weighted by the area.
+    // The length of `normal` is twice the area. The weight makes the term equal to that of the unit normal,
+    // weighted by the area.
     plane.addPlane(normal, -glm::dot(normal, mesh.point(t[0])), 0.5 / length);
     for (const uint32_t i : t) {
       mesh.quadrics[i] += plane;

@@ -43,9 +43,9 @@ struct CollapsePosition {
   uint8_t lca_depth = kNeverLocked;
 };
 
-/// A node's mesh during simplification. Stores the position and wedge of each triangle's corners, and the
-/// triangles around each position. The corners of a triangle have the numbers 4 * triangle + 0..2. No
-/// position lists a removed triangle.
+/// A node's mesh during simplification. Stores the position and the wedge (a set of attributes at a position)
+/// of each triangle's corners, and lists the corners at each position. Triangle t has the corners 4 * t, 4 *
+/// t + 1 and 4 * t + 2. The lists do not contain corners of removed triangles.
 struct CollapseMesh {
   /// @param node_depth  see CollapseOptions
   CollapseMesh(NodeMesh&& mesh, int node_depth);
@@ -67,7 +67,7 @@ struct CollapseMesh {
   uint32_t at(uint32_t corner) const noexcept { return corner_position[corner]; }
   glm::dvec3 point(uint32_t position) const noexcept { return glm::dvec3(points[position]); }
 
-  /// An edge, with the wedges of the first triangle that was found at the edge.
+  /// An edge, with the wedges at its ends in the first of its triangles that was found.
   struct Edge {
     uint32_t u, v;
     uint32_t uses;
@@ -81,7 +81,7 @@ struct CollapseMesh {
   };
   /// Returns the kind of an edge; kSmooth if no triangle has the edge.
   EdgeKind edgeKind(uint32_t u, uint32_t v) const noexcept;
-  /// Calls visit(edge) once for every edge, u < v, by ascending u. Does not build a list of all edges,
+  /// Calls visit(edge) once for every edge, with u < v, in order of u. Does not build a list of all edges,
   /// because such a list would take a sixth of a large node's memory.
   template <typename Visit>
   void forEachEdge(Visit&& visit) const {
@@ -92,8 +92,7 @@ struct CollapseMesh {
       for (const Edge& edge : edges) visit(edge);
     }
   }
-  /// Classifies every position from all edges. @param visit  the function calls visit(edge) like
-  /// forEachEdge()
+  /// Sets the kind of every position. @param visit  called for every edge, as by forEachEdge()
   template <typename Visit>
   void classifyPositions(Visit&& visit) {
     std::vector<Features> features(positions.size());
@@ -104,7 +103,7 @@ struct CollapseMesh {
     classify(features);
   }
 
-  /// Moves `keep` to `point`, merges `gone` into `keep` and removes the triangles that have both.
+  /// Moves `keep` to `point`, merges `gone` into `keep` and removes the triangles that have both as corners.
   /// @param gone_share  position of `point` between `keep` (0) and `gone` (1); also the weight of the
   /// attributes of `gone`
   void merge(uint32_t keep, uint32_t gone, glm::dvec3 point, double gone_share);
@@ -126,7 +125,7 @@ struct CollapseMesh {
   void removeFolds(uint32_t position);
 
   /// Returns the remaining mesh, compacted, in the order of the input.
-  /// @param new_position  receives for each position its number in the result, or kVanished.
+  /// @param new_position  receives for each position its index in the result, or kVanished.
   NodeMesh compact(std::vector<uint32_t>& new_position) const;
 
   AttributeSet attributes;
@@ -160,8 +159,8 @@ struct CollapseMesh {
     if (wedge_marks_.empty()) wedge_marks_.resize(wedges.size());
     return ++wedge_stamp_;
   }
-  /// Fills `edges` with the edges from u to higher positions. @param places  index in `edges`, by position;
-  /// the function ignores entries from earlier calls
+  /// Fills `edges` with the edges from u to positions with larger indices. @param places  for each position,
+  /// its index in `edges`; entries from earlier calls are ignored
   void findEdges(uint32_t u, std::vector<Edge>& edges, std::vector<uint32_t>& places) const;
   static void count(const Edge& edge, std::vector<Features>& features) {
     const EdgeKind kind = edge.kind();
@@ -174,23 +173,24 @@ struct CollapseMesh {
   void classify(const std::vector<Features>& features);
   /// Removes a corner from its position's list.
   void unlist(uint32_t corner);
-  /// Records the slots of a list's corners from index `from` on, if the list is long.
+  /// Records the slots of a list's corners from index `from` on, if the list is longer than kLongList.
   void noteSlots(const CollapsePosition& list, uint32_t from);
   /// Removes the triangle of a corner. @param is_listed  true if the list of the corner's position contains
   /// the corner
   void kill(uint32_t corner, bool is_listed);
-  /// Calls kill() for each corner. The time is proportional to the number of corners and to the lengths of
-  /// the lists that contain them.
+  /// Removes the triangles of all given corners, like kill(). The time is proportional to the number of
+  /// corners and to the lengths of the lists that contain them.
   void killAll(std::span<const uint32_t> corners, bool are_listed);
   uint32_t findOnlyWedge(uint32_t position) const noexcept;
   bool share(uint32_t keep, uint32_t gone) const noexcept;
   void mergeWedges(uint32_t keep, uint32_t gone, double gone_share);
 
-  std::vector<uint32_t> slots_;  // index in `pool`, by corner; valid in long lists; empty without long lists
+  // For each corner in a long list, its index in `pool`; empty if no list is long.
+  std::vector<uint32_t> slots_;
   std::vector<uint64_t> wedge_marks_;  // last stamp of each wedge
   uint64_t wedge_stamp_ = 0;
-  std::vector<uint32_t> dying_;          // corners to remove; memory that is reused between calls
-  std::vector<WedgeTable::Pair> pairs_;  // scratch
+  std::vector<uint32_t> dying_;          // corners to remove; buffer that is reused between calls
+  std::vector<WedgeTable::Pair> pairs_;  // pairs joined by the last merge()
 };
 
 /// Adds two terms to the quadric of each position: the planes of the position's triangles, weighted by area,

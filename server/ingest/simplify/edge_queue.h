@@ -9,9 +9,10 @@
 
 namespace lode::ingest {
 
-/// Priority queue with buckets. The exponent and the four highest fraction bits of a key choose the bucket,
-/// so that the keys of a bucket differ by at most 1/16. Items leave a bucket in the order of their arrival. A
-/// bucket is a chain of small blocks, so that the queue reads items sequentially and can prefetch them.
+/// Priority queue with buckets. The exponent and the four most significant fraction bits of a key select the
+/// bucket, so the keys in a bucket differ by at most 1/16. Items leave a bucket in the order of their
+/// arrival. A bucket is a chain of small blocks, so that the queue reads items sequentially and can prefetch
+/// them.
 template <typename Item>
 class EdgeQueue {
  public:
@@ -52,8 +53,8 @@ class EdgeQueue {
   }
 
   /// Takes an item from the lowest bucket that is not empty. Returns false if the queue is empty.
-  /// @param soon  the function calls soon(item) with an item that leaves the queue a few calls later; `soon`
-  /// may change the item
+  /// @param soon  called with an item that will leave the queue a few calls later, so that its data can be
+  /// prefetched; may change the item
   template <typename Soon>
   bool pop(Item& item, Soon&& soon) noexcept {
     if (chains_[current_].first == kNone && !advance()) return false;

@@ -4,8 +4,8 @@
 
 namespace lode::ingest {
 
-// Gathers the triangles at an end. Uses no branch, because the processor cannot predict whether a triangle
-// has the edge.
+// Gathers the triangles at an end. Uses no branch, because the processor cannot predict which triangles
+// contain the edge.
 void EdgeSurroundings::gatherEnd(uint32_t end, uint32_t other, size_t& sides, size_t& apexes) {
   for (const uint32_t corner : mesh_.around(end)) {
     const Side side{mesh_.at(CollapseMesh::next(corner)), mesh_.at(CollapseMesh::previous(corner))};

@@ -13,15 +13,16 @@
 namespace lode::ingest {
 
 /// The triangles around an edge (u, v), gathered once for all checks of the edge's collapse. Triangles that
-/// have u but not v come first, then triangles that have v but not u. Stores only the third corner of a
-/// triangle that has both ends.
+/// have u but not v come first, then triangles that have v but not u. For a triangle that has both ends,
+/// stores only the third corner, the apex.
 class EdgeSurroundings {
  public:
-  /// The two other corners of a triangle at an end of the edge, in the triangle's order.
+  /// The side of a triangle opposite to an end of the edge: the triangle's two other corners, in their order.
   struct Side {
     uint32_t a, b;
   };
-  /// Points of the sides of four triangles. In the last group, the last triangle is repeated.
+  /// Points at the ends of four sides, one side per SIMD lane. The last group is filled up with copies of the
+  /// last side.
   struct FourSides {
     FourVectors a, b;
   };
@@ -34,9 +35,9 @@ class EdgeSurroundings {
   uint32_t v() const noexcept { return v_; }
   std::span<const Side> ofU() const noexcept { return {sides_.data(), of_u_}; }
   std::span<const Side> ofV() const noexcept { return {sides_.data() + of_u_, of_v_}; }
-  /// Third corners of the edge's triangles.
+  /// Returns the third corners of the triangles that have both ends.
   std::span<const uint32_t> apexes() const noexcept { return {apexes_.data(), of_both_}; }
-  /// Sides around u, then around v, in groups of four.
+  /// Returns the points of ofU(), then of ofV(), in groups of four.
   std::span<const FourSides> places() const noexcept { return {places_.data(), (of_u_ + of_v_ + 3) / 4}; }
 
  private:

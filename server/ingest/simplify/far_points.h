@@ -11,7 +11,7 @@
 
 namespace lode::ingest {
 
-/// Points of the original mesh from which simplification has moved away. Each merged position keeps the four
+/// Points of the original mesh that simplification has moved away from. Each merged position keeps up to four
 /// points that are farthest from the triangles around the position. Quadrics alone do not notice when a
 /// surface becomes shorter, because they measure distances to infinite planes: the tip of a needle is close
 /// to the planes of its sides even after the needle is cut short.
@@ -31,7 +31,8 @@ class FarPoints {
   /// edge collapses to `to`.
   /// @return the largest squared distance in square lattice steps; 0 if there are no points.
   float measure(const EdgeSurroundings& around, glm::dvec3 to);
-  /// Keeps the farthest points of the edge that was measured last and has collapsed into `position`.
+  /// Keeps the farthest points of the edge that was measured last. Call after this edge has collapsed into
+  /// `position`.
   void join(uint32_t position);
 
  private:
@@ -39,8 +40,8 @@ class FarPoints {
 
   struct Point {
     glm::vec3 at;
-    float squared;  ///< squared distance
-    /// Smallest squared distance to every fourth triangle, for each of four starts; used while measuring.
+    float squared;  ///< squared distance to the nearest triangle
+    /// Smallest squared distance so far in each SIMD lane; used by measure() only.
     Four least;
   };
   struct Kept {

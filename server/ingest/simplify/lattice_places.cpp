@@ -22,7 +22,7 @@ double powerOfTwoAtMost(double value) noexcept {
   return std::bit_cast<double>(std::bit_cast<uint64_t>(value) & kExponent);
 }
 
-/// Returns floor(p) for values that fit an integer. This function is faster than the library's floor(),
+/// Returns floor(p) for values that fit a 64-bit integer. This function is faster than the library's floor(),
 /// because it is inlined.
 glm::dvec3 floorOf(glm::dvec3 p) noexcept {
   glm::dvec3 floor{glm::i64vec3(p)};
@@ -30,8 +30,8 @@ glm::dvec3 floorOf(glm::dvec3 p) noexcept {
   return floor;
 }
 
-/// Returns the index of the first smallest value. Uses no branch, because the processor cannot predict
-/// branches on random costs.
+/// Returns the index of the smallest value, or the first such index if several values are equal. Uses no
+/// branch, because the processor cannot predict branches on random costs.
 uint32_t firstOfLeast(const std::array<double, 8>& values) noexcept {
   const double least =
       std::min({values[0], values[1], values[2], values[3], values[4], values[5], values[6], values[7]});
@@ -70,7 +70,7 @@ glm::dvec3 LatticePlaces::settle(glm::dvec3 point, const Quadric& q, double off,
   const double s = std::clamp(powerOfTwoAtMost(kOfError * off), 1.0, coarsest_);
   const glm::dvec3 low = s * floorOf((1 / s) * (point - lowest_)) + lowest_;
   const glm::dvec3 gradient = 2.0 * (q.timesA(low) + q.b);
-  // Costs of the eight points, relative to the cost of `low`.
+  // Costs of the eight candidate points, relative to the cost of `low`.
   const double x = s * (s * q.xx + gradient.x), y = s * (s * q.yy + gradient.y),
                z = s * (s * q.zz + gradient.z);
   const double xy = 2 * s * s * q.xy, xz = 2 * s * s * q.xz, yz = 2 * s * s * q.yz;

@@ -56,10 +56,10 @@ class LatticePlaces {
   /// Adapts the grid to the edge length that the mesh will have at this number of triangles.
   void aimFor(size_t triangles);
 
-  /// Returns the grid point with the lowest quadric error, among those of the eight grid points around
-  /// `point` that are free and inside the box. If there is none, returns the better end of the edge. The
-  /// nearest grid point alone may lie off the surface, which would add noise; one of the eight points is
-  /// usually close to the surface.
+  /// Returns the grid point with the smallest quadric error among the eight around `point`, clamped to the
+  /// box. Skips points that other positions occupy; if all are occupied, returns the better end of the edge.
+  /// The nearest grid point alone may lie off the surface, which would add noise; one of the eight points is
+  /// usually near the surface.
   /// @param off  mean distance of the surface from `point`, in lattice steps.
   glm::dvec3 settle(glm::dvec3 point, const Quadric& q, double off, glm::dvec3 at_u, glm::dvec3 at_v) const;
   void take(glm::dvec3 place) { taken_.add(place); }

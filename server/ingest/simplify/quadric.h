@@ -69,13 +69,13 @@ struct Quadric {
   double at(glm::dvec3 p) const noexcept { return glm::dot(p, timesA(p) + 2.0 * b) + c; }
 };
 
-/// A point and the quadric's value there.
+/// A point, and the quadric's value at this point.
 struct Placement {
   glm::dvec3 point;
   double cost;
 };
 
-/// Returns the best point of the segment from u to v.
+/// Returns the point with the smallest value on the segment from u to v.
 inline Placement bestOnSegment(const Quadric& q, glm::dvec3 u, glm::dvec3 v) noexcept {
   const glm::dvec3 along = v - u;
   const double curvature = glm::dot(along, q.timesA(along));

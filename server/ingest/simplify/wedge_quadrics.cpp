@@ -9,11 +9,12 @@ namespace lode::ingest {
 
 namespace {
 
-// Weights of attributes: the lengths to which they correspond, relative to the model's diagonal. Larger
-// weights would hardly preserve attributes better, but would increase the geometric error.
-constexpr double kColourWeight = 0.03;   // length that corresponds to the full range of a colour
-constexpr double kNormalWeight = 0.007;  // length that corresponds to one radian of a normal
-// Length that corresponds to the full range of the texture grid.
+// Weights of attributes. A weight is the length that a difference of attributes counts as, relative to the
+// model's diagonal. Larger weights would hardly preserve attributes better, but would increase the geometric
+// error.
+constexpr double kColourWeight = 0.03;   // length for the full range of a colour
+constexpr double kNormalWeight = 0.007;  // length for one radian between normals
+// Length for the full range of the texture grid.
 constexpr double kTextureWeight = 0.1;
 // Least ratio of height to longest side. Thinner triangles have no usable gradient.
 constexpr double kThinnest = 1e-2;

@@ -9,11 +9,10 @@
 
 namespace lode::ingest {
 
-/// Attributes of a wedge as floats on the model's grids; a normal is a vector of three floats.
+/// Attributes of a wedge as floats, in steps of the model's attribute grids. A normal is a unit vector.
 struct WedgeValue {
-  static constexpr int kNormal = 0, kColour = 3, kTexture = 7, kParts = 9;  // indices of the parts; the
-                                                                            // colour has four floats, with
-                                                                            // alpha
+  // Index of each attribute's first part, and the number of parts. A colour has four parts, with alpha.
+  static constexpr int kNormal = 0, kColour = 3, kTexture = 7, kParts = 9;
   std::array<float, kParts> parts{};
 };
 
@@ -32,8 +31,8 @@ class WedgeTable {
   WedgeValue value(uint32_t wedge) const;
   /// Sets the value of a wedge. Normalizes the normal and clamps other values to their grids.
   void set(uint32_t wedge, const WedgeValue& value);
-  /// Sets the attributes of `keep` to a mean of both wedges, with the weight gone_share for `gone`. With a
-  /// share of 0 or 1 the result is an exact copy.
+  /// Sets the attributes of `keep` to a weighted mean of both wedges; `gone` has the weight gone_share. With
+  /// a weight of 0 or 1, the result is an exact copy.
   void mix(uint32_t keep, uint32_t gone, double gone_share);
   /// Returns a wedge's attributes, rounded to the model's grids.
   VertexAttributes code(uint32_t wedge) const;

@@ -12,17 +12,17 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kVerticesAPiece = 16 * FaceBatch::kSweepVertices;
-constexpr uint64_t kShareOfFaces = 2, kShareOfHelpers = 4;  ///< divisors of the memory: faces get 1/2 of it,
-                                                            ///< helper threads 1/4
+constexpr uint64_t kShareOfFaces = 2, kShareOfHelpers = 4;  ///< divisors of the memory: a batch of faces gets
+                                                            ///< 1/2, the triangles of helper threads get 1/4
 constexpr uint64_t kCursorBytes = 1 << 20;                  ///< size of a thread's read buffer
 
-/// The vertices of a batch of faces, indexed by rank.
+/// Vertices that a batch of faces uses, indexed by FaceBatch::rank().
 struct BatchVertices {
   std::vector<PositionCode> positions;
   std::vector<VertexAttributes> attributes;  ///< empty if the input's vertices have no attributes
 };
 
-/// Snaps the vertices of a batch. @return largest distance that a vertex moves, in steps.
+/// Snaps the vertices of a batch. @return largest distance that a vertex moves, in lattice steps.
 double sweepVertices(const PackedInput& input, const FaceBatch& faces, const Lattice& lattice,
                      Helpers& helpers, BatchVertices& vertices) {
   vertices.positions.resize(faces.members());
@@ -59,7 +59,7 @@ uint64_t mostTriangles(const PackedInput::FaceBlock& block) {
   return block.corners.size() - 2 * block.faceCount();
 }
 
-/// Returns the number of threads, in addition to the caller's, whose blocks fit in the memory.
+/// Returns the number of threads, beside the caller, for which the memory suffices.
 unsigned helpersFor(const FaceBatch& faces, unsigned threads, uint64_t memory_bytes) {
   uint64_t triangles = 0;
   for (const PackedInput::FaceBlock& block : faces.blocks())
@@ -91,9 +91,9 @@ class BlockDereference {
 
  private:
   struct Face {
-    uint32_t first, corners;  ///< first corner in the block, and number of corners
+    uint32_t first, corners;  ///< index of the first corner in the block, and number of corners
     uint16_t material;
-    const glm::u8vec4* colour;  ///< null if the vertices have the colours, or if there are no colours
+    const glm::u8vec4* colour;  ///< null if faces have no colours
   };
 
   glm::dvec3 positionOf(uint32_t corner) const {
@@ -112,7 +112,7 @@ class BlockDereference {
     for (const glm::u32vec3& t : cut_) add(face, face.first + t);
   }
 
-  /// Returns the code of the face's normal. Caches the code, because a polygon needs it at every corner.
+  /// Returns the code of the face's normal. Caches the code, because each corner without a normal needs it.
   uint16_t normalOf(const Face& face) {
     if (normal_of_face_) return *normal_of_face_;
     const glm::dvec3 from = positionOf(face.first);
@@ -122,8 +122,8 @@ class BlockDereference {
     return normal_of_face_.emplace(encodeOctahedral(glm::vec3(front)));
   }
 
-  /// Returns true if a dropped triangle has distinct corners in the file. Reads the positions from disk; such
-  /// triangles are rare.
+  /// Returns true if a dropped triangle has distinct corners in the file. Reads the positions from disk; this
+  /// is rarely needed, because few triangles are dropped.
   bool isLost(glm::u32vec3 corners) const {
     const glm::u32vec3 t(block_.corners[corners.x], block_.corners[corners.y], block_.corners[corners.z]);
     if (t.x == t.y || t.y == t.z || t.z == t.x) return false;
@@ -159,7 +159,7 @@ class BlockDereference {
   BlockSoup soup_;
   std::vector<glm::dvec3> outline_;
   std::vector<glm::u32vec3> cut_;
-  std::optional<uint16_t> normal_of_face_;  ///< normal of the face being added, if computed
+  std::optional<uint16_t> normal_of_face_;  ///< code of the current face's normal, once computed
 };
 
 }  // namespace

@@ -14,8 +14,8 @@ namespace lode::ingest {
 struct DereferenceCounts {
   uint64_t triangles = 0;       ///< triangles passed to the sink
   uint64_t dropped = 0;         ///< triangles whose corners coincide on the lattice
-  uint64_t lost = 0;            ///< dropped triangles whose corners are distinct in the file
-  double snap_error_steps = 0;  ///< largest distance by which snapping moved a vertex
+  uint64_t lost = 0;            ///< dropped triangles with distinct corners in the file
+  double snap_error_steps = 0;  ///< largest distance that snapping moved a vertex, in lattice steps
 };
 
 /// Start of a batch of faces, and the counts of the faces before the batch.
@@ -34,17 +34,17 @@ struct DereferenceInput {
   uint64_t memory_bytes = 0;
   unsigned threads = 1;
   BuildProgress progress{};
-  DereferencePoint from{};  ///< start: the argument of an earlier call of on_batch(); the counts include the
-                            ///< triangles before this point
+  DereferencePoint from{};  ///< where to start: the first face, or the argument of an earlier call of
+                            ///< on_batch(); the result includes the counts before this point
   /// Called before the first triangle of each batch.
   std::function<void(const DereferencePoint&)> on_batch{};
 };
 
 /// Replaces vertex indices by lattice positions and attributes. Cuts polygons into triangles. If a vertex's
 /// normal has length zero, uses the normal of the face instead. Works in batches of as many faces as fit in
-/// half of the memory. For each batch, one pass over the packed file reads the vertices and skips unused
-/// ranges; then the triangles go to the sink. Threads divide the pass by ranges of vertices, and the
-/// triangles by blocks of faces. The memory limits the number of threads.
+/// half of the memory. For each batch, one pass over the vertex file reads the vertices that the batch uses;
+/// then the sink receives the triangles. Threads share the pass by ranges of vertices, and the triangles by
+/// blocks of faces. The memory limits the number of threads.
 /// @param sink  receives the triangles, on the caller's thread.
 DereferenceCounts dereference(const DereferenceInput& input, const SoupSink& sink);
 

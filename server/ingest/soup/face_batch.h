@@ -14,7 +14,7 @@ namespace lode::ingest {
 /// from one thread; the other functions are thread safe.
 class FaceBatch {
  public:
-  /// @param member_bytes  memory per member. A member is a vertex that faces of the batch use.
+  /// @param member_bytes  memory per member. A member is a vertex that the batch's faces use.
   FaceBatch(const PackedInput& input, uint64_t memory_bytes, uint64_t member_bytes)
       : input_(input), used_(input.vertexCount()), memory_bytes_(memory_bytes), member_bytes_(member_bytes) {}
 
@@ -24,10 +24,11 @@ class FaceBatch {
   const std::vector<PackedInput::FaceBlock>& blocks() const noexcept { return blocks_; }
   /// Returns the number of members.
   uint64_t members() const noexcept { return members_; }
-  /// Returns the rank of a member's vertex number among all members.
+  /// Returns the number of members with smaller vertex indices than `corner`.
   uint32_t rank(uint32_t corner) const noexcept { return used_.rank(corner); }
 
-  /// Calls take(number, position, attributes) for each member of vertices begin..end, in rising order.
+  /// Calls take(index, position, attributes) for each member with a vertex index in begin..end, in increasing
+  /// order.
   /// @param begin, end  multiples of kSweepVertices; `end` can also be the vertex count. Thread safe.
   template <typename Take>
   void sweep(uint64_t begin, uint64_t end, Take&& take) const {
@@ -42,7 +43,7 @@ class FaceBatch {
     }
   }
 
-  static constexpr uint64_t kSweepVertices = 4096;  ///< vertices read or skipped at once
+  static constexpr uint64_t kSweepVertices = 4096;  ///< vertices that sweep() reads or skips at once
 
  private:
   bool isNeeded(uint64_t first) const noexcept;

@@ -17,9 +17,9 @@ namespace {
 
 constexpr uint64_t kSampledFaces = 1 << 17;
 constexpr double kStepsInShortEdge = 32;
-/// Least number of steps along the box's longest side. Snapping moves a corner by at most half the diagonal
-/// of a lattice cell, which is 0.87 steps. On a screen that shows this side with 3840 pixels, the corner
-/// moves by less than a pixel.
+/// Minimum number of lattice steps along the box's longest side. Snapping moves a corner by at most half the
+/// diagonal of a lattice cell, which is 0.87 steps. On a screen that shows the longest side 3840 pixels wide,
+/// the corner moves by less than a pixel.
 constexpr double kLeastStepsInBox = 4096;
 constexpr double kMostStepsInBox = (1 << kLatticeBits) - 2;
 constexpr uint64_t kFacesForEachLost = 1'000'000;
@@ -44,7 +44,7 @@ UsedAndSampled sampleFaces(const PackedInput& input) {
   return result;
 }
 
-/// Returns the largest isLatticeStep() that is at most `value`.
+/// Returns the largest valid lattice step (see isLatticeStep()) that is at most `value`.
 double stepAtMost(double value) {
   int exponent = 0;
   const double eighths = std::floor(8 * std::frexp(value, &exponent));
@@ -52,9 +52,9 @@ double stepAtMost(double value) {
 }
 double powerOfTwoAtLeast(double value) { return std::exp2(std::ceil(std::log2(value))); }
 
-/// Returns the finest step, a power of two, with which the box fits the lattice and double represents all
-/// coordinates exactly. Multiples of other steps have more bits; the factor of four times epsilon leaves room
-/// for these bits.
+/// Returns the smallest power of two that is usable as a step: the box fits the lattice, and double
+/// represents all coordinates exactly. The factor 4 leaves room for steps of 5, 6 or 7 times a power of two,
+/// because their multiples have more bits.
 double finestStep(glm::dvec3 box_min, glm::dvec3 box_max) {
   const glm::dvec3 size = box_max - box_min;
   const glm::dvec3 farthest = glm::max(glm::abs(box_min), glm::abs(box_max));
@@ -117,7 +117,7 @@ Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& posi
   std::vector<double> edges = edgesOf(faces, position_of);
   const double coarsest = chooseStep(edges, box_min, box_max), finest = finestStep(box_min, box_max);
   releaseStorage(edges);
-  std::vector<SampledFace> at_risk;  // only these faces can be lost on a finer lattice
+  std::vector<SampledFace> at_risk;  // only these faces can be lost with step `coarsest` or a smaller step
   const auto reaches = [&](const SampledFace& face) {
     for (size_t c = 0; c < 4; ++c) {
       if (face[c] == face[(c + 1) % 4]) continue;

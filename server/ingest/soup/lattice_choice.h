@@ -13,9 +13,10 @@
 
 namespace lode::ingest {
 
-/// Chooses the step of a model's lattice. The step is the largest isLatticeStep() that is at most 1/32 of the
-/// edges' 5th percentile and at most 1/4096 of the box's longest side. But it is never so fine that the box
-/// exceeds 21 bits or that double cannot represent the coordinates exactly. See docs/store-format.md.
+/// Chooses the step of a model's lattice: the largest valid step (see isLatticeStep()) that is at most 1/32
+/// of the 5th percentile of edge lengths and at most 1/4096 of the box's longest side. Chooses a larger step
+/// if the box would otherwise exceed 21 bits per axis, or double could not represent the coordinates exactly.
+/// See docs/store-format.md.
 /// @param edges  lengths of sampled edges, in model units. The function ignores zeros and reorders the
 /// vector.
 double chooseStep(std::vector<double>& edges, glm::dvec3 box_min, glm::dvec3 box_max);
@@ -23,23 +24,23 @@ double chooseStep(std::vector<double>& edges, glm::dvec3 box_min, glm::dvec3 box
 /// First four corners of a sampled face. The fourth corner of a triangle repeats its first corner.
 using SampledFace = std::array<uint32_t, 4>;
 SampledFace sampledFace(std::span<const uint32_t> corners);
-/// Returns the distance between two sampled faces. Models with less than a quarter of a million faces have
-/// the distance 1: all faces are sampled.
+/// Returns n if every n-th face of a model is sampled. Returns 1 for models with fewer than 2^18 faces.
 uint64_t faceStride(uint64_t faces) noexcept;
 
 /// Returns the position of a vertex, in model units.
 using PositionOf = std::function<glm::dvec3(uint32_t vertex)>;
 
-/// Returns true if neighbouring corners of a face that are distinct in the file coincide on the lattice.
+/// Returns true if a face has at least three sides of positive length, and the ends of one of them coincide
+/// on the lattice.
 bool isLost(std::span<const uint32_t> corners, const PositionOf& position_of, const Lattice& lattice);
 
 /// Chooses the lattice. Starts with chooseStep() and halves the step until at most a millionth of the sampled
-/// faces is lost, or until a finer step does not save a face. The origin is a multiple of the step.
+/// faces is lost, or no more than on the finest possible lattice. The origin is a multiple of the step.
 Lattice chooseLattice(std::span<const SampledFace> faces, const PositionOf& position_of, glm::dvec3 box_min,
                       glm::dvec3 box_max);
 
-/// Data of the vertices that faces use. Only these vertices determine the lattice, because unused vertices
-/// must not reduce the precision.
+/// Data of the vertices that faces use. Only these vertices determine the lattice, so that stray unused
+/// vertices do not reduce its precision.
 struct UsedVertices {
   uint64_t count = 0;
   glm::dvec3 min{std::numeric_limits<double>::max()}, max{std::numeric_limits<double>::lowest()};  ///< box

@@ -9,7 +9,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Largest share of lost triangles. Above this share, the model's box is too large for its details.
+/// Largest acceptable fraction of lost triangles. If more are lost, the model's box is too large for its
+/// details.
 constexpr double kMostLostShare = 0.5;
 
 std::string inDigits(double value, int digits = 6) {

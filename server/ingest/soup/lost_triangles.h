@@ -11,13 +11,14 @@
 
 namespace lode::ingest {
 
-/// Triangles that a build drops because corners that are distinct in the file coincide on the lattice.
+/// Counts of the triangles that a build drops because corners that are distinct in the file coincide on the
+/// lattice.
 struct LostTriangles {
   uint64_t lost = 0, of = 0;  ///< numbers of lost triangles and of all triangles
   double step = 0;            ///< step of the lattice
   glm::dvec3 min{0}, max{0};  ///< box of the model
 
-  /// Returns true if the remaining triangles no longer represent the model. A build then fails.
+  /// Returns true if more than half of the triangles are lost. A build then fails.
   bool areMost() const noexcept;
   /// Returns a message with the number of lost triangles, the reason and the remedy.
   std::string inWords() const;
@@ -36,8 +37,7 @@ class LostTriangleCounter {
   bool someMeet();
 
   const Lattice lattice_;
-  std::vector<PositionCode> snapped_, sorted_;  ///< corners of the current face; the next members also belong
-                                                ///< to this face
+  std::vector<PositionCode> snapped_, sorted_;  ///< codes of the current face's corners, in order and sorted
   std::vector<glm::dvec3> outline_;
   std::vector<glm::u32vec3> cut_;
 };

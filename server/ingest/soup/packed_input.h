@@ -17,19 +17,19 @@
 
 namespace lode::ingest {
 
-/// Code that replaces the octahedral code of a normal of length zero.
+/// Code that is stored instead of an octahedral code for a normal of length zero.
 constexpr uint16_t kNoNormal = 0xffff;
 
 /// Vertices and faces in temporary files, which later stages read instead of the PLY file. Vertices have a
 /// fixed size, and faces are in blocks. Both are in the order of the PLY file. Attributes are quantized;
-/// normals can be kNoNormal. Positions and texture coordinates are not quantized, because their grids are
-/// chosen when all vertices are known.
+/// normals can be kNoNormal. Positions and texture coordinates are not quantized, because their grids can be
+/// chosen only when all vertices are known.
 class PackedInput {
  public:
   /// Names of the files, which outlive a killed build.
   static constexpr std::string_view kVertexFile = "vertices", kFaceFile = "faces";
 
-  /// @param face_attributes  attributes that faces or corners have instead of vertices.
+  /// @param face_attributes  attributes that are stored per face or per corner instead of per vertex.
   PackedInput(const TemporaryFolder& folder, AttributeSet attributes, bool double_positions,
               AttributeSet face_attributes = {});
 
@@ -49,8 +49,8 @@ class PackedInput {
 
   /// Returns the range of all texture coordinates.
   const UvRange& uvRange() const noexcept { return uv_range_; }
-  /// Returns the range of the texture coordinates that faces use. Reads all faces and vertices, unless all
-  /// texture coordinates lie within 0..1. The input must be flushed.
+  /// Returns the range of the texture coordinates that faces use. Reads all faces and vertices if vertices
+  /// have texture coordinates outside 0..1. The input must be flushed.
   UvRange usedUvRange() const;
   /// Sets the grid to which texture coordinates are snapped when vertices or faces are read.
   void setUvGrid(const UvGrid& grid) noexcept { uv_grid_ = grid; }
@@ -125,7 +125,7 @@ class PackedInput {
   std::vector<std::byte> packed_;
 };
 
-/// Returns the attributes that belong to vertices instead of corners or faces.
+/// Returns the attributes that are stored per vertex instead of per corner or per face.
 AttributeSet vertexAttributes(AttributeSet attributes, AttributeSet face_attributes) noexcept;
 
 /// Returns the size of a vertex in temporary files.

@@ -16,7 +16,7 @@ double cross(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
 /// Rules for accepting a corner as an ear, from strict to lax. Simple polygons need at most kFlat.
 enum Tolerance { kStrict, kTouching, kFlat, kConvex, kAny };
 
-/// A grid of square cells that contain about one point each.
+/// A grid of square cells with about one point per cell, which finds the points near a triangle.
 class PointGrid {
  public:
   PointGrid() = default;
@@ -39,7 +39,7 @@ class PointGrid {
   }
 
   /// Returns true if `test` accepts any point in the cells that a triangle's box touches. Subtracts the
-  /// number of tests from the budget.
+  /// number of visited cells and points from the budget.
   template <class Test>
   bool any(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, int64_t& budget, const Test& test) const {
     if (cells_ == 0) return false;
@@ -74,8 +74,8 @@ class PointGrid {
   std::vector<uint32_t> numbers_;
 };
 
-/// A polygon projected to the coordinate plane in which its area is largest, counter-clockwise and scaled to
-/// about 1.
+/// A polygon projected onto the coordinate plane in which its area is largest. The projection is
+/// counter-clockwise and scaled to a size of about 1.
 class Outline {
  public:
   explicit Outline(std::span<const glm::dvec3> corners) : size_(static_cast<uint32_t>(corners.size())) {
@@ -182,8 +182,8 @@ class Outline {
     return tolerance == kStrict ? least >= 0 : least > 0;
   }
 
-  /// Least limit on the number of tests of a corner against an ear. A polygon that needs more tests is not
-  /// simple; the function then cuts off any corner.
+  /// The number of tests of a corner against an ear is limited to kLeastBudget, plus kBudgetPerCorner per
+  /// corner. Beyond this limit, clip() cuts off corners without tests.
   static constexpr int64_t kLeastBudget = 100'000;
   static constexpr int64_t kBudgetPerCorner = 1024;
 

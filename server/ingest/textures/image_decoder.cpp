@@ -16,13 +16,13 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kTexelBytes = sizeof(glm::u8vec4);
-/// Memory per texel in addition to the image. The next level or the decoder's rows need this memory.
+/// Memory per texel in addition to the image, for the next coarser level or the decoder's rows.
 constexpr uint64_t kUsualTexelBytes = 2;
 /// Additional memory per texel for a JPEG with several scans. Its decoder stores the coefficients of whole
 /// blocks.
 constexpr uint64_t kCoefficientBytes = 6, kJpegBlockPx = 32;
-/// Memory of the tables to decode lossless WebP or lossless alpha. This suffices for files of the reference
-/// encoder; a crafted file can need more.
+/// Memory of the tables for decoding lossless WebP or lossless alpha. Files of the reference encoder need no
+/// more, but a crafted file can.
 constexpr uint64_t kWebpTableBytes = 1u << 20;
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::kInput, what); }

@@ -12,8 +12,7 @@ namespace lode::ingest {
 /// Header of an image file.
 struct ImageHeader {
   uint64_t width = 0, height = 0;  ///< size in pixels, at most kMaxTextureEdgePx each
-  /// Upper bound on the memory for the texels and their decoder, and for the texels and the next coarser
-  /// level.
+  /// Upper bound on the memory for decoding the image, and for computing the next coarser level.
   uint64_t working_bytes = 0;
 };
 
@@ -23,7 +22,7 @@ struct ImageHeader {
 ImageHeader readImageHeader(std::span<const std::byte> file);
 
 /// Decodes an image file.
-/// @param memory_bytes  limit of the memory without the file's bytes, checked before any allocation.
+/// @param memory_bytes  limit on the memory in addition to the file's bytes; checked before any allocation.
 /// @param damage        receives the decoder's warning about an image that is damaged but usable.
 /// @throws Error kInput as readImageHeader() does, or if the image is damaged; kLimit if the memory does not
 /// suffice. The message begins with the problem. Thread safe.

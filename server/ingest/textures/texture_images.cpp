@@ -14,7 +14,7 @@
 namespace lode::ingest {
 namespace {
 
-/// Returns a text about an image that is too large for the memory, with the remedy.
+/// Returns the problem and remedy for an image that does not fit in memory.
 std::string tooLarge(uint64_t needed, uint64_t memory_bytes) {
   return "needs " + byteSizeAtLeast(needed) + " of memory, but an image may use only " +
          describeBytes(memory_bytes) + " of --memory; raise it to " +

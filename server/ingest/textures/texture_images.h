@@ -31,7 +31,7 @@ struct TextureImage {
 
 /// Finds the images with a TextureFinder and reads their headers. Only one file is in memory at a time.
 /// @param textures_folder  folder of --textures; empty: none.
-/// @param memory_bytes  limit per image (MemoryPlan::image_bytes); an image that needs more has a problem.
+/// @param memory_bytes  limit per image (MemoryPlan::image_bytes). An image that needs more gets a `problem`.
 /// @throws Error kInput if the number of images or of their tiles exceeds a store's limit. Thread safe.
 std::vector<TextureImage> surveyTextures(const std::filesystem::path& ply,
                                          const std::filesystem::path& textures_folder,

@@ -15,7 +15,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr size_t kTilesAtOnce = 8;  ///< number of tiles that a thread encodes before it writes them
+constexpr size_t kTilesAtOnce = 8;  ///< tiles encoded per thread before they are written
 
 /// Changes a name so that it is valid in a texture set.
 std::string presentable(std::string name) {
@@ -26,7 +26,7 @@ std::string presentable(std::string name) {
   return name;
 }
 
-/// Runs work(0) ... work(count - 1) on threads. Rethrows the exception with the lowest index.
+/// Runs work(0) ... work(count - 1) on threads. If calls throw, rethrows the exception of the smallest index.
 template <typename Work>
 void forEach(size_t count, unsigned threads, const Work& work) {
   std::atomic<size_t> next{0};
@@ -129,14 +129,15 @@ class Stager {
   std::vector<std::string>& warnings_;
   const size_t textures_;
   size_t done_textures_ = 0;
-  /// Number of threads for the current texture; the next two members also belong to this texture.
+  /// State of the current texture: threads that encode it, format of its tiles, and tiles encoded so far.
   unsigned threads_ = 1;
   TileCodec codec_ = TileCodec::kJpeg;
   size_t staged_tiles_ = 0;
   uint64_t all_tiles_ = 0;
 };
 
-/// Warns if a wide range makes texture coordinates coarser than a pixel of the images.
+/// Warns if a wide range of texture coordinates makes their grid coarser than the pixels of the largest
+/// image.
 void checkPrecision(const StagedTextures& staged, const UvGrid& grid, const std::string& ply,
                     std::vector<std::string>& warnings) {
   uint32_t largest = 0;

@@ -26,7 +26,7 @@ struct StagedTextures {
     /// Places in the order of lode::Texture::tiles; empty if the image has a problem.
     std::vector<Place> tiles;
   };
-  /// Name of the tiles' file, which outlives a killed build.
+  /// Name of the file with the tiles, which outlives a killed build.
   static constexpr std::string_view kFile = "tiles";
 
   std::vector<Texture> textures;

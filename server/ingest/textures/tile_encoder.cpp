@@ -19,7 +19,7 @@ constexpr size_t kDrawingColours = 256;
 
 /// Encodes a tile as JPEG. libjpeg reports errors by longjmp(), so this function must not create an object
 /// with a destructor.
-/// @param bytes  receives memory allocated with malloc.
+/// @param bytes  receives memory that the caller must free().
 bool compressJpeg(const Image& tile, unsigned char*& bytes, unsigned long& size) {
   jpeg_compress_struct info{};
   JpegErrors errors;

@@ -4,16 +4,16 @@
 
 namespace lode::ingest {
 
-/// Limits the number of threads that callers use for part of their work. Thread safe.
+/// Grants extra threads to callers that can divide their work, up to a limit. Thread safe.
 class Helpers {
  public:
   virtual ~Helpers() = default;
-  /// Requests one more thread. @return true if the caller can use the thread until it calls release().
+  /// Requests one more thread. @return true if the caller may run one more thread until it calls release().
   virtual bool take() = 0;
   virtual void release() = 0;
 };
 
-/// Helpers with a fixed number of threads.
+/// Grants at most a fixed number of threads at a time.
 class FixedHelpers final : public Helpers {
  public:
   explicit FixedHelpers(unsigned count) : left_(count) {}

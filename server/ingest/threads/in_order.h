@@ -15,8 +15,8 @@
 
 namespace lode::ingest {
 
-/// Runs pieces of work in parallel, on helpers and the caller, and passes the results to a sink in the order
-/// of push(). Call all functions from one thread, which also calls the sink.
+/// Runs pieces of work in parallel, on helper threads and the calling thread, and passes the results to a
+/// sink in the order of push(). Call all functions from one thread; the sink runs on the same thread.
 template <typename Result>
 class InOrder {
  public:
@@ -34,9 +34,9 @@ class InOrder {
     changed_.notify_all();
   }
 
-  /// Queues a piece of work. Without helpers, runs the piece and passes the result to the sink before push()
-  /// returns. With helpers, blocks while more than kWaitingPerThread pieces per thread are waiting. Rethrows
-  /// exceptions of earlier pieces, like finish().
+  /// Queues a piece of work. Then runs waiting pieces on the calling thread until at most 1 +
+  /// kWaitingPerThread pieces per helper are unfinished. Without helpers, the sink has thus received the
+  /// result when push() returns. Rethrows exceptions of earlier pieces, like finish().
   template <typename Work>
   void push(Work&& work) {
     std::packaged_task<Result()> piece(std::forward<Work>(work));
@@ -60,8 +60,8 @@ class InOrder {
     return piece.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   }
 
-  /// Passes finished results to the sink, and runs waiting pieces or waits for the oldest piece, until
-  /// isEnough() returns true.
+  /// Passes finished results to the sink until isEnough() returns true. Meanwhile runs a waiting piece, or if
+  /// no piece is waiting, blocks until the oldest piece is finished.
   template <typename IsEnough>
   void passOnUntil(IsEnough&& isEnough) {
     while (true) {
@@ -86,7 +86,7 @@ class InOrder {
     return true;
   }
 
-  /// Calls a helper if a piece is waiting. @return number of helpers called or working.
+  /// Wakes or starts a helper if a piece is waiting. @return number of helpers called or working.
   size_t callHelper() {
     std::unique_lock lock(mutex_);
     if (waiting_.empty() || !helpers_.take()) return called_ + working_;
@@ -141,9 +141,9 @@ class InOrder {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::packaged_task<Result()>> waiting_;  ///< pieces that no thread has taken
-  size_t called_ = 0, working_ = 0;                   ///< numbers of helpers called and working
+  size_t called_ = 0, working_ = 0;  ///< helpers that are called but not yet working, and working
   bool is_ending_ = false;
-  /// Must be the last member, so that the destructor joins the threads first.
+  /// Must be the last member, so that the threads are joined before other members are destroyed.
   std::vector<std::jthread> threads_;
 };
 
