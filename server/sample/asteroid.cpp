@@ -10,9 +10,9 @@
 namespace lode::ingest {
 namespace {
 
-/// Surface of a cube with a grid of n x n squares per side. The sides share their border vertices, so the
-/// surface has 6 n^2 + 2 vertices and 6 n^2 squares. Formulas give the number of each. Vertices are numbered
-/// by layers of z: first the bottom, then rings, then the top.
+/// Surface of a cube, divided into n x n squares per side. The sides share their border vertices, so the
+/// surface has 6 n^2 + 2 vertices and 6 n^2 squares. Each is computed from its index, without tables.
+/// Vertices are numbered by layers of z: first the bottom, then rings, then the top.
 class CubeGrid {
  public:
   explicit CubeGrid(uint64_t n) : n_(n) {}
@@ -20,7 +20,7 @@ class CubeGrid {
   uint64_t vertices() const noexcept { return 6 * n_ * n_ + 2; }
   uint64_t squares() const noexcept { return 6 * n_ * n_; }
 
-  /// Returns the grid coordinates of a vertex, 0..n.
+  /// Returns the grid coordinates of a vertex, each in 0..n.
   std::array<uint32_t, 3> vertex(uint64_t number) const noexcept {
     const uint64_t layer = (n_ + 1) * (n_ + 1);
     const uint64_t rings = 4 * n_ * (n_ - 1);

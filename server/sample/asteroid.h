@@ -6,7 +6,7 @@
 
 namespace lode::ingest {
 
-constexpr uint64_t kLeastAsteroid = 12;  ///< least number of triangles
+constexpr uint64_t kLeastAsteroid = 12;  ///< smallest possible number of triangles
 
 /// Creates a closed connected surface: a ball of radius about 1 with relief down to the size of triangles.
 /// More triangles show the same relief in more detail.

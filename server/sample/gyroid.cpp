@@ -17,7 +17,8 @@ constexpr double kBend = 0.22, kBendFrequency = 0.8;
 
 using CellCounts = std::array<uint64_t, GyroidGrid::kCells>;
 
-/// Order of the cells of a block. Vertices and triangles are numbered cell by cell; x varies fastest.
+/// Order of the cells of a block; a cell is one period of the gyroid. Vertices and triangles are numbered
+/// cell by cell; x varies fastest.
 class CellOrder {
  public:
   explicit CellOrder(const glm::u64vec3& cells) : cells_(cells) {}
@@ -31,10 +32,11 @@ class CellOrder {
     return kindAlong(0, cell.x) + 3 * kindAlong(1, cell.y) + 9 * kindAlong(2, cell.z);
   }
 
-  /// Returns the total over all cells of a count that depends on the kind of cell.
+  /// Returns a total over all cells. @param counts  value of a cell of each kind, such as its number of
+  /// vertices.
   uint64_t sum(const CellCounts& counts) const { return before({0, 0, cells_.z}, counts); }
 
-  /// Returns the total over the cells before `cell`.
+  /// Returns a total over the cells before `cell`.
   uint64_t before(const glm::u64vec3& cell, const CellCounts& counts) const {
     uint64_t sum = 0;
     for (int z = 0; z < 3; ++z) {
@@ -52,7 +54,7 @@ class CellOrder {
  private:
   int kindAlong(int axis, uint64_t at) const { return at == 0 ? 0 : at + 1 < cells_[axis] ? 1 : 2; }
 
-  /// Returns the number of cells of a kind along an axis before index `at`.
+  /// Returns how many of the first `at` cells along an axis are of a kind.
   uint64_t countBefore(int axis, uint64_t at, int kind) const {
     if (kind == 0) return at > 0 ? 1 : 0;
     if (kind == 1) return std::clamp<uint64_t>(at, 1, cells_[axis] - 1) - 1;
@@ -141,8 +143,8 @@ class Gyroid final : public SampleModel {
     return result;
   }
 
-  /// Shears space along each axis by a function of the other two coordinates. Shears are injective, so that
-  /// the surface does not intersect itself. Transforms the normal by the inverse transpose.
+  /// Shears space along each axis by a function of the other two coordinates. Shears are injective, so the
+  /// surface does not intersect itself. Transforms the normal by the inverse transpose.
   void bend(glm::dvec3& at, glm::dvec3& normal) const {
     for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 where = kBendFrequency * at;
@@ -178,7 +180,7 @@ struct Choice {
   uint64_t triangles = 0;
 };
 
-/// Finds the largest block with about equal sides and at most `triangles` triangles.
+/// Finds the largest block with nearly equal sides and at most `triangles` triangles.
 Choice largestOf(int steps, uint64_t triangles) {
   const GyroidGrid grid(steps);
   CellCounts counts{};

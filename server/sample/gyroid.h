@@ -6,11 +6,11 @@
 
 namespace lode::ingest {
 
-constexpr uint64_t kLeastGyroid = 2880;  ///< least number of triangles
+constexpr uint64_t kLeastGyroid = 2880;  ///< smallest possible number of triangles
 
 /// Creates a closed, manifold, porous block like stone or bone: many periods of a gyroid, roughened and bent.
-/// The longest side of the block is about 2. More triangles result in more pores and more detail. Beyond 24
-/// grid steps per period, more triangles result only in more pores.
+/// The longest side of the block is about 2. More triangles give more pores and more detail. Once a period
+/// has 24 grid steps, more triangles give only more pores.
 /// @param triangles  maximum number of triangles, at least kLeastGyroid.
 std::unique_ptr<SampleModel> makeGyroid(uint64_t triangles, uint64_t seed, AttributeSet attributes);
 

@@ -16,7 +16,7 @@ constexpr double kWall = 0.5;        // distance of the block's walls from the g
 // Phase of the gyroid at the walls. At this phase the walls do not cut off separate pieces.
 constexpr double kPhase = std::numbers::pi / 4;
 
-/// Six tetrahedra around the diagonal of a cube, as corner numbers, positively oriented.
+/// Six tetrahedra around the diagonal of a cube, as corner indices, positively oriented.
 constexpr std::array<std::array<int, 4>, 6> kTetrahedra{
     {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}}};
 
@@ -47,7 +47,7 @@ int neighbourOf(int cell, uint8_t neighbour) {
   return cell + (neighbour & 1) + 3 * (neighbour >> 1 & 1) + 9 * (neighbour >> 2);
 }
 
-/// Numbers a cell's vertices and interpolates each vertex along its grid edge.
+/// Adds a cell's vertices: one on each grid edge that the surface crosses, at the interpolated crossing.
 void addVertices(const GyroidGrid& grid, int cell, GyroidCell& to, Block& block) {
   block.first[cell] = block.positions.size();
   to.number_of_edge.resize(grid.edgesOfCell());
@@ -106,7 +106,8 @@ GyroidGrid::GyroidGrid(int steps) : m_(steps) {
 
 glm::dvec4 GyroidGrid::depth(const glm::dvec3& at) const {
   const double radians = 2 * std::numbers::pi / m_;
-  // Reduce the point to one period first, so that points at a distance of whole periods get the same bits.
+  // Reduce the point to one period first, so that points a whole number of periods apart give exactly the
+  // same value.
   const glm::dvec3 phase =
       radians * (at - static_cast<double>(m_) * glm::floor(at / static_cast<double>(m_)));
   const glm::dvec3 s = glm::sin(phase + kPhase), c = glm::cos(phase + kPhase);
@@ -136,8 +137,8 @@ std::pair<glm::ivec3, glm::ivec3> GyroidGrid::ends(int cell, uint32_t edge) cons
   return {from, from + bits(direction)};
 }
 
-/// Returns the crossing on an edge between two corners of a tetrahedron. One corner of such an edge has the
-/// lower or equal coordinate on every axis.
+/// Returns the crossing on an edge between two corners of a tetrahedron. The edge starts at the corner that
+/// is not larger than the other on any axis; such a corner always exists.
 GyroidGrid::Crossing GyroidGrid::crossing(const glm::ivec3& cube, int from, int to) const {
   const glm::ivec3 base = cube + bits(from & to);
   Crossing result;

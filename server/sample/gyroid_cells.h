@@ -9,22 +9,23 @@
 
 namespace lode::ingest {
 
-/// A solid gyroid, cut to a block of 3 x 3 x 3 periods with rounded edges. The function is sampled on a grid
-/// of m steps per period. The surface is closed and manifold at any resolution. Source: marching tetrahedra
-/// on Kuhn's subdivision of cubes.
+/// A solid gyroid, cut to a block of 3 x 3 x 3 periods with rounded edges. The gyroid function is sampled on
+/// a grid of m steps per period. The surface is closed and manifold at any resolution. Source: marching
+/// tetrahedra on Kuhn's subdivision of cubes.
 ///
-/// A cell is one period. Only the outermost cells touch the walls of the block, and all inner cells are
-/// equal. So the 27 cells are enough to assemble a block of any size from 2 cells per axis on.
+/// A cell is one period. Only the outermost cells touch the walls of the block, and cells that touch the same
+/// walls are equal. Therefore these 27 cells can be assembled to a block of any size with at least 2 cells
+/// per axis.
 class GyroidGrid {
  public:
   static constexpr int kCells = 27;
 
   /// Crossing of the surface with a grid edge, relative to a cell. The edge starts at a grid point of the
-  /// cell or of a higher neighbour, and has one of 7 directions.
+  /// cell, or of the next cell along some axes, and has one of 7 directions.
   struct Crossing {
     uint8_t neighbour = 0;  ///< bits 0, 1 and 2 are set if the edge starts in the next cell along x, y and z
-    uint32_t edge = 0;      ///< 7 * (number of the start point in its cell) + direction - 1; a direction has
-                            ///< one bit per axis
+    /// 7 * (index of the start point in its cell) + direction - 1; a direction has one bit per axis.
+    uint32_t edge = 0;
   };
   using Triangle = std::array<Crossing, 3>;
 
@@ -41,7 +42,7 @@ class GyroidGrid {
   bool crosses(int cell, uint32_t edge) const;
   /// Returns both ends of a cell's edge, in steps from the block's corner.
   std::pair<glm::ivec3, glm::ivec3> ends(int cell, uint32_t edge) const;
-  /// Returns the lowest corner of a cell, in steps from the block's corner.
+  /// Returns the minimum corner of a cell, in steps from the block's corner.
   glm::ivec3 origin(int cell) const { return m_ * glm::ivec3(cell % 3, cell / 3 % 3, cell / 9); }
 
   /// Returns the approximate depth below the surface (x), which is negative outside, and the gradient of the
@@ -61,21 +62,22 @@ class GyroidGrid {
   std::vector<bool> inside_;
 };
 
-/// The mesh of all cells of one kind. The kind tells whether a cell is first, inner or last along each axis.
+/// The mesh that all cells of one kind share. The kind tells whether a cell is first, inner or last along
+/// each axis.
 struct GyroidCell {
   struct Vertex {
-    glm::vec3 position;  ///< position in periods from the cell's lowest corner
+    glm::vec3 position;  ///< position in periods from the cell's minimum corner
     glm::vec3 normal;    ///< unit normal that points out of the solid
     float wall;          ///< distance from the block's nearest wall, in periods; at most 1
   };
   std::vector<Vertex> vertices;
-  std::vector<uint16_t> number_of_edge;  ///< vertex on each grid edge
+  std::vector<uint16_t> number_of_edge;  ///< index of the vertex on each grid edge that the surface crosses
   std::vector<GyroidGrid::Triangle> triangles;
 };
 
 using GyroidCells = std::array<GyroidCell, GyroidGrid::kCells>;
 
-/// Creates a mesh of every kind of cell, with vertices on the surface and evenly shaped triangles.
+/// Creates the meshes of all kinds of cells, with vertices on the surface and evenly shaped triangles.
 GyroidCells makeGyroidCells(const GyroidGrid& grid);
 
 }  // namespace lode::ingest

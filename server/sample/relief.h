@@ -29,7 +29,7 @@ struct ReliefPoint {
 /// previous one, so the surface is equally rough at every scale.
 class Relief {
  public:
-  /// @param finest  shortest wavelength; octaves near this wavelength fade in.
+  /// @param finest  shortest wavelength; octaves near this wavelength are weakened.
   Relief(uint64_t seed, double finest);
 
   ReliefPoint at(const glm::dvec3& point) const { return sum<false>(point); }

@@ -24,7 +24,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "PLY records are written in native byte order");
 
-constexpr uint64_t kMaxTriangles = 4'000'000'000;  // limit that keeps vertex numbers below 2^31
+constexpr uint64_t kMaxTriangles = 4'000'000'000;  // limit that keeps vertex indices below 2^31
 constexpr uint8_t kAllowed = AttributeSet::kNormal | AttributeSet::kColour | AttributeSet::kTexture;
 
 using Bytes = std::vector<std::byte>;

@@ -17,8 +17,8 @@ struct SampleVertex {
   glm::vec2 uv{0};  ///< texture coordinates in 0..1
 };
 
-/// A procedural mesh of any size, computed in blocks of some ten thousand vertices or triangles. Each block
-/// depends only on its number. All functions are thread safe.
+/// A procedural mesh of any size, computed in blocks of tens of thousands of vertices or triangles. The
+/// content of a block depends only on its index. All functions are thread safe.
 class SampleModel {
  public:
   /// @param attributes  requested attributes; a model need not compute other attributes.
@@ -33,7 +33,8 @@ class SampleModel {
   /// Returns the number of blocks, which is the same for vertices and for triangles.
   virtual uint64_t blocks() const = 0;
   virtual void addVertices(uint64_t block, std::vector<SampleVertex>& to) const = 0;
-  /// Appends triangles as vertex numbers of the whole model, counter-clockwise seen from outside or above.
+  /// Appends a block's triangles, as vertex indices in the whole model, counter-clockwise seen from outside
+  /// or above.
   virtual void addTriangles(uint64_t block, std::vector<glm::u32vec3>& to) const = 0;
 
  protected:

@@ -11,8 +11,8 @@
 namespace lode::ingest {
 namespace {
 
-/// A number with its derivatives by the two parameters of a surface. Arithmetic with these numbers gives
-/// exact tangents. Source: forward-mode automatic differentiation.
+/// A number with its derivatives with respect to the two parameters of a surface. Arithmetic with these
+/// numbers gives exact tangents. Source: forward-mode automatic differentiation.
 struct Dual {
   double value = 0;
   glm::dvec2 slope{0};
@@ -79,10 +79,10 @@ class Field {
   uint32_t seed_ = 0;
 };
 
-/// Shape of the land. Maps each point of the square -1..1 to a point in space.
+/// Shape of the land. Maps each point of the square from (-1, -1) to (1, 1) to a point in space.
 class Land {
  public:
-  /// @param finest  shortest wavelength; octaves near this wavelength fade in.
+  /// @param finest  shortest wavelength; octaves near this wavelength are weakened.
   Land(uint64_t seed, double finest)
       : random_(seed),
         range_(random_, 0.9),
@@ -109,7 +109,7 @@ class Land {
  private:
   struct Octave {
     Field field;
-    double share;  ///< weight of the octave, below 1 while the octave fades in
+    double share;  ///< weight of the octave; less than 1 near the shortest wavelength
   };
 
   /// Computes ridges with sharp crests and round valleys. High land is rougher than low land. Source:
@@ -137,7 +137,7 @@ class Land {
   }
 
   /// Shears space along x by (y, z) and along y by (x, z), so that hard strata overhang soft ones. Shears are
-  /// injective, so that the surface does not intersect itself.
+  /// injective, so the surface does not intersect itself.
   DualPoint overhanging(DualPoint p) const {
     const Dual firm = smoothStep(kLakeLevel, kLakeLevel + 0.06, p[2]);
     p[0] = p[0] + Dual(0.03) * firm * strata_x_.at(Dual(2) * p[1], Dual(17) * p[2]);

@@ -6,7 +6,7 @@
 
 namespace lode::ingest {
 
-constexpr uint64_t kLeastTerrain = 2;  ///< least number of triangles
+constexpr uint64_t kLeastTerrain = 2;  ///< smallest possible number of triangles
 
 /// Creates a landscape of about 2 x 2, z up, with one open boundary. The land has ridges, terraced cliffs
 /// with overhangs and flat lakes, and its colours depend on height and slope. More triangles show the same

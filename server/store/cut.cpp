@@ -106,7 +106,8 @@ Cut cutByTriangles(const NodeTree& tree, uint64_t max_triangles) {
 }
 
 Cut randomCut(const NodeTree& tree, uint64_t seed) {
-  // Use the generator's numbers directly: the standard defines them, but not the numbers of distributions.
+  // Use the generator's output directly: the standard specifies it exactly, but not the output of
+  // distributions.
   std::mt19937_64 random(seed);
   const uint64_t stop_of_16 = 1 + random() % 10;
   return walk(tree, [&](const Node& node) {
@@ -134,8 +135,8 @@ bool coversExactlyOnce(const NodeTree& tree, std::span<const CutItem> items) {
     const uint32_t number = todo.back();
     todo.pop_back();
     if (states[number] == kTaken) {
-      // Do not search below this item. An item below is then not counted, and the comparison at the end
-      // fails.
+      // Do not descend below an item. An item below another is then not counted, and the comparison at the
+      // end fails.
       ++met;
       continue;
     }

@@ -20,7 +20,7 @@
 namespace lode::store {
 namespace {
 
-/// Reads the tiles of a texture's level 0.
+/// Reads the tiles of a texture's finest level, level 0.
 class FinestTiles {
  public:
   FinestTiles(const Reader& reader, const Texture& texture) : reader_(reader), texture_(texture) {}
@@ -32,7 +32,8 @@ class FinestTiles {
   TileImage image(uint32_t x, uint32_t y) const {
     return decodeTile(file(x, y), tileInnerSize(texture_, 0, x, y) + 2 * kTileGutterPx);
   }
-  /// Returns true if any texel is not opaque. Decodes the tiles, because a WebP file need not contain alpha.
+  /// Returns true if any texel is not opaque. Decodes each tile with an alpha channel, because its texels can
+  /// still be opaque.
   bool haveClearTexels() const {
     const auto isClear = [](const glm::u8vec4& texel) { return texel.a != 255; };
     for (uint32_t y = 0; y < count().y; ++y)

@@ -26,7 +26,7 @@ Mesh readLod(const Reader& reader, const Node& node, uint32_t lod);
 Mesh assembleCut(const Reader& reader, const Cut& cut);
 
 /// Writes a cut in the format of the path's extension (see writeMesh()), and the store's textures next to the
-/// file (see exportTextures()). @return the files next to it. @throws Error like writeMesh() and
+/// file (see exportTextures()). @return the files written next to it. @throws Error like writeMesh() and
 /// exportTextures().
 std::vector<std::filesystem::path> exportCut(const Reader& reader, const Cut& cut,
                                              const std::filesystem::path& path);

@@ -18,8 +18,8 @@ constexpr size_t kHeaderBytes = 188;
 constexpr size_t kTableEntryBytes = 28;
 constexpr size_t kFooterBytes = 24;
 
-/// Content of the header. The file does not contain the summary's `name`. Of `root_page` and `textures`, it
-/// contains only the blob numbers.
+/// Content of the header. The encoded header does not contain the summary's `name`, and contains only the
+/// blob numbers of `root_page` and `textures`.
 struct FileHeader {
   ModelSummary summary;
   uint64_t table_offset = 0;
@@ -49,7 +49,8 @@ std::vector<TableEntry> decodeTable(std::span<const std::byte> bytes, const File
 void checkFooter(std::span<const std::byte, kFooterBytes> footer,
                  std::span<const std::byte, kHeaderBytes> header);
 
-/// Returns the digest of the header and the blob table. The header's build id and checksum do not count.
+/// Returns the digest of the header and the blob table. The digest does not cover the header's own build id
+/// and checksum.
 Digest computeBuildId(const FileHeader& header, std::span<const std::byte> table);
 
 }  // namespace lode::store

@@ -19,15 +19,15 @@ struct HierarchyTotals {
 };
 
 /// Checks a whole hierarchy and its limits. Nodes must be in key order and have exactly the children of their
-/// child masks. Each leaf must have one LOD, unless it is the root. Triangle counts must not increase towards
-/// coarser LODs. Errors must be finite, and must not decrease towards coarser LODs or towards the parent
-/// (I3). Each box must lie inside the parent's box.
+/// child masks. A leaf that is not the root must have exactly one LOD. Triangle counts must not increase
+/// towards coarser LODs. Errors must be finite, and must not decrease towards coarser LODs or towards the
+/// parent (I3). Each box must lie inside the parent's box.
 /// @param nodes  in key order.
 /// @throws Error kFormat or kLimit, naming the node. Thread safe.
 HierarchyTotals checkHierarchy(std::span<const Node> nodes);
 
-/// Finds the children of nodes in a checked hierarchy. Nodes are numbered in key order, so siblings have
-/// consecutive numbers.
+/// Finds the children of nodes in a checked hierarchy. A node's number is its index in key order, so siblings
+/// have consecutive numbers.
 class NodeTree {
  public:
   /// @param nodes  nodes of a checked hierarchy, in key order; must outlive the tree.
@@ -48,7 +48,7 @@ std::string describeKey(NodeKey key);
 
 /// A page before it gets a blob number.
 struct PagePlan {
-  /// Parent of the topmost nodes of the page; for the first page the root, which is in the page itself.
+  /// Parent of the topmost nodes of the page. The root owns the first page, which also contains the root.
   NodeKey owner;
   HierarchyPage page;
 };

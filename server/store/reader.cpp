@@ -142,8 +142,8 @@ void Reader::State::readIndex() {
   summary.textures = {summary.textures.number, textures_blob.bytes, textures_blob.digest};
 }
 
-/// Reads all pages from the root down. The function ends for any file, because a second reference to a page
-/// is an error.
+/// Reads all pages from the root down. Terminates for any file, because a second reference to a page is an
+/// error.
 void Reader::State::readHierarchy() {
   struct Todo {
     NodeKey owner;
@@ -197,7 +197,7 @@ void Reader::State::checkSummary(const HierarchyTotals& totals) const {
     failReading("the header's error does not match the root's coarsest LOD");
 }
 
-/// Checks that every blob of the file is referenced and has one kind of use.
+/// Checks that every blob of the file is used, and used in only one way, such as a payload or a tile.
 void Reader::State::checkRefs() const {
   enum Use : uint8_t { kNone, kPage, kPayload, kTextures, kTile };
   std::vector<Use> uses(blobs.size(), kNone);

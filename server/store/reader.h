@@ -33,20 +33,20 @@ class Reader {
 
   const ModelSummary& summary() const noexcept;
   const std::filesystem::path& path() const noexcept;
-  /// All nodes, in key order.
+  /// Returns all nodes, in key order.
   std::span<const Node> nodes() const noexcept;
-  /// Textures of the store; empty if the store has none.
+  /// Returns the textures of the store, or an empty set if the store has none.
   const TextureSet& textures() const noexcept;
   /// Returns the node with a key; null if the store has no such node.
   const Node* find(NodeKey key) const noexcept;
-  /// Number of blobs. Blob numbers start at 1.
+  /// Returns the number of blobs. Blob numbers start at 1.
   uint32_t blobCount() const noexcept;
   /// Returns the place of a blob. @throws Error kFormat if the store has no such blob.
   const BlobEntry& blob(uint32_t number) const;
   /// Reads a blob and checks its checksum. @throws Error kIo or kFormat.
   std::vector<std::byte> readBlob(uint32_t number) const;
-  /// File descriptor for servers that read blobs themselves; the file stays open as long as the reader
-  /// exists.
+  /// Returns the file descriptor, for servers that read blobs themselves. The file stays open as long as the
+  /// reader exists.
   int fileDescriptor() const noexcept;
 
  private:

@@ -14,7 +14,7 @@
 namespace lode::store {
 namespace {
 
-constexpr int kPointsPerEdge = 5;  ///< number of compared points of an open edge, with both ends
+constexpr int kPointsPerEdge = 5;  ///< compared points per open edge, including both ends
 
 class Verifier {
  public:
@@ -111,7 +111,7 @@ class Verifier {
     }
   }
 
-  /// Returns one LOD per node: the LOD that a cut contains, or null if the cut does not contain the node.
+  /// Returns for each node the LOD that a cut contains, or null if the cut does not contain the node.
   std::vector<const Lod*> shownLods(const Cut& cut) const {
     std::vector<const Lod*> shown(tree_.nodes().size());
     for (const CutItem item : cut.items) shown[item.node] = &tree_.node(item.node).lods[item.lod];

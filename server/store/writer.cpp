@@ -82,8 +82,8 @@ void Writer::checkUse(std::span<const Node> nodes) const {
                 path_.string() + ": blob " + std::to_string(unused - used.begin() + 1) + " is not used");
 }
 
-/// Writes all pages, coarse pages first. A page contains the numbers and sizes of the pages below it.
-/// Therefore the function first numbers all pages, then encodes them from last to first.
+/// Writes all pages, coarse pages first. A page contains the numbers, sizes and digests of the pages below
+/// it, so all pages are numbered first and then encoded from last to first.
 /// @return the root's page.
 BlobRef Writer::writePages(std::vector<Node> nodes) {
   std::vector<PagePlan> plans = splitIntoPages(std::move(nodes));
