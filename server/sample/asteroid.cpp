@@ -11,8 +11,8 @@ namespace lode::ingest {
 namespace {
 
 /// Surface of a cube, divided into n x n squares per side. The sides share their border vertices, so the
-/// surface has 6 n^2 + 2 vertices and 6 n^2 squares. Each is computed from its index, without tables.
-/// Vertices are numbered by layers of z: first the bottom, then rings, then the top.
+/// surface has 6 n^2 + 2 vertices and 6 n^2 squares. Vertices and squares are computed from their indices,
+/// without tables. Vertices are numbered by layers of z: first the bottom, then rings, then the top.
 class CubeGrid {
  public:
   explicit CubeGrid(uint64_t n) : n_(n) {}

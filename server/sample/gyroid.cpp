@@ -32,11 +32,11 @@ class CellOrder {
     return kindAlong(0, cell.x) + 3 * kindAlong(1, cell.y) + 9 * kindAlong(2, cell.z);
   }
 
-  /// Returns a total over all cells. @param counts  value of a cell of each kind, such as its number of
+  /// Sums a value over all cells. @param counts  the value for each kind of cell, such as its number of
   /// vertices.
   uint64_t sum(const CellCounts& counts) const { return before({0, 0, cells_.z}, counts); }
 
-  /// Returns a total over the cells before `cell`.
+  /// Sums a value over the cells before `cell`.
   uint64_t before(const glm::u64vec3& cell, const CellCounts& counts) const {
     uint64_t sum = 0;
     for (int z = 0; z < 3; ++z) {

@@ -14,7 +14,7 @@ namespace lode::ingest {
 /// tetrahedra on Kuhn's subdivision of cubes.
 ///
 /// A cell is one period. Only the outermost cells touch the walls of the block, and cells that touch the same
-/// walls are equal. Therefore these 27 cells can be assembled to a block of any size with at least 2 cells
+/// walls are equal. Therefore these 27 cells can be assembled into a block of any size with at least 2 cells
 /// per axis.
 class GyroidGrid {
  public:

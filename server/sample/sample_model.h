@@ -44,7 +44,7 @@ class SampleModel {
   AttributeSet attributes_;
 };
 
-/// Range of rows (vertices, or squares of a grid) that belong to one block.
+/// Rows of one block. A row is a vertex, or a square of a grid.
 struct RowRange {
   uint64_t first = 0, end = 0;
 

@@ -24,16 +24,16 @@ struct Cut {
   bool converged = true;      ///< true if the cut meets the requested bound
 };
 
-/// Returns the cut of the coarsest (node, LOD) pairs whose errors are at most `max_error_model`. If even a
-/// leaf's error is larger, the cut contains the leaf and is not converged. All functions in this file use
-/// geometric errors and ignore appearance errors.
+/// Returns the cut of the coarsest (node, LOD) pairs whose errors are at most `max_error_model`. If the error
+/// of a leaf's LOD 0 is larger, the cut contains this LOD and is not converged. All functions in this file
+/// use geometric errors and ignore appearance errors.
 Cut cutByError(const NodeTree& tree, double max_error_model);
 
-/// Returns the best cut of at most `max_triangles`. Starts with the coarsest cut and always refines the item
-/// with the largest error; among equal errors, the node key decides. An item is refined to the node's next
-/// finer LOD, or from LOD 0 to the children's coarsest LODs with no larger error. Steps that exceed the limit
-/// are skipped; the search ends when no step fits. If even the coarsest cut has too many triangles, returns
-/// the coarsest cut as not converged.
+/// Returns the best cut of at most `max_triangles` triangles that a greedy search finds. Starts with the
+/// coarsest cut and always refines the item with the largest error; among equal errors, the node key decides.
+/// An item is refined to the node's next finer LOD, or from LOD 0 to the children's coarsest LODs with no
+/// larger error. Steps that exceed the limit are skipped; the search ends when no step fits. If even the
+/// coarsest cut has too many triangles, returns the coarsest cut as not converged.
 Cut cutByTriangles(const NodeTree& tree, uint64_t max_triangles);
 
 /// Returns a random cut with random LODs. The same seed yields the same cut on all platforms; cuts of

@@ -16,8 +16,8 @@ struct OpenEdge {
 };
 
 /// Collects the open edges of any number of meshes: the edges that an odd number of triangles use. The two
-/// uses of an edge inside a mesh cancel at once, and the uses of an edge that neighbouring meshes share
-/// cancel soon. The memory is therefore proportional to the number of open edges. Not thread safe.
+/// uses of an edge inside one mesh cancel at once; uses in different meshes cancel whenever enough edges have
+/// been added. The memory is therefore proportional to the number of open edges. Not thread safe.
 class OpenEdges {
  public:
   void add(const Mesh& mesh);

@@ -26,7 +26,7 @@ class SegmentTree {
   struct Box {
     glm::dvec3 min, max;
     uint32_t first = 0, count = 0;  ///< range of the segments inside the box
-    uint32_t right = 0;  ///< index of the second child, or 0 in a leaf; the first child follows its parent
+    uint32_t right = 0;  ///< index of the second child, or 0 in a leaf; the first child is the next box
   };
   uint32_t build(uint32_t first, uint32_t count);
 

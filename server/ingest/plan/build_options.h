@@ -84,7 +84,8 @@ struct BuildReport {
   struct Stage {
     std::string name;
     double seconds = 0, cpu_seconds = 0;
-    uint64_t items = 0;  ///< number of vertices and faces, triangles, or nodes, depending on the stage
+    /// Number of vertices and faces, textures, triangles, nodes or payloads, depending on the stage.
+    uint64_t items = 0;
     uint64_t temporary_bytes = 0;  ///< bytes that the stage wrote to temporary files
     uint64_t peak_rss_bytes = 0;   ///< peak memory of the process until the stage's end
   };
@@ -99,8 +100,8 @@ struct BuildReport {
   double seconds = 0, cpu_seconds = 0;
 };
 
-/// Receives progress within a stage. The building thread calls the function a few times a second. An
-/// exception that the function throws ends the build.
+/// Receives progress within a stage. The thread that called build() calls this function, usually several
+/// times a second. An exception that the function throws ends the build.
 using BuildProgress =
     std::function<void(std::string_view stage, double fraction, uint64_t done, uint64_t total)>;
 

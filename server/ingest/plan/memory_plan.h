@@ -14,7 +14,8 @@ struct MemoryPlan {
   /// Number of threads: as requested, or fewer if the nodes that they simplify would not fit.
   unsigned threads = 1;
   /// Memory for one texture image: its file, its texels, and the buffers to decode and halve the texels. The
-  /// image gets at least half of the budget, or all memory that the program and one tile encoder leave.
+  /// image gets half of the budget, or all memory that the program and one tile encoder leave if that is
+  /// more.
   uint64_t image_bytes = 0;
   uint64_t node_bytes = 0;  ///< memory for nodes being simplified and for the records of all nodes
   /// Smallest budget with which a single thread can build nodes. Small models need less.

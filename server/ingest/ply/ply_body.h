@@ -41,7 +41,7 @@ class PlyBody {
   /// Returns the position of the current row: "byte 12" or "line 3".
   virtual std::string where() const = 0;
   [[noreturn]] void fail(const std::string& what, const std::string& remedy) const;
-  /// Fails because the file is too short. @param how  text to append to the remedy, with its comma.
+  /// Fails because the file is too short. @param how  text appended to the remedy; begins with a comma.
   [[noreturn]] void failTruncated(const std::string& how = {}) const;
 
   /// Reports a defect of the current row, or of several rows from the current row on, to options.on_defect.

@@ -129,8 +129,8 @@ inline uint8_t colourByte(PlyType type, double value, bool& fits) noexcept {
   });
 }
 
-/// Worst defect of a vertex, in order of increasing severity. kColour: a colour is out of range. kAttribute:
-/// an attribute is NaN or infinite. kPosition: the position is NaN or infinite.
+/// Worst defect of a vertex, in order of increasing severity: none, a colour out of range, a NaN or infinite
+/// attribute, a NaN or infinite position.
 enum class VertexDefect { kNone, kColour, kAttribute, kPosition };
 
 /// Turns the values of one row into a vertex. Attributes that are NaN or infinite become zero.

@@ -71,7 +71,7 @@ struct PlyDefect {
 struct PlyReadOptions {
   /// If set, the reader continues after bad values. If an attribute of a vertex or a colour of a face is NaN
   /// or infinite, it becomes zero. A vertex whose position is NaN or infinite becomes zero too, so that later
-  /// vertices keep their numbers; faces that use this vertex are skipped. Faces with an index out of range or
+  /// vertices keep their indices; faces that use this vertex are skipped. Faces with an index out of range or
   /// with bad texture coordinates are also skipped. Each vertex or face counts once, as replaced or as
   /// skipped.
   bool skip_bad = false;

@@ -43,8 +43,8 @@ ClusterTree::ClusterTree(const CollapseMesh& mesh)
 }
 
 // Builds the cells in one pass over the positions in Morton order. `open` is a stack of nested cells that can
-// still receive positions. A cell ends before the first position outside it, which the common level of two
-// consecutive positions tells.
+// still receive positions. The common level of two consecutive positions tells which of these cells do not
+// contain the second position and therefore end.
 void ClusterTree::build(const std::vector<Entry>& entries) {
   std::vector<uint32_t> open;
   for (size_t i = 0; i < entries.size(); ++i) {

@@ -62,6 +62,7 @@ class ClusterWedges {
   std::span<const Link> linksOf(uint32_t cell) const noexcept {
     return {links_.data() + first_[cell], first_[cell + 1] - first_[cell]};
   }
+  /// Returns the wedge that represents all wedges merged with `wedge`.
   uint32_t find(uint32_t wedge) noexcept;
   /// Merges the wedges of a cell's links. Calls joined(keep, gone) once per merge.
   template <typename Joined>

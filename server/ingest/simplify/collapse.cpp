@@ -184,9 +184,9 @@ void Collapser::put(Record record, double cost) {
   queue_.push(record, keyOf(cost));
 }
 
-// Fills the queue and returns its number of edges. The cost of an edge depends on the kinds of all positions,
-// which are known only after a pass over all edges. This pass therefore puts all edges into the lowest
-// bucket. The cost of an edge is evaluated when the edge leaves this bucket.
+// Fills the queue and returns the number of queued edges. The cost of an edge depends on the kinds of all
+// positions, which are known only after a pass over all edges. This pass therefore puts all edges into the
+// lowest bucket. The cost of an edge is evaluated when the edge leaves this bucket.
 size_t Collapser::startRound(bool is_first) {
   queue_.clear();
   queue_.reserve(mesh_.live_triangles * 3 / 2);
@@ -313,9 +313,9 @@ void Collapser::apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds) {
   if (folds) mesh_.removeFolds(keep);
 }
 
-// Returns true if the edge (u, v) has been queued again since its last change at changed_at. A merge turns
-// two edges into one, and the queue still contains both. The function may return false for an edge that was
-// queued again; such a mistake only costs time.
+// Returns true if the edge (u, v) has been queued again since its last change, which happened when clock_ was
+// changed_at. A merge turns two edges into one, and the queue still contains both. The function may return
+// false for an edge that was queued again; such a mistake only costs time.
 bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
   Seen& seen = seenPlace(u, v);
   if (seen.u == u && seen.v == v && seen.changed_at == changed_at) return true;

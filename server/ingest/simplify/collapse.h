@@ -27,9 +27,9 @@ using SnapshotSink = std::function<void(size_t target_index, SimplifiedMesh&& sn
 /// Simplification maps positions to positions. Locked positions map to themselves and do not move. A triangle
 /// disappears only if two of its corners coincide, or together with a triangle of opposite orientation.
 /// Therefore boundary edges map to boundary edges (I2 in docs/architecture.md). Boundary edges add quadrics
-/// that keep them in place. Seams, at which attributes differ between two triangles, collapse along
-/// themselves, not across. The quadrics include the file's normals, colours and texture coordinates (see
-/// wedge_quadrics.h). Locked positions keep their attributes. Positions are rounded to the lattice.
+/// that keep them in place. Seams, which are edges with different attributes in their two triangles, collapse
+/// along themselves, not across. The quadrics include the file's normals, colours and texture coordinates
+/// (see wedge_quadrics.h). Locked positions keep their attributes. Positions are rounded to the lattice.
 /// Deterministic, stateless, thread safe.
 /// @param targets  triangle counts, descending.
 /// Sources: Garland & Heckbert, Surface Simplification Using Quadric Error Metrics, 1997; Simplifying

@@ -16,8 +16,8 @@ namespace lode::ingest {
 /// stays watertight.
 struct CollapseLimits {
   double least_cosine = 0;  ///< least allowed cosine of the angle between a triangle's old and new normal
-  double least_shape =
-      0;  ///< least allowed ratio of height to longest side; checked for triangles that become thinner
+  /// Least allowed ratio of a triangle's height to its longest side; checked if a triangle becomes thinner.
+  double least_shape = 0;
   bool link_condition = true;     ///< true rejects collapses that make a manifold surface non-manifold
   uint32_t most_triangles = ~0u;  ///< largest allowed number of triangles around both ends
 };
@@ -26,7 +26,7 @@ struct CollapseLimits {
 struct CollapseFinding {
   bool allowed = false;  ///< the collapse is within the limits
   bool folds = false;  ///< the collapse leaves pairs of triangles with equal corners and opposite orientation
-  double folded_area = 0;  ///< sum over these pairs of twice the area of one triangle
+  double folded_area = 0;  ///< sum over these pairs: twice the area of one of the triangles
 };
 
 /// Checks edge collapses of a mesh. Does not change the mesh.

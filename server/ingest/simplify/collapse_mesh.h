@@ -44,8 +44,8 @@ struct CollapsePosition {
 };
 
 /// A node's mesh during simplification. Stores the position and the wedge (a set of attributes at a position)
-/// of each triangle's corners, and lists the corners at each position. Triangle t has the corners 4 * t, 4 *
-/// t + 1 and 4 * t + 2. The lists do not contain corners of removed triangles.
+/// of each triangle's corners, and lists the corners at each position. Triangle t has the corners 4t, 4t + 1
+/// and 4t + 2. The lists do not contain corners of removed triangles.
 struct CollapseMesh {
   /// @param node_depth  see CollapseOptions
   CollapseMesh(NodeMesh&& mesh, int node_depth);

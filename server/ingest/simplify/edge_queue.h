@@ -52,7 +52,7 @@ class EdgeQueue {
     current_ = std::min(current_, bucket);
   }
 
-  /// Takes an item from the lowest bucket that is not empty. Returns false if the queue is empty.
+  /// Takes an item from the non-empty bucket with the smallest keys. Returns false if the queue is empty.
   /// @param soon  called with an item that will leave the queue a few calls later, so that its data can be
   /// prefetched; may change the item
   template <typename Soon>

@@ -19,7 +19,7 @@ class FarPoints {
  public:
   explicit FarPoints(const CollapseMesh& mesh) : mesh_(mesh), kept_(mesh.positions.size()) {}
 
-  /// Prefetches the known points of both ends of an edge.
+  /// Prefetches the points kept for both ends of an edge.
   void prefetch(uint32_t u, uint32_t v) const noexcept {
     for (const uint32_t end : {u, v}) {
       const char* const kept = reinterpret_cast<const char*>(&kept_[end]);
@@ -27,8 +27,8 @@ class FarPoints {
       __builtin_prefetch(kept + sizeof(Kept) - 1);
     }
   }
-  /// Measures the distances from the known points of both ends of an edge to the triangles that remain if the
-  /// edge collapses to `to`.
+  /// Measures the distances to the triangles that remain if an edge collapses to `to`. Measures from the
+  /// points kept for both ends, and from the ends themselves if they are original vertices.
   /// @return the largest squared distance in square lattice steps; 0 if there are no points.
   float measure(const EdgeSurroundings& around, glm::dvec3 to);
   /// Keeps the farthest points of the edge that was measured last. Call after this edge has collapsed into

@@ -59,7 +59,7 @@ uint64_t mostTriangles(const PackedInput::FaceBlock& block) {
   return block.corners.size() - 2 * block.faceCount();
 }
 
-/// Returns the number of threads, beside the caller, for which the memory suffices.
+/// Returns how many threads the memory allows in addition to the caller.
 unsigned helpersFor(const FaceBatch& faces, unsigned threads, uint64_t memory_bytes) {
   uint64_t triangles = 0;
   for (const PackedInput::FaceBlock& block : faces.blocks())

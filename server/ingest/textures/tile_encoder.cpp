@@ -17,8 +17,8 @@ namespace {
 constexpr int kQuality = 90;
 constexpr size_t kDrawingColours = 256;
 
-/// Encodes a tile as JPEG. libjpeg reports errors by longjmp(), so this function must not create an object
-/// with a destructor.
+/// Encodes a tile as JPEG. libjpeg reports errors by longjmp(), which skips destructors, so this function
+/// must not create an object that has one.
 /// @param bytes  receives memory that the caller must free().
 bool compressJpeg(const Image& tile, unsigned char*& bytes, unsigned long& size) {
   jpeg_compress_struct info{};

@@ -34,9 +34,9 @@ class InOrder {
     changed_.notify_all();
   }
 
-  /// Queues a piece of work. Then runs waiting pieces on the calling thread until at most 1 +
-  /// kWaitingPerThread pieces per helper are unfinished. Without helpers, the sink has thus received the
-  /// result when push() returns. Rethrows exceptions of earlier pieces, like finish().
+  /// Queues a piece of work. Then works on the calling thread while more than 1 + kWaitingPerThread pieces
+  /// per helper have not reached the sink. Without helpers, push() therefore returns only after the sink has
+  /// received the result. Rethrows exceptions of earlier pieces, like finish().
   template <typename Work>
   void push(Work&& work) {
     std::packaged_task<Result()> piece(std::forward<Work>(work));
