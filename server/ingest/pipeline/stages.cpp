@@ -74,7 +74,7 @@ class SortLog {
 constexpr double kRounding = 1.0001;  ///< factor that keeps an error an upper bound despite rounding
 
 /// Returns an upper bound on the number of triangles that the root's children pass to the root. The bound
-/// grows with the number of locked vertices.
+/// grows with the number of locked vertices, which several leaves share.
 uint64_t mostTrianglesOfRoot(const Partition& partition, uint32_t triangles_per_node) {
   std::array<bool, 8> has_leaves{};
   for (const NodeKey leaf : partition.leaves) has_leaves[leaf.ancestorAt(1).octant()] = true;

@@ -8,7 +8,7 @@
 namespace lode::ingest {
 
 /// Division of a build's memory (I7 in docs/architecture.md). Simplification needs memory in proportion to
-/// the node capacity; its measured factors are in memory_plan.cpp.
+/// the node capacity (--triangles-per-node); its measured factors are in memory_plan.cpp.
 struct MemoryPlan {
   uint64_t sort_bytes = 0;  ///< memory for one sort, or for dereferencing batches of faces
   /// Number of threads: as requested, or fewer if the nodes that they simplify would not fit.

@@ -9,8 +9,8 @@
 
 namespace lode::ingest {
 
-/// Octree over a mesh's unlocked positions. The octree contains only cells with positions in at least two of
-/// their octants.
+/// Octree over a mesh's unlocked positions, that is, those that may move. The octree contains only cells with
+/// positions in at least two of their octants.
 class ClusterTree {
  public:
   static constexpr uint32_t kNone = ~0u;
@@ -48,8 +48,8 @@ class ClusterTree {
   std::vector<uint64_t> codes_;    ///< Morton code of each position
 };
 
-/// Finds the wedges that merge when a cell merges. Two wedges merge if a triangle edge inside the cell
-/// connects them, so the two sides of a seam stay separate.
+/// Finds the wedges (sets of attributes at a position) that merge when a cell merges. Two wedges merge if a
+/// triangle edge inside the cell connects them, so the two sides of a seam stay separate.
 class ClusterWedges {
  public:
   struct Link {

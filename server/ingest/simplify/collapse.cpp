@@ -364,9 +364,9 @@ bool Collapser::mayLookAround(uint32_t u, uint32_t v) {
   return true;
 }
 
-// Returns true if the position `gone`, which has few triangles, can merge into the hub `keep` without a check
-// of the hub's triangles. This is so if all triangles at `gone` also have `keep` as a corner, because then
-// they vanish and no other triangle changes.
+// Returns true if the position `gone`, which has few triangles, can merge into the hub `keep`, which has very
+// many triangles, without a check of the hub's triangles. This is so if all triangles at `gone` also have
+// `keep` as a corner, because then they vanish and no other triangle changes.
 bool Collapser::canDrop(uint32_t gone, uint32_t keep) const {
   const CollapsePosition& position = mesh_.positions[gone];
   const bool is_free = position.kind == PositionKind::kSmooth || position.kind == PositionKind::kBoundary;
@@ -409,7 +409,7 @@ void Collapser::collapseEdge(Record record, const Candidate& candidate) {
                                        mesh_.point(record.u), mesh_.point(record.v));
   const CollapseFinding finding = check_.check(around_, to, limits);
   if (!finding.allowed) return postpone(record, candidate);
-  if (finding.folds) {  // a piece or a fin of the mesh vanishes, so its area determines the cost
+  if (finding.folds) {  // pairs of back-to-back triangles vanish, so their area determines the cost
     const glm::dvec3 along = mesh_.point(record.u) - mesh_.point(record.v);
     const double lost = finding.folded_area * glm::dot(along, along) / candidate.breadth;
     if (EdgeQueue<Record>::bucketOf(keyOf(lost)) > queue_.current()) {

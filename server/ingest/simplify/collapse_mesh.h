@@ -15,7 +15,7 @@
 
 namespace lode::ingest {
 
-/// Kind of an edge.
+/// Kind of an edge. A wedge is one set of attributes at a position.
 enum class EdgeKind : uint8_t {
   kSmooth,    ///< edge with two triangles that use the same wedges at both ends
   kSeam,      ///< edge with two triangles that use different wedges at one end or both
@@ -39,13 +39,13 @@ struct CollapsePosition {
   uint32_t first = 0, count = 0, capacity = 0;  ///< range of the position's corner list in CollapseMesh::pool
   uint32_t merged_at = 0;                       ///< number of the last collapse into this position; 0: none
   PositionKind kind = PositionKind::kSmooth;
-  bool locked = false;
+  bool locked = false;  ///< true if the position may not move, because other nodes share it
   uint8_t lca_depth = kNeverLocked;
 };
 
-/// A node's mesh during simplification. Stores the position and the wedge (a set of attributes at a position)
-/// of each triangle's corners, and lists the corners at each position. Triangle t has the corners 4t, 4t + 1
-/// and 4t + 2. The lists do not contain corners of removed triangles.
+/// A node's mesh during simplification. Stores the position and the wedge of each triangle's corners, and
+/// lists the corners at each position. Triangle t has the corners 4t, 4t + 1 and 4t + 2. The lists do not
+/// contain corners of removed triangles.
 struct CollapseMesh {
   /// @param node_depth  see CollapseOptions
   CollapseMesh(NodeMesh&& mesh, int node_depth);

@@ -14,9 +14,10 @@ namespace lode::ingest {
 /// Quadrics over position and attributes. A triangle defines the value of each attribute at any point p:
 /// dot(g, p) + d, with g in the triangle's plane. A vertex at p with the value s has the error area * (dot(g,
 /// p) + d - s)^2. The terms without s have the form of a plane's error and are added to the position's
-/// Quadric. For the terms with s, each wedge stores three sums over its triangles: W = sum of area, G = sum
-/// of area * g, D = sum of area * d. The best value at p is s = (dot(G, p) + D) / W. With this value the
-/// error depends on p alone: Q(p) - (dot(G, p) + D)^2 / W, with one such term per attribute.
+/// Quadric. For the terms with s, each wedge (one set of attributes at a position) stores three sums over its
+/// triangles: W = sum of area, G = sum of area * g, D = sum of area * d. The best value at p is s = (dot(G,
+/// p) + D) / W. With this value the error depends on p alone: Q(p) - (dot(G, p) + D)^2 / W, with one such
+/// term per attribute.
 ///
 /// The file's normals, colours and texture coordinates are scaled to lengths. One radian between normals, the
 /// full range of a colour and the full range of the texture grid each correspond to a fraction of the model's

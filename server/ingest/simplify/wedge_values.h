@@ -9,7 +9,8 @@
 
 namespace lode::ingest {
 
-/// Attributes of a wedge as floats, in steps of the model's attribute grids. A normal is a unit vector.
+/// Attributes of a wedge (one set of attributes at a position) as floats, in steps of the model's attribute
+/// grids. A normal is a unit vector.
 struct WedgeValue {
   // Index of each attribute's first part, and the number of parts. A colour has four parts, with alpha.
   static constexpr int kNormal = 0, kColour = 3, kTexture = 7, kParts = 9;
