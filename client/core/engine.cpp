@@ -44,7 +44,7 @@ void Engine::handleAll(SessionRole role) {
   while (connection_.session(role)) {
     std::optional<SessionEvent> event = connection_.session(role)->nextEvent();
     if (!event) return;
-    // Ignore these notices on the draining connection, because the active connection receives them too.
+    // Ignore these notices on the draining connection: the active connection gets its own.
     const bool is_heard = role == SessionRole::kActive || !(std::holds_alternative<ServerLeaving>(*event) ||
                                                             std::holds_alternative<ModelChanged>(*event));
     if (is_heard) std::visit([this](auto taken) { handle(std::move(taken)); }, std::move(*event));
@@ -89,7 +89,7 @@ void Engine::handle(BlobArrived event) {
 
 void Engine::deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
   prefetcher_.arrived(blob, use);
-  // Request a payload only once, even if several LODs share it.
+  // Several LODs may share a payload, which is requested only once, so deliver it for each of them.
   for (const Request& request : group_.requests())
     if (request.blob == blob && request.use != use) model_->take(request.blob, request.use, bytes);
   model_->take(blob, use, std::move(bytes));
@@ -187,7 +187,7 @@ void Engine::renewRequests() {
   uint64_t waiting_bytes = model_->undecodedBytes();
   /// @return false if no further request fits.
   const auto ask = [&](const Request& request) {
-    // Do not load stand-ins while the cache answers every query with a hit.
+    // Do not load stand-ins while the cache has had every queried blob.
     if (request.is_stand_in && options_.has_cache && !queries_.hasMisses()) return true;
     if (!model_->wants(request) || !asked.insert(request.blob.number).second) return true;
     if (draining != nullptr && draining->isRequested(request.blob)) return true;

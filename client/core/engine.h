@@ -34,7 +34,8 @@ struct EngineOptions {
   /// Memory for the hierarchy, blobs in transit, meshes and textures.
   uint64_t memory_budget_bytes = kDefaultMemoryBudgetBytes;
   uint32_t jitter_seed = 0;  ///< seed of the random waits between connection attempts
-  /// The caller answers takeCacheQueries(); the server gets requests only for cache misses.
+  /// True if the caller has a blob cache and answers takeCacheQueries(). Only blobs that the cache lacks are
+  /// then requested from the server.
   bool has_cache = false;
   /// Summary of the model that an earlier run stored in the cache, if any.
   std::optional<ModelSummary> cached_model = std::nullopt;
@@ -128,7 +129,7 @@ class Engine {
   /// connection, connect() makes it the draining connection.
   bool wantsConnection(TimePoint now) const noexcept { return !options_.offline && connection_.due(now); }
   void connect(TimePoint now);
-  /// Returns true if the connection exists; if not, the caller should close its transport.
+  /// Returns true if there is a connection in this role; if not, the caller should close its transport.
   bool connected(SessionRole role = SessionRole::kActive) const noexcept {
     return connection_.session(role) != nullptr;
   }
@@ -142,18 +143,18 @@ class Engine {
   }
   /// Reports that the transport failed. @throws `why` if reconnecting cannot help; the last cut stays valid.
   void disconnect(const Error& why, TimePoint now, SessionRole role = SessionRole::kActive);
-  /// Reason for the missing connection while the engine reconnects; empty otherwise.
+  /// Returns the reason for the missing connection while the engine reconnects; empty otherwise.
   const std::string& trouble() const noexcept { return connection_.trouble(); }
   /// Returns the remedy for the trouble; kNone if there is no trouble.
   Remedy troubleRemedy() const noexcept { return connection_.troubleRemedy(); }
 
-  /// Returns false if received frames wait until takeOutgoing() is called: see Session::takesInput().
+  /// Returns false while received frames wait for a call of takeOutgoing(): see Session::takesInput().
   bool takesInput(SessionRole role = SessionRole::kActive) const noexcept {
     const Session* const session = connection_.session(role);
     return session == nullptr || session->takesInput();
   }
-  /// Takes received bytes, or continues with frames that wait. Requires takesInput(), unless there are no
-  /// bytes.
+  /// Takes received bytes, or continues with frames that wait. Requires takesInput(), unless `bytes` is
+  /// empty.
   /// @throws Error as Session does. Do not use the engine after an error; the last cut stays valid.
   void receive(std::span<const std::byte> bytes, TimePoint now, SessionRole role = SessionRole::kActive);
   void finishDecode(DecodeResult result);
@@ -182,23 +183,24 @@ class Engine {
   };
   /// Returns blobs received from the server, for the caller to cache; none if has_cache is false.
   std::vector<Arrival> takeArrivals() { return std::exchange(arrivals_, {}); }
-  /// Returns true if the engine is offline and the cache has answered all queries.
+  /// Returns true if the engine is offline and has nothing left to do: the cache has answered all queries,
+  /// and no blob waits to be decoded.
   bool exhausted() const noexcept;
 
   /// Returns the summary of the model; null until the model is open.
   const ModelSummary* summary() const noexcept { return model_ ? &model_->summary() : nullptr; }
-  /// The last published cut; null until the root's coarsest LOD is resident and a view is set.
+  /// Returns the last published cut; null until the root's coarsest LOD is resident and a view is set.
   const std::shared_ptr<const Cut>& cut() const noexcept { return group_.cut(); }
-  /// The last cuts, indexed by view: see ViewGroup.
+  /// Returns the last cuts, indexed by view: see ViewGroup.
   const std::shared_ptr<const ViewCuts>& viewCuts() const noexcept { return group_.viewCuts(); }
   uint64_t cutBuild() const noexcept { return group_.cutBuild(); }
   bool limited() const noexcept { return group_.limited(); }
-  /// Returns true if the cuts are final, because they are complete or their missing blobs cannot be
-  /// loaded. Postponed blobs can end this state.
+  /// Returns true if the cuts are final: they are complete, or their missing blobs cannot be loaded. The
+  /// result becomes false when a postponed blob is requested again.
   bool settled() const noexcept;
-  /// Reason why a part of the model cannot be loaded; empty if no part has failed.
+  /// Returns the reason why a part of the model cannot be loaded; empty if no part has failed.
   const std::string& failure() const noexcept;
-  /// Returns true if the engine requests all parts that have failed again.
+  /// Returns true if parts have failed, and the engine will request all of them again.
   bool failureMayPass() const noexcept;
   EngineCounts counts() const noexcept;
 

@@ -17,7 +17,7 @@ uint64_t transitShare(uint64_t budget_bytes) {
   return std::min(budget_bytes / kTransitBudgetShare, kMaxTransitBytes);
 }
 
-/// Estimates the memory of a decode job. The decoder takes as much memory as the result.
+/// Estimates the memory of a decode job: the result, and the same amount for the decoder.
 uint64_t decodingBytes(const DecodeJob& job) {
   if (job.use.kind == BlobKind::kTile) return uint64_t{8} * job.image_size.x * job.image_size.y;
   return 2 * meshBytes(job.expected.vertices, job.expected.triangles, job.expected.attributes);
@@ -90,8 +90,8 @@ void Model::take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte>
   }
 }
 
-/// Adds a page to the hierarchy. Ignores pages that are already loaded, because every connection starts with
-/// the root page. Ignores pages whose parent page has been evicted.
+/// Adds a page to the hierarchy. Ignores a page that is already loaded, and a page whose parent page has been
+/// evicted.
 void Model::addPage(const BlobUse& use, std::span<const std::byte> bytes) {
   const KnownNode* owner = hierarchy_.find(use.mesh.node);
   const bool is_root_page = use.kind == BlobKind::kRootPage;
@@ -105,8 +105,8 @@ void Model::addPage(const BlobUse& use, std::span<const std::byte> bytes) {
   }
 }
 
-/// Checks the memory of the LOD that is decoded even if it exceeds the budget. The check relies on the size
-/// that the server announces.
+/// Checks that there is memory for the root's coarsest LOD, which is decoded even if it exceeds the budget.
+/// Relies on the sizes that the server announces.
 void Model::requireRoomFor(const Lod& first) const {
   const uint64_t needed_bytes =
       first.payload.bytes + 2 * meshBytes(first.vertices, first.triangles, summary_.attributes);

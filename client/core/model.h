@@ -21,17 +21,17 @@
 
 namespace lode::core {
 
-constexpr uint64_t kHierarchyBudgetShare = 8;  ///< the hierarchy may use 1/8 of the memory budget
-/// Blobs that are requested or not decoded yet may use 1/16 of the memory budget, and the decoders another
-/// 1/16. A single blob may exceed this share.
+constexpr uint64_t kHierarchyBudgetShare = 8;  ///< the node hierarchy may take 1/8 of the memory budget
+/// Blobs in transit (requested, or received but not decoded) may take 1/16 of the memory budget, and running
+/// decode jobs another 1/16. A single blob may exceed its share.
 constexpr uint64_t kTransitBudgetShare = 16;
-/// Upper limit for each of the two shares of kTransitBudgetShare.
+/// Upper limit for the share of blobs in transit, and for the share of decode jobs.
 constexpr uint64_t kMaxTransitBytes = 64ull << 20;
 
-/// The root's coarsest LOD may exceed the memory budget by this much.
+/// Bytes by which the root's coarsest LOD, which is always loaded, may exceed the memory budget.
 constexpr uint64_t kMaxFirstLodExcessBytes = 32ull << 20;
-/// Largest number of remembered refusals. Above this number, the model forgets all refusals, and their blobs
-/// may be requested again.
+/// Largest number of lost blobs that a model remembers. When it is reached, the model forgets them all, and
+/// they may be requested again.
 constexpr size_t kMaxRefusedBlobs = 65'536;
 
 /// The resident data of one build of a model: hierarchy, meshes and textures. The caller passes in blobs from
@@ -43,13 +43,13 @@ class Model {
   ///                             together.
   Model(ModelSummary summary, uint64_t memory_budget_bytes);
 
-  /// Changes the budget and the version, so that views refine again.
+  /// Changes the memory budget. Increments version(), so that views refine again.
   void setMemoryBudget(uint64_t bytes);
 
   const ModelSummary& summary() const noexcept { return summary_; }
   const Hierarchy& hierarchy() const noexcept { return hierarchy_; }
   Hierarchy& hierarchy() noexcept { return hierarchy_; }
-  /// Memory budget of the hierarchy's pages, both pages in use and recently used pages.
+  /// Returns the memory budget for all loaded pages of the hierarchy, whether a view uses them or not.
   uint64_t hierarchyBudgetBytes() const noexcept { return hierarchy_budget_bytes_; }
   MeshCache& meshes() noexcept { return meshes_; }
   const MeshCache& meshes() const noexcept { return meshes_; }
@@ -57,11 +57,11 @@ class Model {
   TextureStream* textures() noexcept { return textures_ ? &*textures_ : nullptr; }
   const TextureStream* textures() const noexcept { return textures_ ? &*textures_ : nullptr; }
 
-  /// Returns the request to send while no view is set. The request is for the root page, then for the root's
-  /// coarsest LOD. Returns nothing if both are resident, or if the next blob is being decoded, lost or
+  /// Returns the request that precedes all others: for the root page, or for the root's coarsest LOD once the
+  /// page is loaded. Returns nothing if both are resident, or if the blob is being decoded, lost or
   /// postponed.
   std::optional<Request> firstRequest() const;
-  /// Returns true if the blob should be requested: it is neither being decoded, lost nor postponed.
+  /// Returns true if the blob may be requested: it is not being decoded, lost or postponed.
   bool wants(const Request& request) const;
 
   /// Stores a blob or queues it for decoding. @param bytes  bytes that match the blob's digest.
@@ -70,13 +70,15 @@ class Model {
   void take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
   /// Notes that a blob is lost for good. Refinement uses other LODs or nodes instead.
   void lose(const BlobRef& blob, const std::string& why);
-  /// Notes that the server refuses a blob for now. wants() returns false for this blob until a pause is over.
+  /// Notes that the server refuses a blob for now. wants() returns false for it until a pause is over: see
+  /// PostponedBlobs.
   void postpone(const BlobRef& blob, const std::string& why, TimePoint now);
-  /// Ends the pause of postponed blobs when it is over. @return true if there are blobs to request again.
+  /// Allows postponed blobs to be requested again if their pause is over. @return true if there are blobs to
+  /// request again.
   bool releasePostponed(TimePoint now) { return postponed_.release(now); }
 
-  /// Returns the waiting jobs that fit the decoding budget. Call the function again after each
-  /// finishDecode(), to get further jobs.
+  /// Returns the waiting jobs that fit the memory for decoding. Call again after each finishDecode() to get
+  /// more jobs.
   std::vector<DecodeJob> takeDecodeJobs();
   /// Stores the result of a decode job; ignores results of another build.
   void finishDecode(DecodeResult result);
@@ -85,18 +87,18 @@ class Model {
   uint64_t build() const noexcept;
   /// Returns a number that increases with every change that may affect a cut.
   uint64_t version() const noexcept { return version_; }
-  /// Reason why a part of the model cannot be loaded; empty if no part has failed.
+  /// Returns the reason why a part of the model cannot be loaded; empty if no part has failed.
   const std::string& failure() const noexcept { return failure_.empty() ? postponed_.why() : failure_; }
-  /// Returns true if all parts that have failed are only postponed.
+  /// Returns true if parts have failed, but all of them are only postponed.
   bool failureMayPass() const noexcept { return failure_.empty() && !postponed_.why().empty(); }
-  /// Encoded size of the received blobs that are not decoded yet.
+  /// Returns the encoded size of the received blobs that are not decoded yet.
   uint64_t undecodedBytes() const noexcept { return undecoded_bytes_; }
-  /// Memory of the running decode jobs.
+  /// Returns an estimate of the memory of the running decode jobs.
   uint64_t decodingBytes() const noexcept { return decoding_bytes_; }
-  /// Budget for requested and undecoded blobs.
+  /// Returns the budget for blobs that are requested, or received but not decoded.
   uint64_t transitBudgetBytes() const noexcept { return transit_budget_bytes_; }
   size_t decoding() const noexcept { return decoding_.size(); }
-  /// Size of all received texture blobs.
+  /// Returns the encoded size of all texture blobs received so far.
   uint64_t textureBlobBytes() const noexcept { return texture_blob_bytes_; }
 
  private:
@@ -110,7 +112,7 @@ class Model {
 
   struct Work {
     BlobRef blob;
-    uint64_t bytes = 0;  // memory that decoding takes; 0 until takeDecodeJobs() returns the job
+    uint64_t bytes = 0;  // memory that decoding takes; 0 while the job waits
   };
 
   void addPage(const BlobUse& use, std::span<const std::byte> bytes);
@@ -127,7 +129,7 @@ class Model {
   uint64_t memory_budget_bytes_ = 0, hierarchy_budget_bytes_ = 0;
   MeshCache meshes_;
   std::optional<TextureStream> textures_;
-  std::map<Decoding, Work> decoding_;  // jobs that wait, and jobs that takeDecodeJobs() has returned
+  std::map<Decoding, Work> decoding_;  // jobs that wait or run
   uint64_t transit_budget_bytes_ = 0;
   uint64_t undecoded_bytes_ = 0, decoding_bytes_ = 0;
   std::deque<DecodeJob> jobs_;  // jobs that wait for takeDecodeJobs()
@@ -135,7 +137,7 @@ class Model {
   PostponedBlobs postponed_;
   uint64_t texture_blob_bytes_ = 0;
   uint64_t version_ = 0;
-  std::string failure_;  // reason why the first lost blob is lost
+  std::string failure_;  // reason for the first loss of a blob
 };
 
 }  // namespace lode::core

@@ -11,23 +11,26 @@
 namespace lode::core {
 
 constexpr size_t kMaxCacheQueries = 256;  ///< largest number of unanswered queries
-/// Largest number of remembered misses. Beyond this number, all misses are forgotten and queried again.
+/// Largest number of remembered misses. When it is reached, CacheQueries forgets them all.
 constexpr size_t kMaxRememberedMisses = 65536;
 
-/// Queries the blob cache before the server. Sends no second query for a blob while the first is unanswered.
-/// Not thread safe.
+/// Asks the blob cache for each blob before the server is asked. Never has two open queries for the same
+/// blob. Not thread safe.
 class CacheQueries {
  public:
-  /// Returns true if the cache has reported that it lacks the blob. Otherwise returns false and queries the
-  /// cache; if too many queries are unanswered, a later call makes the query.
+  /// Returns true if the cache has reported that it lacks the blob. Otherwise returns false and queues a
+  /// query, unless a query for the blob is open or kMaxCacheQueries are unanswered; in the latter case, call
+  /// again later.
   bool isMissing(const Request& request);
-  /// Returns the blobs to look up in the cache. The caller answers each with finish().
+  /// Returns the blobs to look up in the cache, and clears the queue. The caller answers each with finish().
   std::vector<BlobRef> take() { return std::exchange(new_, {}); }
-  /// Records the cache's answer. @return the use of the blob; nothing if the blob was not queried.
+  /// Records the cache's answer. @return the use that was passed to isMissing(); nothing if no query for the
+  /// blob is open.
   std::optional<BlobUse> finish(const BlobRef& blob, bool found);
-  /// Notes that the server has sent the blob, which the caller then adds to the cache.
+  /// Notes that the server has sent the blob, so that it is no longer a miss. The caller also caches the
+  /// blob.
   void arrived(const BlobRef& blob) { misses_.erase(blob.digest); }
-  /// Returns true if a blob was missing in the cache and has not arrived since then.
+  /// Returns true while some blob that the cache lacks has not arrived from the server.
   bool hasMisses() const noexcept { return !misses_.empty(); }
   bool idle() const noexcept { return asked_.empty(); }
 

@@ -12,9 +12,9 @@
 
 namespace lode::core {
 
-/// A blob to decode outside the core, on any thread. For a payload, the job calls decodePayload() and
-/// clusterTriangles(), and computes the texture footprint if the texture set is known. For a tile, it calls
-/// decodeTile() and computes the tail.
+/// A blob to decode, on any thread. For the payload of a mesh, runDecodeJob() calls decodePayload() and
+/// clusterTriangles(), and computes the texture footprint if the texture set is known. For a texture tile, it
+/// calls decodeTile() and, if with_tail is true, makeTail().
 struct DecodeJob {
   BlobRef blob;
   BlobUse use;
@@ -23,7 +23,7 @@ struct DecodeJob {
   PayloadExpectation expected;
   std::shared_ptr<const TextureSet> textures = nullptr;
   glm::uvec2 image_size{0};  ///< size of a tile's image; unused for payloads
-  bool with_tail = false;    ///< true for tiles of a coarsest level: see makeTail()
+  bool with_tail = false;    ///< true for the coarsest stored level of a texture: see makeTail()
 };
 
 struct DecodeResult {

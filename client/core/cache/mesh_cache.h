@@ -14,21 +14,21 @@
 
 namespace lode::core {
 
-/// Returns the memory of a decoded mesh.
+/// Returns the main memory that a decoded mesh takes, in bytes.
 uint64_t meshBytes(const Mesh& mesh) noexcept;
-/// Returns the memory that a mesh will take after decoding, including the cluster boxes of
-/// clusterTriangles().
+/// Returns the main memory that a mesh will take once it is decoded, including the cluster boxes that
+/// clusterTriangles() adds.
 uint64_t meshBytes(uint64_t vertices, uint64_t triangles, AttributeSet attributes) noexcept;
 
-// GPU memory of a mesh.
+// Bytes that the elements of a mesh take on the GPU.
 constexpr uint64_t kDrawnVertexBytes = 16;
 constexpr uint64_t kDrawnTexturedVertexBytes = 24;  ///< size of a vertex with texture coordinates
 constexpr uint64_t kDrawnTriangleBytes = 12;
 /// Size of the bounding box of a cluster of kClusterTriangles triangles.
 constexpr uint64_t kDrawnClusterBytes = 24;
 
-/// Returns the GPU memory of a mesh. Refinement limits GPU memory separately, because a mesh without
-/// attributes takes more memory on the GPU than in main memory.
+/// Returns the GPU memory that a mesh takes, in bytes. Refinement has a separate budget for it, because a
+/// mesh without attributes takes more memory on the GPU than in main memory.
 constexpr uint64_t drawnBytes(uint64_t vertices, uint64_t triangles, AttributeSet attributes) noexcept {
   const bool is_textured = attributes.has(AttributeSet::kTexture);
   return vertices * (is_textured ? kDrawnTexturedVertexBytes : kDrawnVertexBytes) +
@@ -39,9 +39,9 @@ inline uint64_t drawnBytes(const Mesh& mesh) noexcept {
   return drawnBytes(mesh.positions.size(), mesh.triangles.size(), mesh.attributes);
 }
 
-/// Caches decoded meshes and their texture footprints, within a memory budget. Keeps pinned meshes and meshes
-/// in use: meshes of the cut, and meshes that wait for siblings. Evicts other meshes, least recently used
-/// first; among equally old meshes, deeper nodes first. Not thread safe.
+/// Caches decoded meshes and their texture footprints within a memory budget. Never evicts pinned meshes or
+/// meshes in use: those of the cut, and those that wait for siblings. Evicts the others least recently used
+/// first; among meshes last used in the same round, deeper nodes go first. Not thread safe.
 class MeshCache {
   struct Entry {
     uint32_t lod = 0;
@@ -73,14 +73,14 @@ class MeshCache {
 
   explicit MeshCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// Adds a mesh. Keeps the resident mesh if there is already a mesh with this key.
+  /// Adds a mesh. Does nothing if a mesh with this key is already resident.
   /// @param footprint  footprint of a textured mesh; setFootprint() can add the footprint later.
   void insert(MeshKey key, std::shared_ptr<const Mesh> mesh,
               std::shared_ptr<const TextureFootprint> footprint = nullptr);
   void setFootprint(MeshKey key, std::shared_ptr<const TextureFootprint> footprint);
   void pin(MeshKey key);
-  /// Returns the resident LODs of a node, which saves lookups if the caller tests several LODs. The reference
-  /// is valid until the cache changes.
+  /// Returns the resident LODs of a node. Faster than contains() if the caller tests several LODs. The
+  /// reference is valid until the cache changes.
   const Lods& lodsOf(NodeKey node) const noexcept;
   /// @return null if the mesh is not resident.
   std::shared_ptr<const Mesh> find(MeshKey key) const noexcept { return lodsOf(key.node).mesh(key.lod); }
@@ -90,15 +90,15 @@ class MeshCache {
 
   /// Starts a new round of use.
   /// @param in_use    meshes that must stay until the next call.
-  /// @param recently  meshes that count as used now; trim() evicts them after all older meshes.
+  /// @param recently  meshes that may be evicted, but only after all meshes that were used less recently.
   /// @return memory of the resident meshes in use, each mesh counted once.
   uint64_t use(std::span<const MeshKey> in_use, std::span<const MeshKey> recently);
   /// Evicts meshes until the rest fits the budget. Never evicts meshes that are in use or pinned.
   void trim();
-  /// Sets the budget, which takes effect at the next trim().
+  /// Sets the budget; it takes effect at the next trim().
   void setBudget(uint64_t bytes) noexcept { budget_bytes_ = bytes; }
 
-  /// Memory of all resident meshes and footprints.
+  /// Returns the memory of all resident meshes and footprints.
   uint64_t bytes() const noexcept { return bytes_; }
   uint64_t budgetBytes() const noexcept { return budget_bytes_; }
   size_t size() const noexcept { return size_; }
@@ -117,7 +117,7 @@ class MeshCache {
   uint64_t bytes_ = 0;
   uint64_t round_ = 1;
   size_t size_ = 0;
-  std::unordered_map<uint64_t, Lods, KeyHash> nodes_;  // by NodeKey value
+  std::unordered_map<uint64_t, Lods, KeyHash> nodes_;  // keyed by NodeKey::value
 };
 
 }  // namespace lode::core

@@ -10,28 +10,28 @@
 
 namespace lode::core {
 
-/// Pause before the first repetition of refused requests. Each further pause is 1.5 times as long as the
-/// pause before.
+/// Pause before refused requests are repeated for the first time. Each later pause is 1.5 times as long as
+/// the previous one.
 constexpr std::chrono::seconds kFirstRepeat{1};
-constexpr std::chrono::seconds kLastRepeat{30};  ///< longest pause before a repetition
-/// Largest number of postponed blobs. Above this number, all blobs leave the list and may be requested at
-/// once.
+constexpr std::chrono::seconds kLastRepeat{30};  ///< upper limit of all pauses
+/// Largest number of postponed blobs. A full list is cleared, and its blobs may be requested at once.
 constexpr size_t kMaxPostponedBlobs = 65'536;
 
-/// Blobs that the server refuses for now, for example because its storage fails. After a pause, all
-/// refused blobs may be requested again at the same time. Not thread safe.
+/// Keeps track of the blobs that the server refuses for now, for example because its storage fails. One pause
+/// applies to all of them; after it, they may be requested again. Not thread safe.
 class PostponedBlobs {
  public:
-  /// @param why  reason as a text for users.
+  /// @param why  reason for the refusal, worded for users.
   void add(uint32_t blob, const std::string& why, TimePoint now);
   /// Returns true if the blob must not be requested yet.
   bool contains(uint32_t blob) const { return waiting_.contains(blob); }
   /// Notes that the blob has arrived.
   void arrived(uint32_t blob);
-  /// Releases the blobs when their pause is over. @return true if there are blobs to request again.
+  /// Allows the blobs to be requested again if their pause is over. @return true if there are blobs to
+  /// request again.
   bool release(TimePoint now);
-  /// Returns the reason why the first blob was refused. The reason becomes empty once all refused blobs have
-  /// arrived, or after a pause in which no blob was refused again.
+  /// Returns the reason for the first refusal. Empty once all refused blobs have arrived, or once a whole
+  /// pause has passed without another refusal.
   const std::string& why() const noexcept { return why_; }
 
  private:

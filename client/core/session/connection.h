@@ -10,14 +10,14 @@
 
 namespace lode::core {
 
-/// Longest wait before the first retry. Each retry increases the longest wait by half.
+/// Longest wait before the first retry. This limit grows by 50 % with each retry, up to kLastRetry.
 constexpr std::chrono::milliseconds kFirstRetry{500};
-constexpr std::chrono::seconds kLastRetry{30};  ///< longest wait before any retry
-/// Longest wait before reconnecting when the server announces its shutdown.
+constexpr std::chrono::seconds kLastRetry{30};  ///< upper limit of all waits
+/// Longest wait before reconnecting after the server has announced its shutdown.
 constexpr std::chrono::milliseconds kMoveOn{200};
 
-/// The two sessions of a connection: the active session, and the draining session, whose server is shutting
-/// down.
+/// The two sessions of a connection: the active session, and the draining session, which only completes its
+/// open requests because its server is shutting down.
 enum class SessionRole : uint8_t { kActive, kDraining };
 inline constexpr std::array kSessionRoles{SessionRole::kActive, SessionRole::kDraining};
 
@@ -38,7 +38,7 @@ class Connection {
   /// Starts a session on a new transport. The session's first bytes can be sent at once.
   /// @param known_build_id  build of the model that the client has loaded; zeros for none.
   void begin(const Digest& known_build_id, TimePoint now);
-  /// Returns a session of the connection; null if there is no such session.
+  /// Returns the session in a role; null if there is none.
   Session* session(SessionRole role = SessionRole::kActive) noexcept {
     std::optional<Session>& session = role == SessionRole::kActive ? session_ : draining_;
     return session ? &*session : nullptr;
@@ -52,11 +52,11 @@ class Connection {
 
   /// Notes that the model is open, and resets the retry interval.
   void succeeded() noexcept;
-  /// Ends the active session and schedules a retry. @param why  reason as a text for users.
+  /// Ends the active session and schedules a retry. @param why  reason, worded for users.
   /// @param remedy  remedy that the text leaves to the program.
   void end(std::string why, TimePoint now, Remedy remedy = Remedy::kNone);
-  /// Returns true if a retry may succeed: the error is a network error or a timeout, and the model has been
-  /// open before or SessionOptions::open_patience is not over.
+  /// Returns true if a retry may succeed: the error is a network error or a timeout, and either the model has
+  /// been open before or SessionOptions::open_patience has not passed.
   bool survives(const Error& error, TimePoint now) const noexcept;
   /// Ends the active session after an error. @throws the error if a retry cannot help: see survives().
   void fail(const Error& error, TimePoint now);
@@ -66,11 +66,11 @@ class Connection {
   void leave(std::string why, TimePoint now, Remedy remedy = Remedy::kNone);
   /// Ends the draining session.
   void endDraining() noexcept;
-  /// Ends the active session and makes the next session due: at once, or kFirstRetry after the last restart,
-  /// so that a server cannot make the client reconnect without pause.
+  /// Ends the active session and schedules the next one: at once, or kFirstRetry after the last restart, so
+  /// that a server cannot make the client reconnect in a tight loop.
   void restart(TimePoint now);
 
-  /// Reason for the missing connection; empty while there is a connection.
+  /// Returns the reason for the missing connection; empty while there is a connection.
   const std::string& trouble() const noexcept { return trouble_; }
   /// Returns the remedy for the trouble; kNone while there is a connection.
   Remedy troubleRemedy() const noexcept { return trouble_remedy_; }

@@ -9,25 +9,26 @@
 
 namespace lode::core {
 
-/// Largest window; enough for 1 Gbit/s at a round trip of 85 ms, with kWindowGain.
+/// Largest window: enough for 1 Gbit/s at a round trip of 85 ms, with kWindowGain.
 constexpr uint64_t kMaxWindowBytes = 16u << 20;
-constexpr double kWindowGain = 1.5;  ///< ratio of the window to rate × round trip
-constexpr double kGrowthGain = 3;    ///< gain that replaces kWindowGain while the measured rate still grows
-/// Smallest round trip that is used. On a fast link, thread scheduling dominates the measured time.
+constexpr double kWindowGain = 1.5;  ///< size of the window relative to rate × round trip
+constexpr double kGrowthGain = 3;    ///< replaces kWindowGain while the measured rate still grows
+/// Lower limit for the measured round trip, because thread scheduling dominates the measurement on a fast
+/// link.
 constexpr std::chrono::milliseconds kShortestTrip{10};
-/// Duration of a rate sample, unless the round trip is longer.
+/// Shortest duration of a rate sample; a sample lasts one round trip if that is longer.
 constexpr std::chrono::milliseconds kShortestSample{50};
-constexpr size_t kRateSamples = 8;  ///< number of recent samples; the rate is their maximum
+constexpr size_t kRateSamples = 8;  ///< number of recent samples; the link's rate is their maximum
 
-/// Flow control: computes how many unacknowledged bytes the server may send. The window is large enough to
-/// fill the link, but small enough that urgent blobs do not queue behind other blobs. Measures the link's
-/// rate by the received bytes. Not thread safe.
+/// Flow control: computes how many unacknowledged bytes the server may send. This window is large enough to
+/// fill the link, but small enough that urgent blobs do not queue behind other blobs. Derives the link's rate
+/// from the received bytes. Not thread safe.
 ///
 /// Source: Cardwell et al., BBR: Congestion-Based Congestion Control, 2016 (the largest recent rate and the
 /// smallest round trip).
 class CreditWindow {
  public:
-  /// Counts bytes that were received since the last call.
+  /// Counts the bytes received since the last call.
   void receive(uint64_t bytes, TimePoint now);
   /// Stops measuring the rate until bytes arrive again. Call it when no blob is awaited.
   void pause() noexcept { sample_begin_.reset(); }

@@ -12,8 +12,8 @@ namespace {
 
 constexpr uint32_t kHelloCall = 1, kSecondCall = 2;
 constexpr size_t kCompactBytes = 64u << 10;
-// Each grant adds at least 1/8 of the window, so that grants are few but early enough to keep the server from
-// waiting.
+// Each credit grant adds at least 1/8 of the window: so grants are few, but early enough that the server need
+// not wait.
 constexpr uint64_t kGrantsPerWindow = 8;
 
 void require(bool allowed, const std::string& what) {
@@ -243,7 +243,7 @@ void Session::handleError(std::span<const std::byte> body) {
   endRequest(error.request);
 }
 
-/// Handles an error by which the server refuses the session or the model.
+/// Handles an Error frame that refuses the session or the model.
 void Session::handleRefusal(const proto::ErrorMessage& error) {
   const std::string message = "the server says: " + error.message;
   switch (error.code) {
@@ -264,11 +264,11 @@ void Session::handleRefusal(const proto::ErrorMessage& error) {
   }
 }
 
-/// Returns the number of received bytes of an incomplete frame.
+/// Returns how many bytes of an incomplete frame have been received.
 uint64_t Session::bytesOfUnfinishedFrame() const { return input_.size() - input_begin_; }
 
 /// Grants more bytes to the server. Counts the received part of an incomplete frame too, so that the server
-/// can send the next chunk before the current chunk ends.
+/// can send the next chunk before the current one is complete.
 void Session::grantCredit() {
   if (state_ == State::kWelcome) return;
   const uint64_t window_bytes = window_.bytes();
@@ -312,8 +312,8 @@ void Session::tick(TimePoint now) {
   if (!ping_open_ &&
       (silence_ >= kPingInterval || (!requests_.empty() && now - last_ping_ >= kMeasureInterval)))
     sendPing();
-  // On a slow link, a client may receive for minutes without sending anything. The server would time out, so
-  // send a credit.
+  // On a slow link, a client may receive for minutes without sending anything. The server would then time
+  // out, so send a credit.
   if (outgoing_.empty() && now - last_sent_ >= kPingInterval) sendCredit();
 }
 

@@ -23,36 +23,37 @@
 
 namespace lode::core {
 
-constexpr std::chrono::seconds kPingInterval{10};    ///< the session sends a Ping after this server silence
+constexpr std::chrono::seconds kPingInterval{10};    ///< server silence after which the session sends a Ping
 constexpr std::chrono::seconds kMeasureInterval{1};  ///< interval between Pings while requests are open
-/// The connection counts as lost after this server silence.
+/// Server silence after which the connection counts as lost.
 constexpr std::chrono::seconds kSilenceLimit{30};
-/// If the caller pauses longer than kMaxGap between two calls, only kMaxGap counts as server silence, because
-/// received data may wait to be passed in.
+/// Longest time between two calls that counts as server silence. If the caller pauses for longer, received
+/// bytes may be waiting to be passed in.
 constexpr std::chrono::seconds kMaxGap{2};
-/// Largest total size of the open requests; a single blob may be larger.
+/// Largest total size of the requested blobs; a single blob may be larger.
 constexpr uint64_t kMaxRequestedBytes = 32ull << 20;
-/// Largest number of requests: enough to fill any window, but few enough to sort often.
+/// Largest number of open requests that are not cancelled: enough to fill any window, but few enough to sort
+/// often.
 constexpr uint32_t kMaxRequestsAtOnce = 1024;
 /// Largest number of open requests, including cancelled requests that are not acknowledged yet.
 constexpr size_t kMaxUnendedRequests = 16'384;
-/// Largest total size of the bytes kept for cancelled requests; the session drops further bytes.
+/// Largest number of bytes kept for cancelled requests; the session discards any further bytes.
 constexpr uint64_t kMaxCancelledBytes = 4ull << 20;
 constexpr float kReprioritiseFactor = 1.19f;  ///< 2^1/4; smaller changes of a priority are not sent
 
 struct SessionOptions {
-  std::string model;      ///< name of the model to open; empty: lists the models and opens none
+  std::string model;      ///< name of the model to open; if empty, the session lists the models instead
   Digest known_build_id;  ///< build of the model that the client has loaded; zeros for none
   std::string token;
   std::string program = "lodestream";
   uint64_t max_requested_bytes = kMaxRequestedBytes;
-  /// Time after the first attempt during which a connection retries even if the model has never been open. If
+  /// Time from the first attempt during which a Connection retries even if the model has never been open. If
   /// zero, the first error is final.
   std::chrono::nanoseconds open_patience{0};
   /// If the server does not have the model, the session waits for the model instead of failing.
   bool awaits_model = false;
-  /// Function that returns true if the bytes match the blob's digest. If the function is empty, the session
-  /// compares the bytes' SHA-256 with the digest.
+  /// Returns true if the bytes match the blob's digest. If unset, the session computes the digest of the
+  /// bytes itself.
   std::function<bool(const BlobRef&, std::span<const std::byte>)> matches_digest;
 };
 
@@ -81,7 +82,7 @@ struct RequestCancelled {
 };
 /// The server is shutting down or rejects the session for now: connect again later.
 struct ServerLeaving {
-  std::string reason;             ///< reason as a text for users
+  std::string reason;             ///< reason, worded for users
   Remedy remedy = Remedy::kNone;  ///< remedy that the text leaves to the program
 };
 struct ModelChanged {};
@@ -91,41 +92,43 @@ using SessionEvent = std::variant<ModelOpened, ModelsListed, BlobArrived, BlobRe
 /// The client side of the protocol as a state machine without a socket. The caller passes in received bytes,
 /// and gets events and bytes to send. The session validates all input and throws Error kProtocol, kLimit or
 /// kFormat for a violation; do not use the session after that. Allocates memory only for blobs that the
-/// client expects, whose sizes are known in advance. Processes no frame while more than
-/// proto::kMaxQueuedAnswerBytes of answers to Pings wait in takeOutgoing(), so that a server that sends
-/// without reading cannot fill the client's memory. Not thread safe.
+/// client expects, whose sizes are known in advance. Processes no frames while more than
+/// proto::kMaxQueuedAnswerBytes of Pongs wait in takeOutgoing(). Otherwise a server that sends Pings but
+/// reads nothing could fill the client's memory. Not thread safe.
 class Session {
  public:
   Session(SessionOptions options, TimePoint now);
 
   /// Takes received bytes, which may end inside a frame. Afterwards call nextEvent() until it returns
-  /// nothing. Requires takesInput(), unless there are no bytes.
+  /// nothing. Requires takesInput(), unless `bytes` is empty.
   void receive(std::span<const std::byte> bytes, TimePoint now);
   /// Processes the received bytes up to the next event. @throws Error kProtocol, kLimit or kFormat for a
   /// violation of the protocol; kInput or kNetwork with the server's message if the server refuses the
   /// session or the model.
   std::optional<SessionEvent> nextEvent();
-  /// Returns false if frames wait to be processed, because too many Pongs wait to be sent. Then call
-  /// takeOutgoing() as soon as the transport has room, and nextEvent() again.
+  /// Returns false while received frames wait because too many Pongs are unsent. Then call takeOutgoing() as
+  /// soon as the transport has room, and nextEvent() afterwards.
   bool takesInput() const noexcept { return !paused_; }
 
-  /// Announces the next blob that the server sends without a request (request 0). The session announces the
-  /// root page itself. The caller announces the root's coarsest payload after reading the root page.
+  /// Tells the session which blob the server sends next without a request (with request number 0). The
+  /// session expects the root page by itself. The caller reads the root page and then names the payload of
+  /// the root's coarsest LOD.
   void expectUnasked(const BlobRef& blob, const BlobUse& use);
 
-  /// Replaces the set of requests: adds new requests, changes priorities and cancels requests that are not in
-  /// `wanted`. Omits requests above the session's limits, and requests for blobs whose cancellation is not
-  /// acknowledged yet; pass the omitted requests again in a later call. Cancelled requests count towards no
-  /// limit, because the server reads the cancels before the adds; kMaxUnendedRequests limits both together.
+  /// Replaces the set of requests: adds new ones, updates changed priorities, and cancels those that are not
+  /// in `wanted`. Omits requests beyond the session's limits, and requests for blobs whose cancellation is
+  /// not acknowledged yet; pass them again in a later call. Of the limits, only kMaxUnendedRequests counts
+  /// cancelled requests too, because the server reads cancellations before additions.
   /// @param wanted  requests, best first.
-  /// @return false if nothing has changed, because too many frames wait in takeOutgoing(): call again later.
+  /// @return false if the call had no effect because too many frames wait in takeOutgoing(): call again
+  /// later.
   bool setRequests(std::span<const Request> wanted);
 
   /// Keeps the connection alive in both directions. @throws Error kTimeout if no byte arrives, or no answer
   /// can be sent, for kSilenceLimit: see kMaxGap.
   void tick(TimePoint now);
 
-  /// Returns the frames to send, in order; the first call returns Hello with Open or List.
+  /// Returns the queued frames in order. The first call returns Hello, followed by Open or List.
   proto::Bytes takeOutgoing();
 
   /// Returns true if the server sends the root page and the root's coarsest LOD without a request, because
@@ -133,11 +136,12 @@ class Session {
   bool givesFirstBlobs() const noexcept { return gives_first_blobs_; }
   bool opened() const noexcept { return state_ == State::kOpen; }
   bool isRequested(const BlobRef& blob) const { return request_of_blob_.contains(blob.number); }
-  size_t openRequests() const noexcept { return requests_.size(); }  ///< includes cancelled requests
+  /// Returns the number of open requests, including cancelled requests that are not acknowledged yet.
+  size_t openRequests() const noexcept { return requests_.size(); }
   /// Returns the numbers of open requests by class.
   const RequestCounts& requestCounts() const noexcept { return request_counts_; }
   uint64_t requestedBytes() const noexcept { return requested_bytes_; }
-  /// Number of bytes received from the transport.
+  /// Returns the number of bytes received from the transport.
   uint64_t receivedBytes() const noexcept { return received_bytes_; }
   /// Returns the measurements of the link and the flow control window.
   const CreditWindow& window() const noexcept { return window_; }
@@ -197,23 +201,23 @@ class Session {
   std::map<uint32_t, OpenRequest> requests_;                // by request number
   std::unordered_map<uint32_t, uint32_t> request_of_blob_;  // request number by blob number
   RequestCounts request_counts_;
-  uint64_t requested_bytes_ = 0;  // total size of the open requests that are not cancelled
-  uint64_t cancelled_bytes_ = 0;  // total size of the bytes kept for cancelled requests
+  uint64_t requested_bytes_ = 0;  // total size of the requested blobs, without cancelled requests
+  uint64_t cancelled_bytes_ = 0;  // number of bytes kept for cancelled requests
   std::optional<Incoming> unasked_;
   uint64_t granted_bytes_;
-  uint64_t sent_grant_bytes_;    // last grant that takeOutgoing() returned, which the server may use
-  uint64_t credited_bytes_ = 0;  // total size of the received Blob frame bodies
+  uint64_t sent_grant_bytes_;    // last grant that takeOutgoing() returned; the server may use it
+  uint64_t credited_bytes_ = 0;  // total size of the bodies of received Blob frames
   uint64_t received_bytes_ = 0;
   TimePoint now_, last_sent_, last_ping_;
   std::chrono::nanoseconds silence_{0};  // duration of the server's silence: see kMaxGap
-  // Duration for which Pongs have waited without a call of takeOutgoing().
+  // Duration for which input has been paused since the last takeOutgoing().
   std::chrono::nanoseconds blocked_{0};
   CreditWindow window_;
   uint64_t pings_ = 0;
   bool ping_open_ = false;
   std::vector<std::byte> input_;  // received bytes that are not processed yet
   size_t input_begin_ = 0;
-  bool paused_ = false;  // frames in input_ wait until answers are sent
+  bool paused_ = false;  // frames in input_ wait until takeOutgoing() takes the queued Pongs
   std::optional<SessionEvent> event_;
   proto::Bytes outgoing_;
   size_t answer_bytes_ = 0;  // bytes of Pongs in outgoing_

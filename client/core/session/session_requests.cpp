@@ -7,7 +7,7 @@
 #include "common/release_storage.h"
 #include "proto/limits.h"
 
-/// The requests of a Session.
+/// The members of Session that manage requests.
 namespace lode::core {
 namespace {
 
@@ -39,8 +39,8 @@ void Session::cancel(OpenRequest& request) {
   limitCancelledBytes(request);
 }
 
-/// Drops the bytes of a cancelled request if kMaxCancelledBytes are exceeded. A server that never
-/// acknowledges cancellations could fill the memory otherwise.
+/// Drops the bytes of a cancelled request if kMaxCancelledBytes is exceeded. Otherwise a server that never
+/// acknowledges cancellations could fill the client's memory.
 void Session::limitCancelledBytes(OpenRequest& request) {
   if (cancelled_bytes_ <= kMaxCancelledBytes) return;
   cancelled_bytes_ -= request.incoming.bytes.size();
