@@ -13,7 +13,7 @@ namespace lode::core {
 class CameraMotion {
  public:
   void record(const View& view, TimePoint now);
-  /// Extrapolates the motion along a helix: velocity and rotation are constant in the camera's frame.
+  /// Extrapolates the motion along a helix: in the camera's own frame, velocity and rotation stay constant.
   /// @return nothing if the camera does not move, or if the camera has jumped.
   std::optional<View> predict(TimePoint now, std::chrono::duration<double> ahead) const;
 

@@ -9,7 +9,8 @@
 
 namespace lode::core {
 
-/// Iterates from the last part to the first, so that each fallback is tested before the fallbacks below it.
+/// Iterates over the fallbacks and parts from last to first, so that each fallback is tested before the
+/// fallbacks below it.
 std::vector<uint32_t> shownParts(const Cut& cut, const View& view) {
   const ViewFrustum frustum(view, 1);
   const auto isSeen = [&](const LeftOut& place) { return frustum.test(place.box) != Visibility::kOutside; };

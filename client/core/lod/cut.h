@@ -15,43 +15,46 @@
 
 namespace lode::core {
 
-/// One mesh to draw. The mesh is shared with the cache and never changes.
+/// A part of a cut: one LOD of a node. The mesh is shared with the cache and never changes.
 struct CutPart {
   NodeKey node;
   uint32_t lod = 0;
-  /// False if the part lies outside the view. Such a part completes the cut, or is a fallback.
+  /// False for a part outside the view, which only completes the cut, and for a fallback.
   bool visible = true;
-  float error_px = 0;  ///< partErrorPx() in the view of the refinement
+  float error_px = 0;  ///< projected error in the cut's view: partErrorPx() if the part is visible
   std::shared_ptr<const Mesh> mesh;
-  float error_model = 0;  ///< distance between this surface and the original surface
+  float error_model = 0;  ///< largest distance between the mesh and the original surface
   float off_model = 0;    ///< the larger of error_model and the appearance error
-  /// Threshold at which this part would be selected. Exact parts have the cut's threshold, finer stand-ins
-  /// have a lower threshold, and coarser stand-ins have max(threshold, error_px).
+  /// Threshold at which refinement would select this part. A wanted part has the cut's threshold. A stand-in,
+  /// which is shown in place of a missing part, has min(threshold, error_px) if it is finer than the missing
+  /// part, and max(threshold, error_px) if it is coarser.
   float threshold_px = 0;
   ModelBox box = {};  ///< bounding box of the node
 };
 
-/// A texture tile to draw. The image is shared with the cache and never changes. Equal tiles share one image.
+/// A texture tile to draw. The image is shared with the cache and never changes. Tiles with equal contents
+/// share one image.
 struct ResidentTile {
   TileKey key;
   std::shared_ptr<const TileImage> image;
 };
 
-/// A node outside the view whose mesh is missing.
+/// A node outside the view that the cut leaves out because its mesh is missing.
 struct LeftOut {
   NodeKey node;
   ModelBox box;
 };
 
-/// A coarser part that replaces all parts of the cut below its node as soon as a camera sees a left-out node
-/// below it: see shownParts(). The index ranges refer to the vectors of the cut; a range excludes its end.
+/// A coarser part for a node below which the cut leaves out other nodes. As soon as a camera sees one of the
+/// left-out nodes, the fallback is drawn in place of all parts below its own node: see shownParts(). The
+/// index ranges refer to the vectors of the cut and exclude their ends.
 struct Fallback {
   CutPart part;
-  uint32_t first_part = 0, end_part = 0;  ///< index range of the parts below the node
+  uint32_t first_part = 0, end_part = 0;  ///< index range of the parts below the fallback's node
   /// Index range of the left-out nodes whose nearest fallback is this fallback.
   uint32_t first_left_out = 0, end_left_out = 0;
-  /// Index of the first fallback below the node. All fallbacks from this index up to this fallback lie below
-  /// the node.
+  /// Index of the first fallback below this fallback's node. The fallbacks from first_nested up to this one,
+  /// exclusive, are those below the node.
   uint32_t first_nested = 0;
 };
 
@@ -68,14 +71,15 @@ struct Cut {
   std::vector<LeftOut> left_out;    ///< nodes of missing parts, all outside the view; each has a fallback
   std::vector<Fallback> fallbacks;  ///< fallbacks of all depths, children before parents
   uint64_t triangles = 0;
-  uint64_t blob_bytes = 0;   ///< encoded size of the meshes and tiles in use
+  uint64_t blob_bytes = 0;   ///< encoded size of the meshes and tiles that the cut uses
   uint64_t drawn_bytes = 0;  ///< GPU memory of the parts and fallbacks: see drawnBytes()
   float max_error_px = 0;    ///< largest projected error of the visible parts
   float refinable_px = 0;    ///< largest projected error of visible parts that can be refined
-  /// True if no visible part exceeds the threshold, except leaves at their original triangles, and every tile
-  /// that fits the texture budget is resident or lost.
+  /// True if no visible part exceeds the threshold, except leaves that show their original triangles, and if
+  /// every tile that fits the texture budget is resident or lost.
   bool converged = false;
-  uint64_t lost_tiles = 0;  ///< visible tiles that cannot be loaded; a lost texture set counts as one
+  /// Number of visible tiles that cannot be loaded; a lost texture set counts as one tile.
+  uint64_t lost_tiles = 0;
   /// Null if the model has no textures or the set is not loaded yet.
   std::shared_ptr<const TextureSet> textures;
   std::vector<ResidentTile> tiles;  ///< sorted by key, coarse levels first
@@ -87,7 +91,7 @@ inline double thresholdRad(const Cut& cut) noexcept { return cut.threshold_px / 
 
 constexpr float kFarOffFactor = 2;
 
-/// Returns true if a visible part that can be refined has more than twice the requested error.
+/// Returns true if a visible part that can be refined has more than kFarOffFactor times the requested error.
 /// @param cut  null if nothing is resident yet; the function then returns true.
 inline bool isFarOff(const Cut* cut, float threshold_px) noexcept {
   return cut == nullptr || cut->refinable_px > kFarOffFactor * threshold_px;
@@ -100,8 +104,9 @@ inline const CutPart& partOf(const Cut& cut, size_t number) noexcept {
   return number < cut.parts.size() ? cut.parts[number] : cut.fallbacks[number - cut.parts.size()].part;
 }
 
-/// Selects the parts to draw for any camera. If the camera sees a left-out node, its fallback replaces all
-/// parts below the fallback's node. The selected parts cover the visible surface exactly once.
+/// Selects the parts to draw for any camera. If the camera sees a left-out node, that node's fallback
+/// replaces all parts below the fallback's own node. The selected parts cover the visible surface exactly
+/// once.
 /// @return numbers for partOf(), depth first.
 std::vector<uint32_t> shownParts(const Cut& cut, const View& view);
 
@@ -109,7 +114,7 @@ std::vector<uint32_t> shownParts(const Cut& cut, const View& view);
 /// @param shown  numbers for partOf().
 float shownErrorPx(const Cut& cut, std::span<const uint32_t> shown, const View& view);
 
-/// Counts the left-out nodes that a camera sees and no drawn part covers.
+/// Counts the left-out nodes that a camera sees and that no drawn part covers.
 /// @param shown  numbers for partOf().
 size_t countHoles(const Cut& cut, std::span<const uint32_t> shown, const View& view);
 
@@ -118,7 +123,7 @@ struct ViewCuts {
   std::vector<std::shared_ptr<const Cut>> cuts;  ///< indexed by view
   /// Union of the cuts. For one view, the union is the view's cut. For several views, the union contains the
   /// parts and fallbacks of all cuts, each mesh once, and the textures. Its triangle count is the sum over
-  /// the cuts, and its errors are the largest of the cuts.
+  /// the cuts, and each of its errors is the maximum over the cuts.
   std::shared_ptr<const Cut> all;
 };
 

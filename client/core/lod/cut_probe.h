@@ -51,7 +51,7 @@ class CutProbe {
  private:
   std::shared_ptr<const Cut> cut_;
   double step_;
-  std::vector<LatticeBox> boxes_;  ///< indexed by the number for partOf()
+  std::vector<LatticeBox> boxes_;  ///< bounding box of each part, indexed like partOf()
 };
 
 }  // namespace lode::core

@@ -34,7 +34,7 @@ void Hierarchy::addRootPage(HierarchyPage page) {
 }
 
 void Hierarchy::addPage(NodeKey owner_key, HierarchyPage page) {
-  auto* const owner = const_cast<KnownNode*>(find(owner_key));  // this object owns the pages
+  auto* const owner = const_cast<KnownNode*>(find(owner_key));  // safe, because this object owns the node
   if (!owner || !owner->child_page) refuse(owner_key, "does not belong to a known node");
   if (owner->childrenKnown()) refuse(owner_key, "was received twice");
   unsigned children = 0;

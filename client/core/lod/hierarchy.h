@@ -19,7 +19,7 @@ namespace lode::core {
 
 /// A node of the octree with links to its loaded children.
 struct KnownNode : Node {
-  /// Children by octant, one per set bit of child_mask; null if the node has no loaded children.
+  /// Array of the children in octant order, one per set bit of child_mask; null if no children are loaded.
   const KnownNode* children = nullptr;
   uint32_t page_below_bytes = 0;  ///< memory of the child page; 0 if no child page is loaded
   bool is_page_lost = false;      ///< true if the child page is lost: see Hierarchy::lose()
@@ -41,8 +41,8 @@ struct KnownNode : Node {
     return std::nullopt;
   }
   bool isLost(uint32_t lod) const noexcept { return (lost_lods >> lod & 1) != 0; }
-  /// Returns true if nodes below can replace this node without a hole, as far as the loaded pages show. Each
-  /// child needs an LOD that is not lost, or nodes below that can replace the child.
+  /// Returns true if, as far as the loaded pages tell, descendants can replace this node without a hole: each
+  /// child has an LOD that is not lost, or is itself replaceable.
   bool isReplaceable() const noexcept {
     return !isLeaf() && !is_page_lost && std::ranges::all_of(knownChildren(), [](const KnownNode& child) {
       return child.coarsestLod() || child.isReplaceable();
@@ -51,12 +51,12 @@ struct KnownNode : Node {
 };
 static_assert(kMaxLods <= 64);
 
-/// Returns an upper bound of a page's memory. @param blob_bytes  size of the page's blob. hierarchy.cpp
-/// checks the bound for the smallest encoded node and LOD.
+/// Returns an upper bound for the memory of a decoded page. @param blob_bytes  size of the page's blob.
+/// hierarchy.cpp checks the bound for the smallest encoded node and LOD.
 constexpr uint64_t pageBytesAtMost(uint64_t blob_bytes) noexcept { return 128 + 8 * blob_bytes; }
 
-/// Largest number of remembered lost blobs. Above this number, the hierarchy forgets all lost blobs; the
-/// marks of loaded pages stay.
+/// Largest number of lost blobs that a hierarchy remembers. When it is reached, the hierarchy forgets them
+/// all, but in loaded pages lost LODs stay marked.
 constexpr size_t kMaxLostBlobs = 65'536;
 
 /// The known part of a model's octree, merged from the pages of an untrusted server. If memory is short,
@@ -77,13 +77,13 @@ class Hierarchy {
   /// @throws Error kFormat or kLimit; the hierarchy is unchanged.
   void addPage(NodeKey owner, HierarchyPage page);
 
-  /// Starts a new round of use. Evicts unused pages that have no pages below them, least recently used first,
-  /// until the rest fits the budget.
-  /// @param owners  owners of the pages in use.
+  /// Starts a new round of use. Evicts unused pages that have no loaded pages below them, least recently used
+  /// first, until the rest fits the budget.
+  /// @param owners  nodes whose child pages are in use.
   void use(std::span<const NodeKey> owners, uint64_t budget_bytes);
 
-  /// Marks a blob that cannot be loaded. LODs and pages stored in this blob count as lost, also in pages that
-  /// are added later.
+  /// Notes that a blob cannot be loaded. The LODs or the child page in this blob count as lost, even if the
+  /// node that refers to them is added later.
   void lose(uint32_t blob_number);
 
   /// @return null if the node is not loaded.
@@ -97,7 +97,7 @@ class Hierarchy {
  private:
   struct Page {
     std::vector<KnownNode> nodes;  // sorted by key, so siblings are consecutive; never reallocated
-    KnownNode* owner = nullptr;    // parent of the page's topmost nodes; lies in the page above
+    KnownNode* owner = nullptr;    // parent of the page's topmost nodes; belongs to the page above
     uint32_t bytes = 0;
     uint64_t used_round = 0;
     Page* above = nullptr;
@@ -114,7 +114,7 @@ class Hierarchy {
   uint64_t round_ = 1;
   std::set<uint32_t> lost_;  // numbers of lost blobs
   std::unique_ptr<Page> root_;
-  // All pages except the root page, by the owner's key.
+  // All pages except the root page, keyed by the owner's NodeKey::value.
   std::unordered_map<uint64_t, std::unique_ptr<Page>> pages_;
 };
 

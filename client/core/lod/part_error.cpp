@@ -12,8 +12,8 @@
 namespace lode::core {
 namespace {
 
-/// The function searches the mesh if the eye is nearer to the box than this share of the box's diagonal.
-/// Farther away, the distance to the box is nearly the distance to the mesh.
+/// partErrorPx() searches the mesh if the eye is nearer to the box than this fraction of the box's diagonal.
+/// Farther away, the distance to the box is almost the distance to the mesh.
 constexpr double kNearShare = 0.125;
 
 ModelBox widened(ModelBox box, double by) {
@@ -27,7 +27,8 @@ class ClippedTriangle {
  public:
   explicit ClippedTriangle(const TriangleCorners& corners) : corners_{corners[0], corners[1], corners[2]} {}
 
-  /// Keeps the side of a plane through the eye on which the height over the plane is at least `height`.
+  /// Keeps the region whose signed distance from a plane through the eye is at least `height`.
+  /// @param inward  unit normal of the plane.
   void clip(glm::dvec3 eye, glm::dvec3 inward, double height) {
     const size_t count = std::exchange(count_, 0);
     const std::array<glm::dvec3, kMost> before = corners_;
@@ -55,7 +56,8 @@ class ClippedTriangle {
   size_t count_ = 3;
 };
 
-/// Distances from the eye to the visible parts of a mesh, with a margin around the picture and the mesh.
+/// Searches a mesh for the visible triangle that is nearest to the eye. The margin widens the picture, and is
+/// subtracted from the distance.
 class MeshInPicture {
  public:
   MeshInPicture(const Mesh& mesh, double step, double margin_model, const ViewFrustum& frustum)
@@ -65,8 +67,8 @@ class MeshInPicture {
         frustum_(frustum),
         inward_(frustum.inwardNormals()) {}
 
-  /// Returns the distance of the nearest triangle, minus the margin; infinity if no triangle is in the
-  /// picture.
+  /// Returns the distance from the eye to the nearest visible triangle, minus the margin; infinity if no
+  /// triangle is in the picture.
   double nearest() const {
     std::vector<Cluster> clusters;
     clusters.reserve(mesh_.cluster_boxes.size());

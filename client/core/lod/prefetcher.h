@@ -17,7 +17,8 @@ namespace lode::core {
 constexpr std::chrono::milliseconds kPrefetchAhead{1000};    ///< time between now and the predicted view
 constexpr std::chrono::milliseconds kPrefetchInterval{100};  ///< shortest time between two predictions
 constexpr uint64_t kMaxPrefetchBytes = 256u << 10;           ///< largest total size of the prefetch requests
-/// Largest number of prefetched blobs that no view has needed yet; further blobs are not counted.
+/// Largest number of prefetched blobs that are tracked until a view needs them. Any further blobs are not
+/// counted.
 constexpr size_t kMaxUnusedPrefetches = 65'536;
 /// Prefetching leaves 1/4 of the mesh budget free for visible meshes.
 constexpr uint64_t kPrefetchMemoryShare = 4;
@@ -38,11 +39,12 @@ struct PrefetchCounts {
   bool operator==(const PrefetchCounts&) const = default;
 };
 
-/// Predicts the views of moving cameras and requests the blobs that these views need. Blobs that the current
-/// views need come first. Not thread safe.
+/// Predicts the views of moving cameras, and requests the blobs that the predicted views need. These requests
+/// come after all requests of the current views. Not thread safe.
 class Prefetcher {
  public:
-  /// Sets the number of views, one per instance of the model. A new number discards the recorded motion.
+  /// Sets the number of views, one per instance of the model. A different number discards the recorded
+  /// motion.
   void setViewCount(size_t count);
   /// Records the current view of an instance. @param view_number  number less than the view count.
   void record(size_t view_number, const View& view, TimePoint now) {
@@ -59,9 +61,9 @@ class Prefetcher {
   void asked(const Request& request);
   /// Notes that a blob, prefetched or not, was received.
   void arrived(const BlobRef& blob, const BlobUse& use);
-  /// Counts prefetched blobs as used if the views show their meshes, pass through their pages or request
-  /// them.
+  /// Counts a prefetched blob as used if a view shows its mesh, uses its page or requests it.
   /// @param view_cuts  cuts whose visible parts count as shown; may be null.
+  /// @param pages      owners of the used pages.
   void needed(const ViewCuts* view_cuts, std::span<const NodeKey> pages, std::span<const Request> requests);
   const PrefetchCounts& counts() const noexcept { return counts_; }
 

@@ -10,8 +10,8 @@ constexpr uint64_t kPartBytes = 256;     ///< memory per part of a cut, in addit
 constexpr double kMarginWidening = 1.2;  ///< width of the picture with its margin, relative to the picture
 constexpr float kHysteresisFactor = 0.841f;  ///< 2^-1/4; a good value for an interactive viewer
 
-/// State of one node in the previous refinement, for hysteresis. The root comes first; the children of a node
-/// are consecutive.
+/// State of one node in the previous refinement, for hysteresis. In a list of these states, the root comes
+/// first, and the children of a node are consecutive.
 struct HeldNode {
   uint32_t first_child = 0;  ///< index of the first child; 0: the node is not expanded
   uint32_t lod = 0;
@@ -27,9 +27,9 @@ struct RefineOptions {
   /// this fraction of the threshold, which prevents LOD flicker. 1 disables hysteresis, so that the cut
   /// depends on the view alone.
   float hysteresis_factor = 1;
-  /// True if several models or views share the budgets. Refinement then fills Refinement::wanted_meshes. If a
-  /// budget is short, ViewGroup raises the threshold, even for a single view; otherwise refinement of a
-  /// single view stops at the budget.
+  /// True if several models or views share the budgets. Refinement then fills Refinement::wanted_meshes, and
+  /// ViewGroup raises the threshold if a budget is too small, even for a single view. If false, refinement of
+  /// a single view stops at the budget.
   bool shares_memory = false;
 
   // ViewGroup sets the options below.
@@ -38,8 +38,8 @@ struct RefineOptions {
   /// Budget for the memory of the hierarchy pages that the wanted cut needs; refinement stops at the budget.
   uint64_t hierarchy_budget_bytes = std::numeric_limits<uint64_t>::max();
   bool finer_stand_ins = true;  ///< if false, a coarser mesh stands in for a missing mesh, never a finer one
-  /// Budget for the memory of fallbacks. If a fallback does not fit, the next higher ancestor replaces it.
-  /// The last resort is the root's coarsest LOD, which no budget excludes.
+  /// Budget for the memory of fallbacks. If a fallback does not fit, the nearest ancestor that fits replaces
+  /// it. The last resort is the root's coarsest resident LOD, to which no budget applies.
   uint64_t fallback_budget_bytes = std::numeric_limits<uint64_t>::max();
   /// Budget for the GPU memory of fallbacks.
   uint64_t fallback_drawn_budget_bytes = std::numeric_limits<uint64_t>::max();

@@ -66,7 +66,7 @@ class Run {
     return wanted.node->lods[lod].triangles == 0 || wanted.resident->has(lod);
   }
 
-  /// Returns the finest LOD of a wanted node that the options allow to show.
+  /// Returns the finest LOD of a wanted node that the options allow the cut to show.
   uint32_t finestShown(const WantedNode& wanted) const { return options_.finer_stand_ins ? 0 : wanted.lod; }
 
   bool anyReady(const WantedNode& wanted) const {
@@ -117,8 +117,8 @@ class Run {
     return seen_ != nullptr && wanted.near && !seen_->in(wanted.node->key);
   }
 
-  /// Returns the priority of a request in the view. @param shown_px  projected error that the blob helps to
-  /// remove.
+  /// Returns the priority of a request for a node near the view. @param shown_px  projected error that the
+  /// blob helps to remove.
   float priorityOf(float shown_px) const {
     return below_hidden_ ? shown_px * kHiddenPriorityFactor : shown_px;
   }
@@ -145,7 +145,7 @@ class Run {
 
   // ---- fallbacks
 
-  /// Sizes of the cut's lists before a node's children are added.
+  /// Sizes of the lists before the children of a node are added.
   struct Progress {
     size_t parts, uncovered, fallbacks;
   };
@@ -164,8 +164,8 @@ class Run {
     return resident.coarsest();
   }
 
-  /// Adds a node as fallback for the parts that its children leave out. Does nothing if no LOD fits the
-  /// budgets; an ancestor then becomes the fallback.
+  /// Makes a node the fallback for the nodes that were left out below it. Does nothing if none of its LODs
+  /// fits the budgets; an ancestor then becomes the fallback.
   void addFallback(const WantedNode& wanted, const Progress& before) {
     if (uncovered_.size() == before.uncovered) return;
     const std::optional<uint32_t> lod = fallbackLod(wanted);
@@ -262,8 +262,9 @@ class Run {
                               : std::max(options_.threshold_px, error_px);
   }
 
-  /// Describes a resident mesh. The part's error in pixels is that of the mesh as drawn; the wanted cut uses
-  /// the node's box instead, so that resident meshes do not change it.
+  /// Returns the part for a resident mesh. Its error in pixels uses the distance to the mesh itself. The
+  /// wanted cut uses the distance to the node's box instead, so that it does not depend on which meshes are
+  /// resident.
   CutPart partAt(const WantedNode& wanted, uint32_t lod, Fit fit) const {
     const Lod& shown = wanted.node->lods[lod];
     CutPart part;
@@ -297,7 +298,8 @@ class Run {
 
   // ---- the requests
 
-  /// Requests the missing parts of the wanted cut at and below a node that shows a coarser stand-in.
+  /// Requests the missing parts of the wanted cut at and below a node in whose place a coarser stand-in is
+  /// shown.
   /// @param shown_px  projected error of the stand-in that is shown until the requests are answered.
   void ask(WantedNode& wanted, float shown_px) {
     const bool begins = !below_hidden_ && isHidden(wanted) && (covered(wanted) || standInIsCheap(wanted));

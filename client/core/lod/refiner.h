@@ -22,12 +22,12 @@ struct Refinement {
   /// Resident meshes of the cut, of fallbacks and of nodes that wait for siblings.
   std::vector<MeshKey> in_use;
   std::vector<MeshKey> ancestors;  ///< resident meshes of nodes above the cut
-  std::vector<NodeKey> pages;  ///< owners of the pages that the wanted or the published cut passes through
+  std::vector<NodeKey> pages;  ///< owners of the pages through which the wanted or the published cut descends
   /// All meshes of the wanted cut; empty without RefineOptions::shares_memory.
   std::vector<WantedMesh> wanted_meshes;
   std::vector<HeldNode> held;  ///< states for the next refinement; empty without hysteresis
-  bool limited = false;        ///< a budget stopped refinement above the threshold
-  /// True if the cut equals the wanted cut and is complete, so that only a new view changes the cut.
+  bool limited = false;  ///< true if a budget stopped refinement before all errors were within the threshold
+  /// True if the cut equals the wanted cut and is complete, so that no further blob can change it.
   bool settled = false;
 };
 
@@ -44,23 +44,22 @@ struct KnownModel {
 /// cut does not depend on the order in which blobs arrive. The running time is proportional to the number of
 /// nodes that the cut passes through, not to the number of known nodes.
 ///
-/// For each wanted part, the published cut contains the part if it is resident, else a finer stand-in that
-/// covers the node, else a coarser stand-in. Children replace a node only when resident meshes cover every
-/// child in the view or its margin. Missing children outside the margin are left out of the cut and requested
-/// in the margin class, largest error first. The nearest resident ancestor that fits the fallback budget
-/// becomes the fallback of these children. The fallback is drawn as soon as one of these children comes into
-/// view.
+/// For each wanted part, the published cut contains the part itself if it is resident, otherwise a finer
+/// stand-in that covers the node, otherwise a coarser stand-in. Children replace a node only when resident
+/// meshes cover every child in the view or its margin. Missing children outside the margin are left out of
+/// the cut and requested in the margin class, largest error first. Their nearest resident ancestor that fits
+/// the fallback budget becomes their fallback, which is drawn as soon as one of them comes into view.
 ///
-/// Refinement requests no LODs between the shown and the wanted LOD, except for one covering step. The
-/// covering step is an LOD of an ancestor of the wanted parts, and has at most a twentieth of the bytes of
-/// the wanted parts.
+/// Refinement requests no LODs between the shown and the wanted LOD, except for one covering step: an LOD of
+/// an ancestor that has at most a twentieth of the bytes of the wanted parts below it, and covers for them
+/// until they arrive.
 ///
 /// Occluded nodes belong to the cut like all nodes in the view. The siblings of an occluded node can be shown
 /// as soon as the node's coarsest LOD is resident. The node's finer LODs are requested after all visible
 /// blobs.
 ///
 /// Source: best-first view-dependent refinement as in Duchaineau et al., ROAMing Terrain, 1997, over the
-/// octree of the 2005 paper (docs/lod-selection.md).
+/// octree of Tan, Daman and Bade, 2005 (docs/lod-selection.md).
 /// @param held  Refinement::held of the previous refinement; empty if there is none.
 /// @param seen  places that this view sees; null treats no node as occluded. Changes the order of requests
 ///              and the stand-ins, but never the converged cut.

@@ -28,7 +28,7 @@ struct BlobUse {
   friend constexpr auto operator<=>(const BlobUse&, const BlobUse&) = default;
 };
 
-/// Number of open requests by class, and the number of those requests that are for texture tiles.
+/// Numbers of open requests by class. `tiles` is the number of requests for texture tiles, in all classes.
 struct RequestCounts {
   uint64_t visible = 0, margin = 0, prefetch = 0;
   uint64_t tiles = 0;
@@ -56,8 +56,8 @@ struct Request {
   bool is_stand_in = false;  ///< the mesh is shown only until the wanted meshes below its node are resident
 };
 
-/// Merges the requests of several views. The result contains each blob use once, with the best class and
-/// highest priority, and is sorted best first.
+/// Merges the requests of several views. The result contains each BlobUse once, with its best class and the
+/// highest priority in that class, and is sorted best first.
 std::vector<Request> mergeRequests(std::span<const std::vector<Request>> requests);
 
 }  // namespace lode::core

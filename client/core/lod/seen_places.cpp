@@ -11,11 +11,11 @@ namespace lode::core {
 namespace {
 
 constexpr double kWidth = 160, kHeight = 90;  // largest size of the depth buffer in pixels, without margin
-constexpr size_t kFewOf = 512;                // a node has few cells if it has less than 1/512 of all cells
-constexpr size_t kFewOfPart = 4;              // and less than 1/4 of the mean number of cells of a part
-constexpr double kMostTried = 1u << 22;       // largest number of pixel tests over all triangles
+constexpr size_t kFewOf = 512;           // a node is hidden if it has fewer than 1/512 of all marked cells
+constexpr size_t kFewOfPart = 4;         // and fewer than 1/4 of the mean number per part
+constexpr double kMostTried = 1u << 22;  // largest number of pixel tests over all triangles
 
-/// Spreads the bits of a coordinate to every third bit.
+/// Inserts two zero bits between the bits of a coordinate.
 uint64_t spread(uint64_t bits) {
   bits = (bits | bits << 32) & 0x1f00000000ffff;
   bits = (bits | bits << 16) & 0x1f0000ff0000ff;
@@ -25,7 +25,7 @@ uint64_t spread(uint64_t bits) {
 }
 
 /// Returns the cell at kMaxDepth that contains a point.
-/// @param in_root  coordinates in the root cell, 0 to 1.
+/// @param in_root  position in the root cell, from 0 to 1 along each axis.
 NodeKey cellAt(glm::dvec3 in_root) {
   constexpr double kCells = 1u << kMaxDepth;
   const glm::uvec3 cell(glm::clamp(in_root * kCells, 0.0, kCells - 1));

@@ -23,10 +23,10 @@ class SeenPlaces {
   static constexpr uint64_t kMostTriangles = 1u << 16;
 
   /// Rasterises a cut for its own view. @param cut  cut with at most kMostTriangles triangles.
-  /// @return nothing if the triangles cover so many pixels that rasterising them would take too long.
+  /// @return nothing if rasterising would test too many pixels.
   static std::optional<SeenPlaces> of(const Cut& cut, const ModelSummary& model);
 
-  /// Returns true if the node contains more than a few of the marked cells.
+  /// Returns true if the node contains enough marked cells to count as visible.
   bool in(NodeKey node) const noexcept;
 
  private:

@@ -14,7 +14,7 @@ constexpr uint64_t kFinerRatio = 2;     // growth of the triangle count that tri
 constexpr uint64_t kFallbackShare = 8;  // fallbacks get 1/8 of the mesh budget and of the drawn budget
 constexpr uint64_t kReserveShare = 4;   // 1/4 of a budget must be free before a degradation is undone
 constexpr float kStepsOfTwo = 4;        // the threshold is raised in steps of 2^1/4
-constexpr int kMostCoarsening = 80;     // largest number of steps; the threshold grows at most by 2^20
+constexpr int kMostCoarsening = 80;  // largest number of steps, which raise the threshold by the factor 2^20
 
 /// @param with_reserve  true requires that 1/kReserveShare of the budget stays free.
 bool hasRoom(uint64_t bytes, uint64_t budget_bytes, bool with_reserve) {
@@ -68,8 +68,8 @@ const std::shared_ptr<const Cut>& ViewGroup::cut() const noexcept {
   return view_cuts_ ? view_cuts_->all : kNone;
 }
 
-/// Estimates occlusion once, and again whenever the triangle count has doubled. Does nothing if the cut has
-/// converged.
+/// Estimates a view's occlusion for the first time, and again when the cut's triangle count has doubled
+/// since. Does nothing if the cut has converged, or is too large to rasterise.
 /// @return true if there is a new estimate.
 bool ViewGroup::updateOcclusion(ViewState& state, const Cut& cut, const ModelSummary& model) {
   if (cut.converged || cut.triangles < kFinerRatio * state.seen_triangles ||
@@ -153,7 +153,8 @@ ViewGroup::Gathered ViewGroup::refineWithin(const Model& model) {
   }
   wanted_bytes_ = wanted.bytes;
   if (coarsening_ == 0) return gathered;
-  // Halving the error quadruples the triangles, but their number cannot exceed the original's.
+  // Estimate the memory: halving the threshold quadruples the triangles, at most to those of the original
+  // model.
   const uint64_t triangles = model.summary().triangles;
   const double most_bytes =
       std::max(static_cast<double>(wanted.bytes),
@@ -180,9 +181,9 @@ bool ViewGroup::keep(Model& model, const Gathered& gathered, bool with_reserve) 
          (!gathered.all || hasRoom(gathered.all->drawn_bytes, drawn_budget_bytes_, with_reserve));
 }
 
-/// If memory is short, drops first the fallbacks, then also the stand-ins finer than wanted. Allows dropped
-/// parts again only if a reserve stays free or the cuts have settled, so that single arrivals do not change
-/// the whole cut.
+/// If memory is short, drops first the fallbacks, then also the stand-ins that are finer than the wanted
+/// parts. Restores them only if a reserve stays free or the cuts have settled, so that one arriving mesh does
+/// not change the whole cut.
 void ViewGroup::fit(Model& model, Gathered& gathered) {
   const Degradation before = degradation_;
   degradation_ = Degradation::kNone;
@@ -206,7 +207,8 @@ bool ViewGroup::refine(Model& model) {
   options_.cut_budget_bytes = model.meshes().budgetBytes() / 2;
   options_.fallback_budget_bytes = model.meshes().budgetBytes() / kFallbackShare;
   Gathered gathered = refineWithin(model);
-  // Estimate occlusion only for a single view. With several views, mostly other instances hide a node.
+  // Estimate occlusion only for a single view. With several views, other instances hide most of the hidden
+  // nodes, and the estimate ignores them.
   if (views_.size() == 1 && gathered.all && updateOcclusion(views_.front(), *gathered.all, model.summary()))
     gathered = refineWith(model, optionsAt(Degradation::kNone));
   fit(model, gathered);

@@ -21,7 +21,7 @@ namespace lode::core {
 /// safe, but any thread may read the published cuts.
 class ViewGroup {
  public:
-  /// @param options  see RefineOptions; the drawn budget applies to the cut and its fallbacks together.
+  /// @param options  see RefineOptions; drawn_budget_bytes applies to the cuts and their fallbacks together.
   explicit ViewGroup(const RefineOptions& options = {});
 
   /// Sets a new value for RefineOptions::drawn_budget_bytes.
@@ -36,31 +36,31 @@ class ViewGroup {
   /// Refines the cuts if a view or the model has changed. @return true if the cuts were refined.
   bool refine(Model& model);
 
-  /// The last published cuts; null until the root's coarsest LOD is resident and a view is set.
+  /// Returns the last published cuts; null until the root's coarsest LOD is resident and a view is set.
   const std::shared_ptr<const ViewCuts>& viewCuts() const noexcept { return view_cuts_; }
   /// Returns ViewCuts::all of the last cuts; null if viewCuts() is null.
   const std::shared_ptr<const Cut>& cut() const noexcept;
   /// Returns Model::build() of the last cuts.
   uint64_t cutBuild() const noexcept { return cut_build_; }
-  /// Requests of the last refinement, best first.
+  /// Returns the requests of the last refinement, best first.
   const std::vector<Request>& requests() const noexcept { return requests_; }
-  /// Owners of the pages that the cuts pass through.
+  /// Returns the owners of the pages through which the cuts descend.
   const std::vector<NodeKey>& pages() const noexcept { return pages_; }
   const RefineOptions& options() const noexcept { return options_; }
-  /// Number of views; 0 before setViews().
+  /// Returns the number of views; 0 before setViews().
   size_t viewCount() const noexcept { return views_.size(); }
   /// @param number  number less than viewCount().
   const View& view(size_t number) const noexcept { return views_[number].view; }
   /// Returns true if a budget prevents the last cuts from converging.
   bool limited() const noexcept { return limited_; }
-  /// Memory of the meshes that the views need at the requested threshold; an estimate if a budget is too
-  /// small for these meshes. 0 for a single view, unless RefineOptions::shares_memory is set.
+  /// Returns the memory of the meshes that the views need at the requested threshold; an estimate if a budget
+  /// is too small for these meshes. Returns 0 for a single view, unless RefineOptions::shares_memory is set.
   uint64_t wantedBytes() const noexcept { return wanted_bytes_; }
   /// Returns true if the last cuts are final for these views and budgets.
   bool settled() const noexcept { return settled_; }
 
  private:
-  /// Degradation steps when memory is short; each step includes all earlier steps.
+  /// Steps that save memory when it is short; each step includes the earlier ones.
   enum class Degradation { kNone, kNoFallbacks, kNoFinerStandIns };
 
   /// A view and its state between refinements.
@@ -80,7 +80,7 @@ class ViewGroup {
   static bool updateOcclusion(ViewState& state, const Cut& cut, const ModelSummary& model);
   Gathered refineWith(const Model& model, const RefineOptions& options) const;
   RefineOptions optionsAt(Degradation degradation) const;
-  /// Memory of all wanted cuts together: of the decoded meshes, and on the GPU.
+  /// Memory of all wanted cuts together, in main memory and on the GPU.
   struct Wanted {
     uint64_t bytes = 0, drawn_bytes = 0;
     bool limited = false;  // a budget stopped the refinement of at least one view

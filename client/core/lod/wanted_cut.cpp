@@ -111,7 +111,8 @@ void WantedCut::refine() {
     if (!replacePart(takeNext()) || (stopped_ && !is_best_first_)) return;
 }
 
-/// Replaces a part by its finer LOD or its children. @return false if a budget forbids the replacement.
+/// Replaces a part by its next finer LOD or its children. @return false if the budget of triangles, memory or
+/// GPU memory does not allow the replacement.
 bool WantedCut::replacePart(const Candidate& candidate) {
   WantedNode& wanted = nodes_[candidate.place];
   const KnownNode& node = *wanted.node;
@@ -170,7 +171,7 @@ bool WantedCut::expand(const Candidate& candidate, const Totals& without) {
   return true;
 }
 
-/// Raises a node to the coarsest LOD whose error does not exceed the error of the part that the node
+/// Refines a child to the coarsest LOD whose error does not exceed the error of the part that the child
 /// replaces.
 void WantedCut::skipWorse(WantedNode& wanted, float replaced_px) const {
   for (auto finer = wanted.node->finerLod(wanted.lod); finer && errorPx(wanted, wanted.lod) > replaced_px;
@@ -194,9 +195,9 @@ void WantedCut::stopAt(const Candidate& candidate) {
   limited_ |= candidate.error_px > options_.threshold_px;
 }
 
-/// Chooses the covering step. On each path from the root, the step contains the deepest expanded node with an
-/// LOD whose payload is small compared with the wanted payloads below, and the finest such LOD. The choice
-/// ignores which meshes are resident, so that requests do not oscillate.
+/// Chooses the covering step (see refine()). On each path from the root, the step contains the deepest
+/// expanded node with an LOD whose payload is small compared with the wanted payloads below, and the finest
+/// such LOD. The choice ignores which meshes are resident, so that requests do not oscillate.
 WantedCut::Below WantedCut::chooseCovers(WantedNode& wanted) {
   const KnownNode& node = *wanted.node;
   if (wanted.role == Role::kPart) {

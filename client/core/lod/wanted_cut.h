@@ -28,15 +28,15 @@ struct WantedNode {
   bool near = false;  ///< the node is in the view or its margin
   Role role = Role::kPart;
   uint32_t lod = 0;
-  std::optional<uint32_t> cover_lod;  ///< LOD of this node in the covering step; empty if the step does not
-                                      ///< contain the node
+  /// LOD of this node that belongs to the covering step of refine(); empty if none does.
+  std::optional<uint32_t> cover_lod;
   /// True if resident meshes cover all children; empty until the refiner has tested the children.
   std::optional<bool> children_covered;
   const MeshCache::Lods* resident = nullptr;  ///< resident LODs of the node; set by the refiner
   double distance_model = 0;
-  uint64_t below_bytes = 0;  ///< size of the wanted cut's payloads near the view, at this node and below
+  uint64_t below_bytes = 0;  ///< size of the wanted payloads near the view, at this node and below
   uint32_t first_child = 0;  ///< index of the first child if the node is expanded: see children()
-  uint32_t held = 0;  ///< index in the previous refinement's held nodes plus 1; 0: the node is not among them
+  uint32_t held = 0;         ///< 1 + the node's index in the `held` of the constructor; 0 if it is not there
 };
 
 /// A mesh of the wanted cut, resident or not, with its decoded size and its GPU memory.
@@ -49,14 +49,14 @@ struct WantedMesh {
 /// at the root's coarsest LOD. The part with the largest projected error is replaced by its next finer LOD,
 /// or at LOD 0 by its children, until no visible part exceeds the threshold or a budget is reached. Children
 /// start at their coarsest LOD; visible children start at the coarsest LOD whose error does not exceed the
-/// error of the replaced part, because a child's far LODs may have larger errors. If a LOD is lost, the next
-/// finer LOD replaces it. A part stays if its children cannot be loaded. Node keys decide between parts with
-/// equal errors. Parts outside the view are not refined. The order matters only if a budget stops refinement.
-/// The first attempt therefore uses no priority queue. If a budget stops the first attempt, a second attempt
-/// uses a priority queue.
+/// error of the replaced part, because a child's far LODs (Node::far_lods) may have larger errors. If an LOD
+/// is lost, the next finer LOD replaces it. A part stays if its children cannot be loaded. Node keys break
+/// ties between equal errors. Parts outside the view are not refined. The order of the replacements matters
+/// only if a budget stops refinement. So the first attempt uses no priority queue; only if a budget stops it,
+/// a second attempt uses one.
 class WantedCut {
  public:
-  /// @param held  result of held() in the previous refinement; used only with hysteresis.
+  /// @param held  result of held() after the previous refinement; used only with hysteresis.
   WantedCut(const Hierarchy& hierarchy, double lattice_step, AttributeSet attributes, const View& view,
             const RefineOptions& options, std::span<const HeldNode> held);
 
@@ -72,11 +72,11 @@ class WantedCut {
   float errorPx(const WantedNode& wanted, uint32_t lod) const;
   const ViewFrustum& frustum() const noexcept { return frustum_; }
 
-  bool limited() const noexcept { return limited_; }  ///< a budget stopped refinement above the threshold
+  bool limited() const noexcept { return limited_; }  ///< a budget stopped refinement too early
   bool blocked() const noexcept { return blocked_; }  ///< the page of some node's children is not loaded
-  /// Returns true if lost blobs stopped refinement above the threshold.
+  /// Returns true if lost blobs stopped refinement before all errors were within the threshold.
   bool stoppedByLoss() const noexcept { return stopped_by_loss_; }
-  /// Owners of the pages that the cut passes through.
+  /// Returns the owners of the pages through which the cut descends.
   const std::vector<NodeKey>& pages() const noexcept { return pages_; }
   std::vector<HeldNode> held() const;
   std::vector<WantedMesh> meshes() const;
