@@ -9,14 +9,14 @@
 
 namespace lode::core {
 
-/// Caches decoded tiles by blob number, within a memory budget. Equal tiles share a blob. Keeps tiles in use;
-/// evicts other tiles, least recently used first and, among equally old tiles, higher blob numbers first. Not
-/// thread safe.
+/// Caches decoded tiles by blob number within a memory budget. Tiles with equal contents share a blob. Never
+/// evicts tiles in use. Evicts the others least recently used first; among tiles last used in the same round,
+/// larger blob numbers go first. Not thread safe.
 class TextureCache {
  public:
   explicit TextureCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// Adds a tile. Keeps the resident image if there is already an image of this blob.
+  /// Adds a tile. Does nothing if the blob's image is already resident.
   void insert(uint32_t blob, std::shared_ptr<const TileImage> image);
   /// @return null if the tile is not resident.
   std::shared_ptr<const TileImage> find(uint32_t blob) const noexcept;
@@ -33,7 +33,7 @@ class TextureCache {
 
   uint64_t bytes() const noexcept { return bytes_; }  ///< sum of tileRoomBytes() over all resident tiles
   uint64_t budgetBytes() const noexcept { return budget_bytes_; }
-  /// Sets the budget, which takes effect at the next use().
+  /// Sets the budget; it takes effect at the next use().
   void setBudget(uint64_t bytes) noexcept { budget_bytes_ = bytes; }
   size_t size() const noexcept { return entries_.size(); }
 

@@ -11,9 +11,9 @@ namespace {
 using Corners = std::array<glm::dvec2, 3>;
 using ModelCorners = std::array<glm::dvec3, 3>;
 
-/// Limits two ratios: a triangle's density is at least 1/8 of the density along its densest direction, and a
-/// tile's density at least 1/8 of the mean density. Equals the number of samples of the shader's anisotropic
-/// filter (shaders.cpp).
+/// Limits two ratios: the density of a triangle is at least 1/8 of the density along its densest direction,
+/// and the density of a tile at least 1/8 of the mean density. Equals the largest number of samples of the
+/// shader's anisotropic filter: kMostTaps in client/render/passes/mesh_shaders.cpp.
 constexpr double kMostStretch = 8;
 
 /// Collects the level 0 tiles of one texture that a mesh uses.
@@ -33,7 +33,7 @@ class TouchedGrid {
     const glm::dvec2 most = glm::max(corners[0], glm::max(corners[1], corners[2]));
     if (!all_) {
       const glm::dvec2 first = glm::floor(least / size_), last = lastBefore(most / size_, first);
-      // Beyond this number of repetitions, float coordinates have no precision left.
+      // Beyond this number of repetitions of the image, float coordinates have no precision left.
       constexpr double kMaxRepeats = 1 << 20;
       const bool in_range = glm::all(glm::lessThan(glm::abs(first), glm::dvec2(kMaxRepeats))) &&
                             glm::all(glm::lessThan(glm::abs(last), glm::dvec2(kMaxRepeats)));
@@ -97,7 +97,8 @@ class TouchedGrid {
     return {doubled_area / 2, product * doubled_area / 2, std::max(product / most, most / kMostStretch)};
   }
 
-  // Returns at least 1/8 of the mean density, so that a few degenerate triangles do not dominate.
+  // Returns the density of a cell: at least 1/8 of the mean density, so that a few degenerate triangles do
+  // not dominate.
   static float density(const Cell& cell) {
     if (!(cell.model_area > 0)) return 0;
     const double leaning = std::sqrt(cell.model_area / cell.spread);
@@ -112,7 +113,8 @@ class TouchedGrid {
     cell.spread += worn.model_area / (worn.texels_per_model * worn.texels_per_model);
   }
 
-  /// Returns the index of the last unit interval that contains points below `most`, but at least `first`.
+  /// Returns, along each axis, the index of the last unit interval that contains values below `most`, but at
+  /// least `first`.
   static glm::dvec2 lastBefore(glm::dvec2 most, glm::dvec2 first) {
     return glm::max(glm::ceil(most) - 1.0, first);
   }
@@ -134,7 +136,7 @@ class TouchedGrid {
     return true;
   }
 
-  /// Adds the part of a triangle that lies on one repetition of the image.
+  /// Marks the tiles that a triangle touches in one repetition of the image.
   void addToImage(const Corners& corners, const Worn& worn, glm::dvec2 image_origin, uint64_t& tests_left) {
     Corners here;
     for (int i = 0; i < 3; ++i) here[i] = corners[i] - image_origin;

@@ -12,8 +12,9 @@ namespace lode::core {
 ///
 /// The density favours the regions with the sparsest texels, which would blur first. A triangle's density is
 /// the density along the direction with the fewest texels, but at least 1/8 of the density along the
-/// direction with the most texels. The densities of several triangles are combined by the area-weighted mean
-/// of the squared texel distances; the result is at least 1/8 of the density computed from the areas.
+/// direction with the most texels. To combine several triangles, the squared spacings of their texels are
+/// averaged, weighted by area; the resulting density is at least 1/8 of the square root of the texels per
+/// unit of area.
 struct TouchedTile {
   uint32_t texture = 0;
   uint32_t y = 0, x = 0;
@@ -39,12 +40,12 @@ struct TextureFootprint {
 };
 
 /// Largest number of overlap tests between triangles and tiles per mesh. A hostile or very coarse mesh may
-/// need more tests; the mesh then counts as using its remaining textures as a whole.
+/// need more; each texture that still needs a test then counts as used as a whole.
 constexpr uint64_t kMaxTileTests = 1u << 20;
 
 /// Returns the largest number of tiles in a footprint. The limit keeps a footprint from taking much more
-/// memory than its mesh. Textures are added in order; a texture that exceeds the remaining number counts as
-/// used as a whole.
+/// memory than its mesh. Textures are added in order; if the tiles of one exceed the rest of the limit, it
+/// counts as used as a whole.
 constexpr uint64_t maxTouchedTiles(uint64_t triangles) noexcept { return 512 + 2 * triangles; }
 
 /// Returns the memory of a footprint.
@@ -52,8 +53,8 @@ uint64_t footprintBytes(const TextureFootprint& footprint) noexcept;
 
 /// Computes the footprint of a mesh. A triangle uses the tiles that it overlaps after its texture coordinates
 /// are wrapped into 0..1. A triangle whose corners share one texture position uses the tile at that position,
-/// but does not affect the density. Vertices use no tile if their material is unknown or its image is
-/// missing. Throws only if memory runs out. Thread safe.
+/// but does not affect the density. A triangle uses no tile if its material is unknown or the material's
+/// image is missing. Throws only if memory runs out. Thread safe.
 /// @param step  lattice step.
 TextureFootprint makeFootprint(const Mesh& mesh, const TextureSet& set, double step);
 

@@ -21,8 +21,8 @@ namespace lode::core {
 /// Textures may use 1/4 of the memory budget of a textured model.
 constexpr uint64_t kTextureBudgetShare = 4;
 
-/// The textures of one model: the texture set, the tiles that the view needs within the budget, and the
-/// resident tiles. Not thread safe.
+/// The textures of one model. Keeps the texture set and the resident tiles, and selects the tiles that the
+/// view needs within the budget. Not thread safe.
 class TextureStream {
  public:
   /// @param set_blob  blob of the encoded texture set.
@@ -35,21 +35,21 @@ class TextureStream {
 
   /// Returns the size that the image of a tile must have. @param blob  blob number of a requested tile.
   glm::uvec2 imageSize(uint32_t blob) const { return keys_.find(blob)->second.image_size; }
-  /// Returns true if the tile is the whole coarsest level of a texture. The client computes a tail for such
-  /// tiles.
+  /// Returns true if the tile is the whole coarsest level of a texture, so that it needs a tail: see
+  /// makeTail().
   bool isCoarsest(uint32_t blob) const { return keys_.find(blob)->second.coarsest; }
   void insert(uint32_t blob, std::shared_ptr<const TileImage> image) {
     cache_.insert(blob, std::move(image));
   }
 
-  /// Notes that the set or a tile cannot be loaded, and removes the blob's request.
+  /// Notes that the blob of the set or of a tile cannot be loaded, and removes its request.
   void lose(uint32_t blob);
 
   /// Sets the budget, which takes effect at the next refine().
   void setBudget(uint64_t bytes) noexcept { cache_.setBudget(bytes); }
 
-  /// Selects the needed tiles, and evicts other tiles if memory is short. Does nothing until the set is
-  /// loaded.
+  /// Selects the tiles that the parts need, and evicts other tiles if memory is short. Does nothing until the
+  /// set is loaded.
   void refine(std::span<const TexturedPart> parts, const View& view, float threshold_px);
   /// Returns the requests for needed tiles that are not resident, each blob once, best first. Until the
   /// texture set is loaded, returns the request for the set.
@@ -83,7 +83,7 @@ class TextureStream {
   TextureCache cache_;
   std::shared_ptr<const TextureSet> set_;
   std::map<uint32_t, Keys> keys_;  // tiles of the texture set, by blob number
-  std::set<uint32_t> lost_;        // blob numbers of lost tiles, or of the lost set
+  std::set<uint32_t> lost_;        // blob numbers of the tiles, or of the set, that cannot be loaded
   std::vector<Request> missing_;
   size_t left_out_ = 0, lost_in_view_ = 0;
   uint64_t blob_bytes_in_use_ = 0;

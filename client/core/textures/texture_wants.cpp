@@ -106,7 +106,7 @@ class TextureDemand {
   const Texture& texture_;
   uint32_t number_, levels_, across_;
   Demands demands_;
-  Demand whole_;  // demand for all tiles
+  Demand whole_;  // demand of the parts that use the whole texture
 };
 
 }  // namespace

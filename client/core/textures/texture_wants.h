@@ -24,28 +24,29 @@ struct TexturedPart {
 struct WantedTile {
   TileKey key;
   bool visible = true;
-  /// Size in pixels of the texels that are shown while this tile is missing and all coarser tiles are
-  /// resident. For a tile of the coarsest level, the priority is the size of the whole image in pixels,
-  /// because no texture is shown without this tile. The value is at most the larger side of the picture.
+  /// Size in pixels of the next coarser level's texels, which are shown while this tile is missing. For a
+  /// tile of the coarsest level, the priority is the size of the whole image in pixels, because no texture is
+  /// shown while the tile is missing. The priority is at most the larger side of the picture.
   float priority_px = 0;
 
   bool operator==(const WantedTile&) const = default;
 };
 
-/// Returns the budgeted size of an image, in memory and on the GPU. The size is that of a square of RGBA
-/// texels whose side is the next power of two, because the renderer packs images into such squares on the
-/// GPU.
+/// Returns the bytes that the budget counts for an image, in memory and on the GPU alike: the size of a
+/// square of RGBA texels whose side is the next power of two, because the renderer packs images into such
+/// squares on the GPU.
 uint64_t tileRoomBytes(glm::uvec2 image_size) noexcept;
-/// Returns the budgeted size of a tile, including the tail of a coarsest level.
+/// Returns the bytes that the budget counts for a tile, including the tail if its level is the coarsest.
 uint64_t tileRoomBytes(const TextureSet& set, const TileKey& key);
-/// Returns the budgeted size of a decoded tile, including its tail.
+/// Returns the bytes that the budget counts for a decoded tile, including its tail.
 uint64_t tileRoomBytes(const TileImage& image) noexcept;
 constexpr uint32_t kLeastTileCellPx = 32;  ///< smallest side of the square that tileRoomBytes() counts
 
 /// Selects the tiles that a view of a cut needs. For each level 0 tile that visible parts use, selects the
-/// level whose texels cover at most the threshold (at least one pixel) at the nearest point of the part, and
-/// all coarser levels. For parts outside the view, selects the coarsest level. Sorts coarsest levels first,
-/// then visible tiles, then by priority (coarser tiles have higher priorities), then by key. Deterministic.
+/// coarsest level whose texels are at most max(threshold_px, 1) pixels wide at the nearest point of the part,
+/// and all coarser levels. For parts outside the view, selects the coarsest level. Sorts the result: first
+/// the coarsest levels, then visible before other tiles, then by descending priority, which is higher for
+/// coarser tiles, then by key. Deterministic.
 /// @param threshold_px  threshold of the refinement.
 std::vector<WantedTile> wantTiles(const TextureSet& set, std::span<const TexturedPart> parts,
                                   const View& view, float threshold_px);

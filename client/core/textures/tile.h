@@ -37,16 +37,16 @@ inline glm::uvec2 tileImageSize(const TextureSet& set, const TileKey& key) {
   return tileInnerSize(set.textures[key.texture], key.level, key.x, key.y) + 2 * kTileGutterPx;
 }
 
-// The last stored level of a texture is the first level that fits one tile. Seen from far away, this level
-// would alias. The client therefore computes the remaining mip levels down to one texel; these levels are the
-// tail. Each level of the tail is an image with its own gutters.
+// The coarsest stored level of a texture is the first level that fits into one tile. Seen from far away, this
+// level would alias. The client therefore computes the remaining mip levels, down to one texel; these levels
+// are the tail. Each level of the tail is an image with its own gutters.
 
 /// Returns the sizes of the tail's images, finest first. @param coarsest  size of the coarsest stored level.
 /// All sizes include gutters.
 std::vector<glm::uvec2> tailSizes(glm::uvec2 coarsest);
 
-/// Computes the tail, coarsest.coarser. Each level is half as large as the previous level: see halved() in
-/// common/image/image.h.
+/// Computes the tail into coarsest.coarser. Each level has half the width and height of the level before it:
+/// see halved() in common/image/image.h.
 void makeTail(TileImage& coarsest);
 
 }  // namespace lode::core

@@ -28,7 +28,7 @@ constexpr double kMaxCoordinate = 1e15;  // limit that keeps squares of coordina
           R"("up": [0,1,0]}]})");
 }
 
-/// Rejects unknown members, because a misspelt member would be ignored silently.
+/// Rejects unknown members. Otherwise a misspelt member would be ignored silently.
 void refuseOthers(const Json& object, std::initializer_list<std::string_view> known, std::string_view source,
                   const std::string& where) {
   for (const auto& [name, value] : object.items())
@@ -87,8 +87,8 @@ glm::dvec3 spline(const std::vector<CameraKey>& keys, size_t at, double t, Get g
          (3 * s2 - 2 * s3) * get(keys[at + 1]) + (s3 - s2) * span * tangent(keys, at + 1, get);
 }
 
-/// Returns a unit vector perpendicular to `forward`, as close to `up` as possible; uses another axis if `up`
-/// is parallel to `forward`.
+/// Returns the unit vector perpendicular to `forward` whose direction is nearest to `up`. If `up` is parallel
+/// to `forward`, uses another axis in its place.
 glm::dvec3 upright(const glm::dvec3& forward, const glm::dvec3& up) {
   for (const glm::dvec3& towards : {up, glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)}) {
     const glm::dvec3 across = towards - glm::dot(towards, forward) * forward;

@@ -31,7 +31,7 @@ struct CameraPath {
   std::vector<CameraKey> keys;  ///< at least one key; t increases strictly
 };
 
-/// Parses a camera path. @param source  name of the text in error messages.
+/// Parses a camera path. @param source  name that error messages give to the text.
 /// @throws Error kInput or kLimit.
 CameraPath parseCameraPath(std::string_view json, std::string_view source);
 

@@ -67,13 +67,14 @@ glm::dvec3 directionToEye(const std::vector<glm::dvec3>& points, const Stand& st
          std::sin(tilt) * stand.up;
 }
 
-/// Nearest eye position that shows all points between two opposite sides of the picture. `across` is the
-/// eye's coordinate along the side's normal, and `out` its distance from the origin towards the viewer.
+/// The nearest eye position from which all points lie between two opposite sides of the picture: left and
+/// right, or bottom and top. `across` is the eye's coordinate in the direction from the first of these sides
+/// to the second, and `out` its coordinate towards the viewer.
 struct Fit {
   double across, out;
 };
 
-/// The shape to frame: surface points, their largest error, and corners of the bounding box.
+/// The shape to frame: surface points, their largest error, and the corners of the bounding box.
 struct Shape {
   std::vector<glm::dvec3> points;
   double error;
@@ -86,16 +87,17 @@ struct Shape {
   }
 };
 
-/// @param slope  half the picture's size at distance 1.
+/// @param slope  half of the picture's width or height at distance 1.
 Fit fit(const Shape& shape, const glm::dvec3& side, const glm::dvec3& to_eye, double slope) {
   const Reach reach{shape.along(side - slope * to_eye).low, shape.along(side + slope * to_eye).high};
   return {reach.middle(), reach.size() / (2 * slope)};
 }
 
-/// Returns the eye position along a side's normal that centres the points in the picture at distance `out`.
+/// Returns the eye's coordinate along `side` from which the points appear centred in the picture, if `out` is
+/// its coordinate along `to_eye`. @param across  first guess.
 double centred(const std::vector<glm::dvec3>& points, const glm::dvec3& side, const glm::dvec3& to_eye,
                double across, double out) {
-  constexpr int kTurns = 8;  // number of iterations; each one brings the points closer to the centre
+  constexpr int kTurns = 8;  // number of iterations; each improves the result
   const double middle = out - reachAlong(points, to_eye).middle();
   for (int turn = 0; turn < kTurns; ++turn) {
     Reach slopes;
@@ -106,21 +108,22 @@ double centred(const std::vector<glm::dvec3>& points, const glm::dvec3& side, co
   return across;
 }
 
-/// A mesh is terrain if its area vectors, added up along an axis, exceed this fraction of its area.
+/// A mesh is terrain if the sum of its area vectors along an axis exceeds this fraction of its area.
 constexpr double kOpenPart = 0.2;
-constexpr double kOpenFactor = 1.5;  ///< required ratio of the sums along this axis and the other axis
-/// The foot of an axis is Areas::standing. The z axis is up if its foot exceeds the foot of the y axis by
-/// this fraction of the mesh's area.
+constexpr double kOpenFactor = 1.5;  ///< required ratio of this sum to the sum along the other axis
+/// The z axis is up if Areas::standing is larger for z than for y by this fraction of the mesh's area.
 constexpr double kFootPart = 0.03;
-constexpr double kFootHeight = 0.03;  ///< height of the lower and upper end, relative to the model's extent
-constexpr double kDownwards = 0.7;    ///< a triangle is flat if the cosine of the angle between its normal
-                                      ///< and the axis is at least this value
+/// Height of the zone at either end of an axis, relative to the mesh's extent.
+constexpr double kFootHeight = 0.03;
+/// A triangle is flat if the angle between its normal and the axis has at least this cosine.
+constexpr double kDownwards = 0.7;
 
 /// Areas of a mesh's triangles, in total and by axis.
 struct Areas {
   double all = 0;
-  glm::dvec3 facing{0};    ///< signed sum of the triangles' area vectors
-  glm::dvec3 standing{0};  ///< flat area at the lower end minus flat area at the upper end
+  glm::dvec3 facing{0};  ///< signed sum of the triangles' area vectors
+  /// Area of the flat triangles at the lower end of each axis, minus the same at the upper end.
+  glm::dvec3 standing{0};
 };
 
 LatticeBox boxOf(const Mesh& mesh) {
@@ -189,8 +192,8 @@ CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
   const glm::dvec3 to_eye = directionToEye(shape.points, standOf(up));
   const glm::dvec3 right = glm::normalize(glm::cross(up, to_eye)), above = glm::cross(to_eye, right);
   const double slope = std::tan(glm::radians(path.fov_y_deg) / 2) / kMargin;
-  // Slope of the direction through the middle of the uncovered part of the picture. `beside` is the side
-  // normal, sheared so that points in this direction have coordinate 0.
+  // Slope of the direction through the middle of the uncovered part of the picture. `beside` is `right`,
+  // sheared so that points in that direction have coordinate 0.
   const double middle_slope = framing.covered * kMargin * slope * framing.aspect;
   const glm::dvec3 beside = right + middle_slope * to_eye;
   const Fit horizontal = fit(shape, beside, to_eye, slope * framing.aspect * (1 - framing.covered));

@@ -17,19 +17,18 @@ std::optional<glm::dvec3> parseAxis(std::string_view text) noexcept;
 
 /// Guesses the up axis of a model, y or z, because files do not record the up axis. Compares areas of a
 /// coarse mesh: terrain faces up, and standing objects have a flat foot and no flat top. Returns y if neither
-/// rule decides.
-/// Source of the limits: docs/architecture.md.
+/// rule decides. The section "Up axis" of docs/architecture.md gives the rules in full.
 glm::dvec3 guessUp(const Mesh& coarse);
 
 /// Input for the default camera.
 struct Framing {
-  /// The coarsest mesh of the whole model; the camera makes this mesh fill the picture. If null, the model's
-  /// box fills the picture.
+  /// The coarsest mesh of the whole model, which fills the picture. If null, the model's bounding box fills
+  /// it.
   std::shared_ptr<const Mesh> coarse = nullptr;
   /// Up axis. If unset, the axis is guessUp(*coarse), or y without a mesh.
   std::optional<glm::dvec3> up = std::nullopt;
   double aspect = 1;  ///< width / height of the picture
-  /// Fraction of the picture's width that a panel covers at the left; the model fills the rest.
+  /// Fraction of the picture's width that a panel covers on the left; the model fills the rest.
   double covered = 0;
 };
 
@@ -38,8 +37,8 @@ glm::dvec3 upOf(const Framing& framing);
 
 /// Returns the default camera of every command, as a path with one key. The camera shows the model in a
 /// three-quarter view from above, as near as possible with the whole model in the picture. The model's front
-/// is at +z if y is up, and at -y if z is up. The camera stands between the front and the right side, closer
-/// to the broader of these two sides. The camera looks down more steeply on flat models.
+/// is at +z if y is up, and at -y if z is up. The camera stands between the front and the right side, and
+/// faces the broader of the two more squarely. It looks down more steeply on flat models.
 CameraPath framingCamera(const ModelSummary& model, const Framing& framing = {});
 
 }  // namespace lode::core

@@ -11,8 +11,8 @@
 
 namespace lode::core {
 
-/// Returns a text such as " at line 3, column 7". @param bytes  length of the JSON text up to and including
-/// the reported character.
+/// Returns the place of an error, such as " at line 3, column 7". @param bytes  length of the text up to and
+/// including the character at fault.
 inline std::string placeIn(std::string_view text, size_t bytes) {
   const std::string_view before = text.substr(0, bytes > 0 ? bytes - 1 : 0);
   const auto line = 1 + std::ranges::count(before, '\n');

@@ -50,14 +50,15 @@ bool boxMayBeVisible(const ModelBox& box, const View& view, double widening = 1)
 /// Result of a box test against the planes of a frustum.
 enum class Visibility : uint8_t { kOutside, kPartial, kInside };
 
-/// Computes screenErrorPx() and boxMayBeVisible() for many boxes of one view, and the frustum only once.
+/// Computes screenErrorPx() and boxMayBeVisible() for many boxes, but the frustum of their common view only
+/// once.
 class ViewFrustum {
  public:
-  /// @param widening  scale of the margin around the picture: see isInMargin().
+  /// @param widening  scale of the widened picture: see isInMargin().
   ViewFrustum(const View& view, double widening) noexcept;
 
   Visibility test(const ModelBox& box) const noexcept { return picture_.test(box); }
-  /// Returns true if a box that is outside the picture may be inside the widened picture.
+  /// Tests a box that is outside the picture. Returns true if it may be inside the widened picture.
   bool isInMargin(const ModelBox& box) const noexcept { return wider_.test(box) != Visibility::kOutside; }
   glm::dvec3 eyeModel() const noexcept { return eye_model_; }
   /// Inward normals of the planes that bound the picture, of unit length; all planes pass through the eye.
@@ -66,7 +67,8 @@ class ViewFrustum {
   float errorPx(float error_model, double distance_model) const noexcept;
 
  private:
-  /// The planes that bound a picture, with inward normals: four sides, and the plane through the eye.
+  /// The five planes that bound a picture. All pass through the eye: the four sides, and the plane
+  /// perpendicular to the view direction, which excludes points behind the eye.
   class Pyramid {
    public:
     Pyramid(const View& view, double widening) noexcept;
