@@ -18,7 +18,7 @@ namespace {
 using namespace lode::app;
 
 #ifndef LODE_GL
-/// Declares a command that this build lacks. The command fails with the reason.
+/// Declares a command that this build lacks, so that calling it reports the reason.
 void declareMissing(CLI::App& program, const std::string& name, const std::string& why) {
   CLI::App* command = program.add_subcommand(name, why);
   command->allow_extras();

@@ -12,7 +12,7 @@
 #include "common/codec/model_summary.h"
 #include "common/error.h"
 
-/// A reference to a cut, which the C API returns.
+/// A reference to a cut, as lodestream_take_cut() returns it.
 struct lodestream_cut {
   std::shared_ptr<const lode::core::Cut> cut;
   lode::ModelSummary model;
@@ -28,6 +28,8 @@ const char* wordsFor(Remedy remedy) noexcept;
 void setLastError(const char* message, Remedy remedy = Remedy::kNone) noexcept;
 
 /// Dereferences an argument of the C API. @throws Error kUsage if the pointer is NULL.
+/// @param what    name of the argument for the message.
+/// @param remedy  correct argument for the message.
 template <typename T>
 T& given(T* pointer, const char* what, const char* remedy = "the address of one") {
   if (pointer == nullptr)

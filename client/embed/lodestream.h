@@ -35,8 +35,8 @@ typedef struct lodestream_stream lodestream_stream;
 typedef struct lodestream_cut lodestream_cut;
 typedef struct lodestream_mesh lodestream_mesh;
 
-/* Options of a stream. Zero or NULL selects the default of each option; lodestream_default_options() fills
- * in the default values. */
+/* Options of a stream. Zero or NULL selects the default of an option; lodestream_default_options() fills in
+ * the default values. */
 typedef struct lodestream_options {
   const char* token;            /* access token; NULL: none */
   const char* ca_file;          /* PEM file of authorities for lodes://; NULL: the system's authorities */
@@ -55,8 +55,8 @@ typedef struct lodestream_model {
   uint32_t has_textures; /* 1 if there are images; texture_uvs may exist without images */
 } lodestream_model;
 
-/* A camera and its picture. Vectors must be finite. A minimized window has no pixels, so do not
- * set a view for it; the last view stays in effect. */
+/* A camera and its picture. Vectors must be finite. Set no view while a window is minimized and has no
+ * pixels; the last view stays in effect. */
 typedef struct lodestream_view {
   double eye[3], target[3], up[3];
   double fov_y_deg;             /* 0.01 to 170 */
@@ -75,7 +75,7 @@ typedef struct lodestream_status {
   uint32_t has_ended;       /* the stream has stopped for good: see lodestream_last_error() */
   uint64_t received_bytes;
   uint64_t resident_bytes; /* memory of decoded meshes */
-  uint64_t cut_serial;     /* serial of the current cut; changes with every new cut; 0: none */
+  uint64_t cut_serial;     /* serial number of the current cut; changes with every new cut; 0: none */
   uint32_t is_finest;      /* the cut is the finest that the model has, but exceeds the threshold */
 } lodestream_status;
 
@@ -90,8 +90,8 @@ typedef struct lodestream_cut_info {
   uint64_t serial;       /* lodestream_status.cut_serial of this cut */
 } lodestream_cut_info;
 
-/* A part of a cut. Parts with the same mesh id share one mesh, also parts of several cuts that
- * exist at the same time, so a renderer can reuse an uploaded mesh for the next cut. */
+/* A part of a cut. Parts with the same mesh id have the same mesh, even in different cuts if the caller holds
+ * both, so a renderer need not upload the mesh again for the next cut. */
 typedef struct lodestream_part {
   uint64_t mesh;       /* mesh id */
   uint64_t node;       /* octree node: a 1, then 3 bits per level: x (lowest bit), y, z */
@@ -137,7 +137,7 @@ lodestream_stream* lodestream_open(const char* url, const lodestream_options* op
 void lodestream_close(lodestream_stream* stream);
 
 /* Waits for a change since the last step, at most wait_ms, and returns the status. If wait_ms is 0, returns
- * at once. Setting a view that has settled already counts as a change. */
+ * at once. Setting the same view again after it has settled counts as a change. */
 int lodestream_step(lodestream_stream* stream, uint32_t wait_ms, lodestream_status* status);
 /* Describes the model. Fails until the model is open. */
 int lodestream_describe(lodestream_stream* stream, lodestream_model* model);
@@ -150,11 +150,12 @@ lodestream_cut* lodestream_take_cut(lodestream_stream* stream);
 void lodestream_release_cut(lodestream_cut* cut);
 /* Describes a cut; writes zeros if the cut is NULL. */
 void lodestream_cut_describe(const lodestream_cut* cut, lodestream_cut_info* info);
-/* Describes a part or fallback. number: less than parts + fallbacks. */
+/* Describes a part or a fallback. number: less than parts + fallbacks. */
 int lodestream_cut_part(const lodestream_cut* cut, size_t number, lodestream_part* part);
-/* Selects the parts to draw for a camera that may have moved since the cut was refined: the cut's parts.
- * If the camera sees a missing part, its fallback replaces all parts in the fallback's region. The array
- * numbers needs room for parts + fallbacks entries; *count receives the number of entries written. */
+/* Selects what to draw for a camera that may have moved since the cut was refined: the cut's parts, except
+ * that a fallback replaces all parts in its region if the camera sees a missing part there. Writes their
+ * numbers into the array, which needs room for parts + fallbacks entries, and the number of entries into
+ * *count. */
 int lodestream_cut_shown(const lodestream_cut* cut, const lodestream_view* view, size_t* numbers,
                          size_t* count);
 

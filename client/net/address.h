@@ -25,7 +25,8 @@ struct Address {
 Address parseAddress(std::string_view text);
 /// Returns "host:port", with brackets around an IPv6 address.
 std::string toString(const Address& address);
-/// Returns the error with the server's address in front, unless the message already contains the address.
+/// Returns the error with the server's address in front of the message, unless the message already contains
+/// the address.
 Error naming(const Address& server, const Error& error);
 
 /// Address and connection settings of a server.

@@ -9,23 +9,24 @@
 
 namespace lode::net {
 
-/// Largest number of reads and answers in one call of exchange().
+/// Largest number of reads and writes in one call of exchange().
 constexpr size_t kMaxExchangeRounds = 16;
 
 /// Sends the frames that a client's end of the protocol has queued. If the transport has no room, the frames
-/// stay in `end`. @param end  has takeOutgoing().
+/// stay in `end`. @param end  an object with takeOutgoing().
 template <typename End>
 void sendOutgoing(TcpTransport& transport, End& end) {
   if (transport.hasRoom()) transport.send(end.takeOutgoing());
 }
 
-/// Passes received bytes to a client's end of the protocol. If `end` has answers to send, sends the answers
-/// first, and takes no received bytes while the transport has no room. A server that sends without reading
-/// can therefore fill neither the queue of answers nor the queue of received bytes. The work of one call is
-/// limited, so that the caller can check deadlines even during a flood of frames.
-/// @param end  has connected(), takesInput(), takeOutgoing() and receive(bytes), which handles the events.
-/// @return true if the caller should call again at once. Returns false if the transport has no room; the
-/// transport wakes its owner later.
+/// Passes received bytes to a client's end of the protocol. While `end` takes no input because its answers
+/// are unsent, sends the answers first; if the transport has no room for them, stops. So a server that sends
+/// without reading can fill neither the queue of answers nor the queue of received bytes. One call does
+/// limited work, so that the caller can check deadlines even during a flood of frames.
+/// @param end  an object with connected(), takesInput(), takeOutgoing() and receive(bytes); receive() also
+/// handles the events.
+/// @return true if the caller should call again at once. If not, the transport wakes its owner when there is
+/// more to do.
 /// @throws Error as TcpTransport and `end` do.
 template <typename End>
 bool exchange(TcpTransport& transport, End& end) {

@@ -34,7 +34,7 @@ class NameLookup {
   static void ask(Shared& shared, const Address& address);
 
   std::shared_ptr<Shared> shared_;
-  // Timer that is cancelled when the lookup has ended or is abandoned.
+  // Timer that find() waits for; cancelled when the lookup has ended or is abandoned.
   std::shared_ptr<asio::steady_timer> answered_;
 };
 

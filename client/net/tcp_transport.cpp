@@ -41,8 +41,8 @@ struct TcpTransport::Thread {
   std::thread thread;
 };
 
-/// State that the transport shares with its coroutines, because on a caller's loop these end after the
-/// transport.
+/// State that the transport shares with its coroutines, because they may outlive the transport on a caller's
+/// loop.
 struct TcpTransport::State : std::enable_shared_from_this<State> {
   State(asio::io_context& loop, Route to, std::function<void()> on_wake)
       : io(loop), route(std::move(to)), wake(std::move(on_wake)) {}
@@ -82,14 +82,14 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
   asio::io_context& io;
   const Route route;
   const std::function<void()> wake;
-  bool abandoned = false;  // the transport has been destroyed
+  bool abandoned = false;  // the TcpTransport has been destroyed
   NameLookup lookup{io};
   tcp::socket connecting{io};               // socket until the connection is established
   std::optional<proto::ByteStream> stream;  // stream after the connection is established
   bool any_received = false;
   bool connected = false, timed_out = false;  // timed_out means that no byte arrived before the deadline
   asio::steady_timer deadline{io};
-  // Cancelled when received bytes are taken.
+  // Timer that readAll() waits for while `received` is full; cancelled when the bytes are taken.
   asio::steady_timer room{io, asio::steady_timer::time_point::max()};
   asio::steady_timer work{io,
                           asio::steady_timer::time_point::max()};  // cancelled when there are bytes to send
@@ -98,7 +98,7 @@ struct TcpTransport::State : std::enable_shared_from_this<State> {
 
   mutable std::mutex mutex;  // guards the members below
   proto::Bytes received, unsent;
-  size_t writing_bytes = 0;  // size of the write that is under way
+  size_t writing_bytes = 0;  // size of the write in progress
   std::optional<Error> failure;
 };
 
@@ -233,13 +233,13 @@ asio::awaitable<void> TcpTransport::State::writeAll() {
       const asio::const_buffer whole = asio::buffer(bytes);
       asio::error_code error;
       co_await stream->write(std::span(&whole, 1), error);
-      if (error) co_return;  // the receive loop reports the end, after all received bytes
+      if (error) co_return;  // readAll() reports the end, after all received bytes
       if (endWrite()) wakeUp();
     }
   }
 }
 
-/// Notes the end of a write. @return true if hasRoom() changes from false to true.
+/// Notes the end of a write. @return true if this changes hasRoom() from false to true.
 bool TcpTransport::State::endWrite() {
   const std::lock_guard lock(mutex);
   const bool had_room = hasRoomLocked();
@@ -251,7 +251,7 @@ asio::awaitable<void> TcpTransport::State::writeUntilClosed() {
   try {
     co_await writeAll();
   } catch (const std::exception&) {
-    // The receive loop reports the end of the connection, after all received bytes.
+    // readAll() reports the end of the connection, after all received bytes.
   }
 }
 

@@ -10,9 +10,9 @@
 
 namespace lode::net {
 
-/// Limit for received bytes that are not taken; above it, reading pauses.
+/// Number of received bytes, not yet taken, at which the transport pauses reading.
 constexpr size_t kMaxReceivedBytes = 4u << 20;
-/// Limit for bytes queued for sending; more bytes are an error.
+/// Limit for the bytes queued for sending; exceeding it is an error.
 constexpr size_t kMaxUnsentBytes = 16u << 20;
 
 /// A connection to a server, plain or with TLS. The first constructor runs the connection on its own thread,

@@ -23,17 +23,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kTrimShare = 16;  // keep() calls trim() whenever it has stored 1/16 of the limit
-// Shortest interval between two updates of a file's time of use.
+constexpr uint64_t kTrimShare = 16;  // keep() calls trim() after storing 1/16 of the limit
+// Shortest interval between two updates of a file's time of last use.
 constexpr std::chrono::hours kUseGranularity{1};
-// A temporary file of this age is removed, because its writer is gone.
+// Age at which a temporary file is removed, because its writer must have ended.
 constexpr std::chrono::hours kAbandoned{1};
 constexpr uint64_t kMaxSummaryBytes = sizeof(Digest) + proto::kFrameHeaderBytes + proto::kMaxFrameBodyBytes;
 constexpr FolderUse kCacheUse{
     .what = "the cache", .if_not_made = Remedy::kCacheFolder, .if_foreign = Remedy::kForeignCacheFolder};
 
-/// Reads a file. Returns nothing if there is no such file, and an empty vector if the file is empty or too
-/// large.
+/// Reads a file. Returns nothing if there is no regular file at the path, and an empty vector if the file is
+/// empty, too large or unreadable.
 std::optional<std::vector<std::byte>> readFile(const fs::path& path, uint64_t max_bytes) {
   // O_NONBLOCK, because opening a pipe would block.
   const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
@@ -49,8 +49,8 @@ std::optional<std::vector<std::byte>> readFile(const fs::path& path, uint64_t ma
   return bytes;
 }
 
-/// Makes the folder of a file, and the own folders between it and the cache's folder.
-/// @return false if one of them is not an own folder.
+/// Creates the folder of a file and all folders between it and the cache folder. @return false if one of them
+/// cannot be created or fails isOwnFolder().
 bool makeFoldersOf(const fs::path& file, const fs::path& cache) {
   try {
     std::error_code missing;
@@ -115,7 +115,7 @@ std::optional<std::vector<std::byte>> BlobCache::find(const BlobRef& blob) {
 }
 
 void BlobCache::store(const fs::path& file, std::span<const std::byte> bytes) const {
-  if (makeFoldersOf(file, folder_)) writeOwnFile(file, bytes);  // readers detect what a crash leaves
+  if (makeFoldersOf(file, folder_)) writeOwnFile(file, bytes);  // reads detect a file damaged by a crash
 }
 
 void BlobCache::keep(const BlobRef& blob, std::span<const std::byte> bytes) {

@@ -21,11 +21,11 @@ constexpr uint64_t kDefaultCacheBytes = 4ull << 30;
 void prepareCacheFolder(const std::filesystem::path& folder);
 
 /// Caches blobs on disk, one file per blob, named by digest. Also caches the last summary of each served
-/// model. The files and the folders below `folder` are for this user only. The cache writes and removes
-/// nothing through a link, nor in a folder of another user. Any number of processes may share a folder,
-/// because files appear atomically. Each read verifies the digest. Files that a crash or a bad disk has
-/// damaged are removed, and their blobs are fetched again. Evicts least recently used files. Disk errors
-/// cause misses, never exceptions. Not thread safe.
+/// model. Only this user can access the files and the folders below the cache folder. The cache writes and
+/// removes nothing through a link or in a folder of another user. Any number of processes may share a folder,
+/// because files appear atomically. Each read verifies the digest; a file that a crash or a bad disk has
+/// damaged is removed and counts as a miss. Evicts the least recently used files. Disk errors cause misses,
+/// never exceptions. Not thread safe.
 class BlobCache {
  public:
   /// @param folder  folder of the cache, created when the first blob is stored.
@@ -39,8 +39,8 @@ class BlobCache {
   std::optional<ModelSummary> summary(const ServedModel& model) const;
   void keepSummary(const ServedModel& model, const ModelSummary& summary);
 
-  /// Evicts least recently used files until the rest fits 15/16 of the limit. keep() calls trim() whenever it
-  /// has stored 1/16 of the limit.
+  /// Evicts the least recently used files until the rest fits 15/16 of the limit. keep() calls trim() each
+  /// time another 1/16 of the limit has been stored.
   void trim();
 
  private:

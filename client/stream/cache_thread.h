@@ -13,11 +13,11 @@
 
 namespace lode::stream {
 
-/// Limit for blobs that wait to be written. Further blobs are dropped.
+/// Limit for the total size of the blobs that wait to be written. Further blobs are not cached.
 constexpr uint64_t kMaxUnwrittenBytes = 16u << 20;
 
-/// Runs a BlobCache on a thread of its own, so that callers never wait for the disk. Reads precede writes.
-/// The destructor finishes all writes and joins the thread. Thread safe.
+/// Runs a BlobCache on a thread of its own, so that callers never wait for the disk. Waiting reads are served
+/// before waiting writes. The destructor finishes all writes and joins the thread. Thread safe.
 class CacheThread {
  public:
   /// @param wake  function that the cache's thread calls when answers can be taken; must return quickly.

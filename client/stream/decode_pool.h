@@ -28,7 +28,7 @@ class DecodePool {
   DecodePool(const DecodePool&) = delete;
   DecodePool& operator=(const DecodePool&) = delete;
 
-  /// Queues jobs. Blocks only if more than kMaxWaitingJobs jobs wait.
+  /// Queues jobs. Blocks only while kMaxWaitingJobs jobs already wait.
   void add(std::vector<core::DecodeJob> jobs);
   std::vector<core::DecodeResult> takeResults();
 

@@ -8,7 +8,7 @@
 namespace lode::stream {
 
 /// Keeps a reference to every published cut until all other references are gone. So the refinement thread
-/// frees the cut's meshes, and not the render thread during a frame. Not thread safe.
+/// frees the cut's meshes; on the render thread, this would delay a frame. Not thread safe.
 class PublishedCuts {
  public:
   void add(const std::shared_ptr<const core::Cut>& cut,

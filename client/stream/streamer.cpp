@@ -22,7 +22,7 @@
 namespace lode::stream {
 namespace {
 
-constexpr std::chrono::seconds kTick{1};  // longest interval between two steps of the refinement thread
+constexpr std::chrono::seconds kTick{1};  // longest interval between two steps of the stream's thread
 constexpr std::chrono::milliseconds kRetryTick{50};  // longest interval between two steps while the stream
                                                      // waits to reconnect
 
@@ -105,7 +105,7 @@ struct Streamer::State {
   // Only the stream's thread uses these members:
   Digest kept_build_id;  // build of the cached summary
   PublishedCuts published;
-  // Pool that the constructor creates, so that it can report errors.
+  // Pool for stream(). The constructor creates it, so that it can report errors.
   std::unique_ptr<DecodePool> starting_pool;
   std::thread thread;
 };
@@ -187,7 +187,7 @@ void Streamer::State::askCache(core::Engine& engine, CacheThread& cache) {
     cache.keep(arrival.blob, std::move(arrival.bytes));
 }
 
-/// Opens a transport if the engine needs one, and passes on the bytes of all transports.
+/// Opens a transport if the engine needs one, and passes the received bytes of all transports to the engine.
 void Streamer::State::keepConnected(core::Engine& engine, const net::Route& route, Transports& transports) {
   auto& [newest, leaving] = transports;
   if (engine.wantsConnection(Clock::now())) {

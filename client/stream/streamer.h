@@ -24,7 +24,7 @@ struct StreamOptions {
   /// Trusted certificate authorities for TLS, in PEM; empty: the system's authorities.
   std::filesystem::path ca_file;
   std::chrono::milliseconds connect_timeout{20'000};
-  /// Folder of the blob cache; empty: no cache; required if engine.offline is true.
+  /// Folder of the blob cache; if empty, there is no cache. Required if engine.offline is true.
   std::filesystem::path cache_folder;
   uint64_t cache_bytes = kDefaultCacheBytes;
   unsigned decode_threads = 0;  ///< number of decode threads; 0: defaultDecodeThreads()
@@ -36,7 +36,7 @@ net::Route routeTo(const ServedModel& model, const StreamOptions& options);
 /// State of a stream after its last step.
 struct StreamStatus {
   std::shared_ptr<const core::Cut> cut;  ///< current cut; null until a cut is published
-  /// Cuts by view; their union is `cut`: see core::ViewGroup.
+  /// Cuts indexed by view; `cut` is their union: see core::ViewCuts.
   std::shared_ptr<const core::ViewCuts> view_cuts;
   uint64_t cut_build = 0;  ///< build of the cut; changes when the model is replaced
   core::EngineCounts counts;
@@ -63,8 +63,8 @@ class Streamer {
   Streamer(const Streamer&) = delete;
   Streamer& operator=(const Streamer&) = delete;
 
-  /// Waits until the model is open. @throws Error if the model cannot be opened; kTimeout after the timeout
-  /// or when stopped.
+  /// Waits until the model is open. @throws Error if the model cannot be opened; kTimeout after the timeout,
+  /// or if `stop` is requested.
   const ModelSummary& waitForModel(std::chrono::milliseconds timeout, std::stop_token stop = {});
   /// Sets the view to refine for; never blocks on the network.
   void setView(const core::View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
@@ -72,8 +72,8 @@ class Streamer {
   void setViews(std::span<const core::View> views, float threshold_px);
   /// Replaces the memory and drawn budgets of the options: see core::Engine.
   void setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes);
-  /// Takes references to cuts that were derived from the stream's cuts. The stream's thread frees each of
-  /// these cuts when no other references exist.
+  /// Takes references to cuts that the caller has derived from the stream's cuts. The stream's thread frees
+  /// each of them once no other references exist: see PublishedCuts.
   void keep(std::vector<std::shared_ptr<const core::Cut>> cuts);
   /// Returns the last status; never blocks on the network.
   StreamStatus status() const;

@@ -1,4 +1,4 @@
-/* Streams a model and prints the parts of its cut, within an error of one pixel, in C.
+/* Streams a model until its error is at most one pixel. Then prints the size of the cut. In C.
  *
  *   embed_c lode://HOST[:PORT]/MODEL */
 
@@ -9,7 +9,7 @@
 
 #include <lodestream.h>
 
-/* Returns a view of the model's box from the front and slightly above, in which the box fills the picture. */
+/* Returns a view of the model's box from the front and slightly above. The box fills the picture. */
 static lodestream_view frame(const lodestream_model* model) {
   lodestream_view view = {.up = {0, 1, 0}, .fov_y_deg = 45, .width_px = 1280, .height_px = 720, .threshold_px = 1};
   double squared = 0;
@@ -28,7 +28,7 @@ static int fail(void) {
   return EXIT_FAILURE;
 }
 
-/* A renderer would upload the mesh; this example only checks its indices. */
+/* Checks the indices of a mesh. A renderer would upload the mesh instead. */
 static int is_sound(const lodestream_arrays* mesh) {
   for (uint32_t i = 0; i < 3 * mesh->triangles; ++i)
     if (mesh->indices[i] >= mesh->vertices) return 0;

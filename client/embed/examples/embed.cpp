@@ -1,4 +1,4 @@
-// Streams a model until its error is at most one pixel. Then prints the number of parts per octree level.
+// Streams a model until its error is at most one pixel. Then prints the number of triangles per octree level.
 //
 //   embed lode://HOST[:PORT]/MODEL
 
@@ -13,7 +13,7 @@
 
 namespace {
 
-/// Returns a view from the front and slightly above, in which the model's box fills the picture.
+/// Returns a view of the model's box from the front and slightly above. The box fills the picture.
 lodestream::View frame(const lodestream::Model& model) {
   lodestream::View view{};
   double radius = 0;
