@@ -53,8 +53,8 @@ void FullClient::noteLatency(const RequestClock::Request& request, core::TimePoi
   counts_.latency[static_cast<size_t>(request.request_class)].add(now - request.sent);
 }
 
-/// Counts a broken connection. If the server has announced its end, the connection counts only if requests
-/// were open.
+/// Counts a broken connection. If the server has announced its shutdown, counts the connection only if
+/// requests were open.
 /// @param is_last  true if the failure ends the client; guarded() then counts the error.
 void FullClient::noteBroken(core::SessionRole role, const Error& why, bool is_last) {
   const uint64_t open = engine_.openRequests(role);
@@ -102,7 +102,8 @@ void FullClient::keepConnected(core::TimePoint now) {
   if (!engine_.wantsConnection(now)) return;
   auto& [newest, leaving] = transports_;
   if (engine_.connected()) {
-    // Two servers have ended in short succession: give up the connection to the first server.
+    // The active connection becomes the draining one. If there still is an older draining connection, because
+    // two servers shut down in short succession, give it up.
     counts_.failed_requests += engine_.openRequests(core::SessionRole::kDraining);
     lose(core::SessionRole::kDraining);
     leaving = std::move(newest);
@@ -113,7 +114,8 @@ void FullClient::keepConnected(core::TimePoint now) {
   engine_.connect(now);
 }
 
-/// One connection of the client's engine, for net::exchange(). Notes requests and moves to other servers.
+/// One connection of the client's engine, for net::exchange(). Notes the requests that are sent, and counts
+/// moves to other servers.
 class FullClient::End : public net::EngineEnd {
  public:
   End(FullClient& client, core::SessionRole role, core::TimePoint now) noexcept
@@ -146,7 +148,8 @@ void FullClient::receive() {
       if (!transport) continue;
       try {
         End end(*this, role, now);
-        while (net::exchange(*transport, end)) continue;  // ends: this thread receives nothing meanwhile
+        // The loop ends, because this thread receives no bytes meanwhile.
+        while (net::exchange(*transport, end)) continue;
       } catch (const Error& failed) {
         engine_.disconnect(failed, now, role);
       }
@@ -169,7 +172,7 @@ void FullClient::look(core::TimePoint now) {
                   plan_.pixels);
 }
 
-/// Returns the camera at a time. The camera follows the path, then rests at the end of the path during the
+/// Returns the camera at a time. In each round, the camera follows the path, then rests at its end for the
 /// pause.
 core::CameraKey FullClient::camera(core::TimePoint now) {
   const double from_s = path_.keys.front().t, path_s = path_.keys.back().t - from_s;
@@ -211,8 +214,8 @@ void FullClient::decode(const core::DecodeJob& job) {
   engine_.finishDecode(std::move(result));
 }
 
-/// Adds the time since the last call to looked_s. If the picture's error is too large, adds it to far_off_s
-/// too.
+/// Adds the time since the last call to looked_s and, if the picture is far too coarse or the client has
+/// ended, to far_off_s.
 void FullClient::note(core::TimePoint now) {
   if (now <= noted_until_) return;
   const double seconds = std::chrono::duration<double>(now - std::exchange(noted_until_, now)).count();

@@ -17,13 +17,13 @@
 
 namespace lode::app {
 
-/// Simulates a viewer that does not draw. Follows a camera path, refines, decodes and reconnects. The camera
-/// never waits for data.
+/// Simulates a viewer, except that nothing is drawn: follows a camera path, refines, decodes and reconnects.
+/// The camera never waits for data.
 class FullClient final : public LoadClient {
  public:
   /// @param start  time to connect.
   /// @param seed   seed of the client's path and pauses.
-  /// @param names  digests that all clients of a thread share.
+  /// @param names  verified digests, which all clients of a thread share.
   FullClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, uint64_t seed,
              KnownDigests& names, LoadCounts& counts);
 
@@ -58,7 +58,7 @@ class FullClient final : public LoadClient {
   LoadCounts& counts_;
   const core::TimePoint start_;
   core::TimePoint due_;
-  core::TimePoint noted_until_;  ///< time up to which counts_ is complete
+  core::TimePoint noted_until_;  ///< time until which note() has updated counts_
   uint64_t frames_ = 0;
   std::mt19937_64 random_;
   std::array<RequestClock, 2> clocks_;  ///< indexed by core::SessionRole
@@ -71,8 +71,8 @@ class FullClient final : public LoadClient {
   core::ServerLeaving turned_away_;  ///< last reason why the server turned the client away
   bool started_ = false, image_seen_ = false, converged_ = false, gone_ = false;
   Transports transports_;
-  /// Transports of ended connections. The next step destroys them, because a callback of a transport must not
-  /// destroy the transport.
+  /// Transports of ended connections. The next step() destroys them, because a transport must not be
+  /// destroyed in its own callback.
   std::vector<std::unique_ptr<net::TcpTransport>> ended_;
 };
 

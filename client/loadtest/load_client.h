@@ -34,7 +34,7 @@ struct LoadPlan {
   stream::StreamOptions options;
   net::Route route;    ///< route to the model's server
   RequestTrace trace;  ///< trace that the trace clients replay
-  /// Function that returns the camera path of a full client. The path depends on the client's seed.
+  /// Returns the camera path of a full client, which may depend on the client's seed.
   std::function<core::CameraPath(const ModelSummary&, uint64_t seed)> path_of;
   glm::uvec2 size_px{1280, 720};
   float pixels = 1;
@@ -49,11 +49,12 @@ inline double randomPause(double mean_s, std::mt19937_64& random) {
   return -mean_s * std::log1p(-static_cast<double>(random() >> 11) * 0x1p-53);
 }
 
-/// Above this number, KnownDigests forgets all checksums and computes digests again.
+/// Largest number of checksums that KnownDigests remembers. When it is reached, KnownDigests forgets them
+/// all.
 constexpr size_t kMaxKnownDigests = 1u << 17;
 
-/// Checks the digests of blobs that arrive repeatedly. Computes SHA-256 for the first copy of a blob.
-/// Compares later copies with the xxh3 checksum of the first copy, because a checksum is faster than SHA-256.
+/// Checks the digests of blobs that arrive repeatedly. Computes the SHA-256 of the first copy of a blob.
+/// Compares the xxh3 checksums of later copies with that of the first, because xxh3 is faster than SHA-256.
 /// Not thread safe.
 class KnownDigests {
  public:

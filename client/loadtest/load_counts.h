@@ -12,16 +12,18 @@ namespace lode::app {
 
 /// Counters of the clients of one thread.
 struct LoadCounts {
-  /// Latency of requests by request class. The latency ends with the last byte of the blob. The latency
-  /// begins at the intended time for trace clients, and when the request is sent for full clients.
+  /// Latency of requests by request class. It begins when a full client sends the request, or when a trace
+  /// client intends to send it, and ends with the last byte of the blob.
   std::array<LatencyHistogram, 3> latency;
-  LatencyHistogram first_image;  ///< time from a client's intended start to the root's coarsest LOD
-  LatencyHistogram converged;    ///< time until the first converged picture; full clients only
-  double looked_s = 0;           ///< sum over full clients of the time since their start
-  double far_off_s = 0;          ///< part of looked_s with a picture that is far off: see core::isFarOff()
-  uint64_t started = 0;          ///< clients that have started
+  /// Time from a client's intended start to the arrival of the root's coarsest LOD.
+  LatencyHistogram first_image;
+  LatencyHistogram converged;  ///< time until the first converged picture; full clients only
+  double looked_s = 0;         ///< time since their start, summed over all full clients
+  double far_off_s = 0;        ///< part of looked_s with a far too coarse picture: see core::isFarOff()
+  uint64_t started = 0;        ///< clients that have started
   uint64_t blobs = 0, bytes = 0, unanswered = 0;
-  uint64_t moved = 0;  ///< connections that clients replaced because the server announced its end (GoAway)
+  /// Connections that clients replaced because the server announced its shutdown (GoAway).
+  uint64_t moved = 0;
   uint64_t turned_away = 0;  ///< connections that a full or stopping server refused; the clients retried
   uint64_t lost = 0;         ///< broken or failed connections; each also counts as an error
   /// Number of refused requests and of requests that were open when a connection broke. Clients repeat the

@@ -33,7 +33,7 @@ std::string milliseconds(const LatencyHistogram& latency, double part) {
   return number(latency.percentileMs(part)) + " ms";
 }
 
-/// Describes latencies by their median and maximum. Returns "none" if the histogram is empty.
+/// Describes latencies by their median and 99th percentile. Returns "none" if the histogram is empty.
 std::string medianAndWorst(const LatencyHistogram& latency) {
   if (latency.count() == 0) return "none";
   return milliseconds(latency, 0.5) + " (median), " + milliseconds(latency, 0.99) + " (p99)";

@@ -18,10 +18,10 @@ nlohmann::ordered_json toJson(const LoadOptions& options, std::span<const LoadPl
 /// Describes the result in one line.
 std::string describe(const LoadOptions& options, const LoadResult& result);
 
-/// Prints the progress on stderr, a line at a time.
+/// Prints the progress on stderr, one line per call.
 class LiveLine {
  public:
-  /// Prints a line about the time since the last line. @param now  counters of all clients.
+  /// Prints a line: rates and latencies since the last line, and totals. @param now  counters of all clients.
   void print(double seconds, const LoadCounts& now);
 
  private:

@@ -26,7 +26,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kLongestWait = std::chrono::milliseconds(100);
 constexpr auto kPublishEvery = std::chrono::milliseconds(200);
-/// Longest time for which events are handled while a client is due.
+/// Longest time for which network events are handled before due clients are stepped.
 constexpr auto kLongestBurst = std::chrono::milliseconds(10);
 /// Number of descriptors that the process needs in addition to its connections.
 constexpr rlim_t kOtherDescriptors = 64;
@@ -75,7 +75,7 @@ class Stepper {
     publish();
   }
 
-  /// Returns the counters of the clients as they were published last, a moment ago at most. Thread safe.
+  /// Returns the counters of the clients as last published. Thread safe.
   LoadCounts counts() const {
     const std::lock_guard lock(mutex_);
     return published_;
@@ -107,8 +107,7 @@ class Stepper {
   mutable std::mutex mutex_;
   LoadCounts published_;
   asio::io_context io_{1};
-  /// Guard that keeps run_one_until() waiting while no connection exists. Without the guard, the call would
-  /// return at once.
+  /// Makes run_one_until() wait even while no connection exists. Otherwise it would return at once.
   const asio::executor_work_guard<asio::io_context::executor_type> waits_{io_.get_executor()};
   std::vector<std::unique_ptr<LoadClient>> clients_;
   using Due = std::pair<Clock::time_point, size_t>;

@@ -13,13 +13,11 @@ struct LoadOptions {
   uint32_t clients = 1;
   unsigned threads = 1;  ///< number of threads that step the clients
   double seconds = 10;
-  double ramp_s = 2.5;  ///< time during which the clients start one after the other
+  double ramp_s = 2.5;  ///< time over which the starts of the clients are spread evenly
   bool full = false;    ///< true runs full clients, false trace clients
-  /// A function that receives the counters of all clients once a second, on the thread of runLoadTest(). May
-  /// be empty.
+  /// Called once a second with the counters of all clients, on the thread of runLoadTest(). May be empty.
   std::function<void(double seconds, const LoadCounts&)> progress;
-  /// A function that every thread calls several times a second. If it returns true, the test ends early. May
-  /// be empty.
+  /// Called by every thread several times a second. If it returns true, the test ends early. May be empty.
   std::function<bool()> is_stopped;
 };
 

@@ -31,8 +31,7 @@
 namespace lode::app {
 namespace {
 
-/// Base of the exit status after a signal. As in shells, the status is this value plus the number of the
-/// signal.
+/// Added to a signal's number to get the exit status after the signal, as in shells.
 constexpr int kSignalled = 128;
 constexpr uint64_t kTracesOfPlaces = 4;  ///< number of traces per target, if paths depend on seeds
 
@@ -94,7 +93,7 @@ Interruption::~Interruption() {
 
 int Interruption::signal() noexcept { return signal_that_came; }
 
-/// The plans of a load test with their targets. The targets stay open as long as this object exists.
+/// The plans of a load test, and their targets, which stay open as long as this object exists.
 class PlannedLoad {
  public:
   explicit PlannedLoad(const LoadtestOptions& options) : options_(options) {

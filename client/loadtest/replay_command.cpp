@@ -60,14 +60,14 @@ uint64_t peakMemoryBytes() {
 /// Results of all frames of a path.
 struct Replayed {
   uint64_t frames = 0;
-  /// Number of visible parts in whose place nothing is drawn, summed over all frames.
+  /// Number of visible nodes for which nothing is drawn, summed over all frames.
   uint64_t holes = 0;
-  uint64_t fallback_frames = 0;  ///< number of frames that draw an ancestor in place of a missing part
+  uint64_t fallback_frames = 0;  ///< number of frames that draw a fallback in place of a missing part
   LatencyHistogram frame;
   std::optional<double> first_image_ms;
   std::array<double, kThresholdsPx.size()> seconds_above{};
   std::array<std::optional<double>, kThresholdsPx.size()> reached_ms;
-  std::optional<double> converged_ms;  ///< time from the start until the last key converged
+  std::optional<double> converged_ms;  ///< time from the start until the last view converged
   stream::StreamStatus status;
 };
 
@@ -96,7 +96,7 @@ class Replay {
         std::chrono::duration<double>(static_cast<double>(number) / options_.fps));
   }
 
-  /// Does the work of one frame except drawing, and notes the results.
+  /// Does the work of one frame, except drawing, and records the results.
   void see(stream::Streamer& streamer, const core::View& view) {
     const Clock::time_point frame_start = Clock::now();
     streamer.setView(view, options_.common.pixels);
@@ -183,8 +183,8 @@ Json toJson(const Replayed& replayed) {
   return json;
 }
 
-/// Records the requests of the path into a file. Opens the output file first, so that a failure shows before
-/// the work.
+/// Records the requests of the path into a file. Opens the output file first, so that a bad name fails before
+/// the work begins.
 void record(const ReplayOptions& options) {
   const CommonOptions& common = options.common;
   for (const std::string& input : {common.target, common.camera_file, common.token_file})

@@ -25,7 +25,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kStepSeconds = 0.1;
-constexpr size_t kMaxSteps = 36'000;  ///< largest number of steps of a path; the steps of one hour
+constexpr size_t kMaxSteps = 36'000;  ///< largest number of steps of a path: one hour
 
 core::EngineOptions engineOptions(const stream::ServedModel& model, core::EngineOptions options) {
   options.session.model = model.model;
@@ -70,7 +70,7 @@ class Recorder {
   }
 
  private:
-  /// The engine's connection, for net::exchange(). Overhears both directions.
+  /// The engine's connection, for net::exchange(). Shows the bytes of both directions to overheard_.
   class End : public net::EngineEnd {
    public:
     explicit End(Recorder& recorder) noexcept
@@ -100,7 +100,8 @@ class Recorder {
     }
   }
 
-  /// Steps the engine. If the cut has not settled, sends the engine's requests and handles received bytes.
+  /// Steps the engine. Unless the cut has settled, also sends the engine's requests and handles received
+  /// bytes.
   void step() {
     engine_.step(Clock::now());
     if (settled()) return;

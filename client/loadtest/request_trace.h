@@ -19,7 +19,7 @@
 
 namespace lode::app {
 
-/// A request, and the time at which a client on an infinitely fast link would send the request.
+/// A request, and the time at which a client with an infinitely fast link would send it.
 struct TracedRequest {
   double t_s = 0;  ///< time from the start of the path
   core::Request request;
@@ -32,14 +32,15 @@ struct RequestTrace {
   Digest build_id;  ///< build of the model; blob numbers differ between builds
   double duration_s = 0;
   std::vector<TracedRequest> requests;
-  std::string gap;  ///< reason why the server did not deliver a part; empty if the trace is complete
+  std::string gap;  ///< reason why a part could not be loaded; empty if the trace is complete
 };
 
-/// Function that returns the camera path of a client for a model.
+/// Returns the camera path of a client for a model.
 using PathOf = std::function<core::CameraPath(const ModelSummary&)>;
 
 /// Checks that a trace was recorded from this build of the model.
-/// @param source  name of the trace for the message. @throws Error kInput if the trace is from another build.
+/// @param source  name of the trace in the error message. @throws Error kInput if the trace is from another
+/// build.
 void checkBuild(const RequestTrace& trace, const Digest& build_id, const std::string& source);
 
 /// Records a trace. Follows a path in steps of a tenth of a second, and waits at each step until the cut has
@@ -61,7 +62,7 @@ constexpr uint32_t kTraceVersion = 2;
 /// 1, "box": [0, 0, 0, 9, 9, 9]} or "tile": {"size": [512, 512], "tail": 0} or neither for pages}]}.
 std::string toJson(const RequestTrace& trace);
 
-/// Parses a trace. @param source  name of the text for error messages.
+/// Parses a trace. @param source  name that error messages give to the text.
 /// @throws Error kInput or kLimit; the message names the request and the remedy.
 RequestTrace parseRequestTrace(std::string_view json, std::string_view source);
 

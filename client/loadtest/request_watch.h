@@ -31,8 +31,7 @@ size_t forEachFrame(std::span<const std::byte> bytes, const Take& take) {
   return at;
 }
 
-/// Measures the requests of one connection. Reads the requests from the frames that the client sends. Not
-/// thread safe.
+/// Times the requests of one connection. Reads them from the frames that the client sends. Not thread safe.
 class RequestClock {
  public:
   struct Request {
@@ -41,12 +40,12 @@ class RequestClock {
     core::TimePoint sent;
   };
 
-  /// Requests, with their blob numbers as keys.
+  /// Requests by blob number.
   using Requests = std::map<uint32_t, Request>;
 
-  /// Notes the requests in complete frames.
-  /// @param lost  requests of broken connections. A request that is repeated leaves `lost`, but keeps the
-  ///              time at which it was first sent.
+  /// Notes the requests and cancellations in a sequence of complete frames.
+  /// @param lost  requests of broken connections. If one of them is sent again, it leaves `lost` and keeps
+  /// the time at which it was first sent.
   void sent(std::span<const std::byte> frames, core::TimePoint now, Requests& lost);
   /// Ends and returns the request of a blob that arrived. Returns nothing if the blob was not requested.
   std::optional<Request> arrived(uint32_t blob);
@@ -63,24 +62,23 @@ class RequestClock {
 /// Largest number of requests of broken connections that a client remembers.
 constexpr size_t kMaxLostRequests = 4096;
 
-/// Adds requests of a broken connection to the requests of earlier broken connections, up to
-/// kMaxLostRequests.
-/// @return the requests for which there is no room.
+/// Adds the requests of a broken connection to `lost`, the requests of earlier broken connections. `lost`
+/// grows to at most kMaxLostRequests. @return the requests for which there is no room.
 RequestClock::Requests addLost(RequestClock::Requests& lost, RequestClock::Requests more);
 
 /// Observes both directions of a client's connection and reports each request when its blob is complete.
 /// Throws on protocol errors. Not thread safe.
 class OverheardRequests {
  public:
-  /// A function that receives a request whose blob is complete. @param asked_at  argument `now` of the call
-  /// of sent() that noted the request.
+  /// Called with each request whose blob is complete. @param asked_at  the `now` that was passed to sent()
+  /// with the request.
   using Tell = std::function<void(const core::Request& request, double asked_at)>;
   explicit OverheardRequests(Tell tell) : tell_(std::move(tell)) {}
 
   /// Notes the requests in complete frames that the client sends. @param now  time of any clock.
   void sent(std::span<const std::byte> frames, double now);
-  /// Notes bytes that the client received. The bytes may end anywhere within a frame. Forgets requests that
-  /// end without their blob.
+  /// Notes bytes that the client has received, which may end inside a frame. Forgets requests that end
+  /// without their blob.
   void received(std::span<const std::byte> bytes);
 
  private:

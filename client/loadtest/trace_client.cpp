@@ -15,11 +15,11 @@ namespace {
 
 constexpr auto kKeepAliveEvery = std::chrono::seconds(1);
 constexpr auto kLookForRetryEvery = std::chrono::milliseconds(20);
-/// If fewer than kRefillBelow requests are open, the client passes all due requests to the session again. The
-/// session limits the number of open requests.
+/// The session limits the number of open requests. When fewer than kRefillBelow are open, the client passes
+/// all due requests to the session again.
 constexpr size_t kRefillBelow = 64;
-constexpr double kShortestTraceSeconds = 1;  ///< least duration of a round; traces of a resting camera have
-                                             ///< no duration of their own
+/// Shortest duration of a round, because the trace of a resting camera has the duration 0.
+constexpr double kShortestTraceSeconds = 1;
 
 }  // namespace
 
@@ -47,8 +47,8 @@ core::SessionOptions TraceClient::sessionOptions() {
   return options;
 }
 
-/// Returns the intended time of the next request. After the last request of the trace, this is the first
-/// request of the next round.
+/// Returns the intended time of the next request. The first request of the next round follows the last
+/// request of the trace.
 core::TimePoint TraceClient::nextIntended() const noexcept {
   const auto& requests = plan_.trace.requests;
   const uint64_t place = first_ + replayed_;
@@ -88,9 +88,9 @@ void TraceClient::step(core::TimePoint now) {
 void TraceClient::connect(core::TimePoint now) {
   if (const core::Session* const older = connection_.session(core::SessionRole::kDraining);
       older != nullptr && connection_.session())
-    counts_.failed_requests += older->openRequests();  // two servers have ended in short succession
-  if (connection_.session())
-    leaving_ = std::move(newest_);  // if the server turned the client away, the draining connection stays
+    counts_.failed_requests += older->openRequests();  // two servers have shut down in short succession
+  // An active session becomes the draining one. If there is none, the draining session keeps its transport.
+  if (connection_.session()) leaving_ = std::move(newest_);
   newest_ = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });
   connection_.begin({}, now);
 }
@@ -187,8 +187,8 @@ void TraceClient::receive() {
     for (const core::SessionRole role : core::kSessionRoles)
       onSession(role, now, [&](core::Session& session) {
         End end(*this, session, role, now);
-        while (net::exchange(*transport(role), end))
-          continue;  // ends: this thread receives nothing meanwhile
+        // The loop ends, because this thread receives no bytes meanwhile.
+        while (net::exchange(*transport(role), end)) continue;
       });
     if (requests_wait_) sendRequests();
     send();

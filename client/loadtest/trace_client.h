@@ -15,14 +15,14 @@
 
 namespace lode::app {
 
-/// Replays a trace in rounds. Each client starts at its own position of the trace. The client sends each
-/// request at the intended time, even while earlier requests are open; the latency counts from the intended
-/// time. If the connection ends, the client reconnects and repeats the open requests.
+/// Replays a trace again and again, starting at a position of its own. Sends each request at the intended
+/// time, even while earlier requests are open. A latency is measured from the intended time. If the
+/// connection ends, the client reconnects and repeats the open requests.
 class TraceClient final : public LoadClient {
  public:
   /// @param start    time to connect.
   /// @param phase_s  position in the trace at which the replay starts.
-  /// @param names    digests that all clients of a thread share.
+  /// @param names    verified digests, which all clients of a thread share.
   TraceClient(asio::io_context& io, const LoadPlan& plan, core::TimePoint start, double phase_s,
               KnownDigests& names, LoadCounts& counts);
 
@@ -71,14 +71,14 @@ class TraceClient final : public LoadClient {
   core::TimePoint due_;
   core::Connection connection_;
   std::map<uint32_t, Pending> pending_;  ///< due requests whose blob has not arrived, by blob number
-  bool requests_wait_ = false;  ///< the session could not take the requests of the last sendRequests()
+  bool requests_wait_ = false;  ///< the session has not taken the requests of the last sendRequests()
   bool started_ = false, was_let_in_ = false, image_seen_ = false, gone_ = false;
   /// Last reason why the server turned the client away; empty once the client is let in.
   core::ServerLeaving turned_away_;
   uint32_t first_lod_ = 0;  ///< blob of the root's coarsest LOD
   Transport newest_, leaving_;
-  Transport ended_;  ///< transport of an ended connection; destroyed in the next step, because its own
-                     ///< callback must not destroy it
+  Transport ended_;  ///< transport of an ended connection, destroyed in the next step(), because a transport
+                     ///< must not be destroyed in its own callback
 };
 
 }  // namespace lode::app
