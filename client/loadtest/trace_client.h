@@ -64,7 +64,7 @@ class TraceClient final : public LoadClient {
   KnownDigests& names_;
   LoadCounts& counts_;
   const core::TimePoint start_;
-  size_t first_;           ///< index of the first request in the trace
+  size_t first_;           ///< index in the trace of the first request that this client replays
   uint64_t replayed_ = 0;  ///< number of requests that have become due
   double paused_s_ = 0;    ///< sum of the pauses so far
   std::mt19937_64 random_;

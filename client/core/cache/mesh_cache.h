@@ -40,8 +40,9 @@ inline uint64_t drawnBytes(const Mesh& mesh) noexcept {
 }
 
 /// Caches decoded meshes and their texture footprints within a memory budget. Never evicts pinned meshes or
-/// meshes in use: those of the cut, and those that wait for siblings. Evicts the others least recently used
-/// first; among meshes last used in the same round, deeper nodes go first. Not thread safe.
+/// meshes in use: those of the cut, and those that can be shown once their siblings are resident. Evicts the
+/// others least recently used first; among meshes last used in the same round, deeper nodes go first. Not
+/// thread safe.
 class MeshCache {
   struct Entry {
     uint32_t lod = 0;

@@ -19,7 +19,7 @@ namespace lode::core {
 struct CutPart {
   NodeKey node;
   uint32_t lod = 0;
-  /// False for a part outside the view, which only completes the cut, and for a fallback.
+  /// False if the part lies outside the view and only completes the cut, or if it is a fallback.
   bool visible = true;
   float error_px = 0;  ///< projected error in the cut's view: partErrorPx() if the part is visible
   std::shared_ptr<const Mesh> mesh;
@@ -53,8 +53,8 @@ struct Fallback {
   uint32_t first_part = 0, end_part = 0;  ///< index range of the parts below the fallback's node
   /// Index range of the left-out nodes whose nearest fallback is this fallback.
   uint32_t first_left_out = 0, end_left_out = 0;
-  /// Index of the first fallback below this fallback's node. The fallbacks from first_nested up to this one,
-  /// exclusive, are those below the node.
+  /// The fallbacks below this fallback's node have the indices from first_nested up to, but excluding, its
+  /// own index.
   uint32_t first_nested = 0;
 };
 

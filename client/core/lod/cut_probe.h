@@ -18,8 +18,8 @@ struct Ray {
   glm::dvec3 origin_model{0}, direction{0, 0, -1};  ///< direction has unit length
 };
 
-/// Returns the ray from the eye through a pixel position. @param place_px  position relative to the top left
-/// corner; y points down.
+/// Returns the ray from the eye through a point of the picture. @param place_px  distance in pixels from the
+/// top left corner; y points down.
 Ray rayThrough(const View& view, const glm::dvec2& place_px) noexcept;
 
 /// Returns the distance along a ray from its origin to a box; 0 if the origin is inside, nothing on a miss.

@@ -56,7 +56,7 @@ static_assert(kMaxLods <= 64);
 constexpr uint64_t pageBytesAtMost(uint64_t blob_bytes) noexcept { return 128 + 8 * blob_bytes; }
 
 /// Largest number of lost blobs that a hierarchy remembers. When it is reached, the hierarchy forgets them
-/// all, but in loaded pages lost LODs stay marked.
+/// all, but LODs that are already marked as lost in loaded pages stay marked.
 constexpr size_t kMaxLostBlobs = 65'536;
 
 /// The known part of a model's octree, merged from the pages of an untrusted server. If memory is short,

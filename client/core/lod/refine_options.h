@@ -8,7 +8,7 @@ namespace lode::core {
 
 constexpr uint64_t kPartBytes = 256;     ///< memory per part of a cut, in addition to the part's mesh
 constexpr double kMarginWidening = 1.2;  ///< width of the picture with its margin, relative to the picture
-constexpr float kHysteresisFactor = 0.841f;  ///< 2^-1/4; a good value for an interactive viewer
+constexpr float kHysteresisFactor = 0.841f;  ///< 2^-1/4, for interactive viewers
 
 /// State of one node in the previous refinement, for hysteresis. In a list of these states, the root comes
 /// first, and the children of a node are consecutive.

@@ -19,10 +19,11 @@ struct Refinement {
   /// Best cut of the resident meshes, without textures; null if no resident meshes cover the model.
   std::shared_ptr<Cut> cut;
   std::vector<Request> wanted;  ///< missing pages and payloads, best first
-  /// Resident meshes of the cut, of fallbacks and of nodes that wait for siblings.
+  /// Resident meshes of the cut, of its fallbacks, and of nodes that can be shown once their siblings are
+  /// resident.
   std::vector<MeshKey> in_use;
   std::vector<MeshKey> ancestors;  ///< resident meshes of nodes above the cut
-  std::vector<NodeKey> pages;  ///< owners of the pages through which the wanted or the published cut descends
+  std::vector<NodeKey> pages;      ///< owners of the pages that the wanted or the published cut needs
   /// All meshes of the wanted cut; empty without RefineOptions::shares_memory.
   std::vector<WantedMesh> wanted_meshes;
   std::vector<HeldNode> held;  ///< states for the next refinement; empty without hysteresis
@@ -42,7 +43,7 @@ struct KnownModel {
 /// Best-first refinement: selects the wanted cut (see WantedCut), publishes the best cut that the resident
 /// meshes allow, and requests the missing blobs. The result depends on the arguments alone, so the converged
 /// cut does not depend on the order in which blobs arrive. The running time is proportional to the number of
-/// nodes that the cut passes through, not to the number of known nodes.
+/// nodes at and above the cut, not to the number of known nodes.
 ///
 /// For each wanted part, the published cut contains the part itself if it is resident, otherwise a finer
 /// stand-in that covers the node, otherwise a coarser stand-in. Children replace a node only when resident

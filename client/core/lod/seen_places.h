@@ -19,7 +19,7 @@ namespace lode::core {
 /// an error delays a request but never leaves a hole.
 class SeenPlaces {
  public:
-  /// Largest number of triangles of a cut; larger cuts would take too long to rasterise.
+  /// Largest number of triangles of a cut. Larger cuts would take too long to rasterise.
   static constexpr uint64_t kMostTriangles = 1u << 16;
 
   /// Rasterises a cut for its own view. @param cut  cut with at most kMostTriangles triangles.

@@ -44,7 +44,7 @@ class ViewGroup {
   uint64_t cutBuild() const noexcept { return cut_build_; }
   /// Returns the requests of the last refinement, best first.
   const std::vector<Request>& requests() const noexcept { return requests_; }
-  /// Returns the owners of the pages through which the cuts descend.
+  /// Returns the owners of the pages that the cuts need.
   const std::vector<NodeKey>& pages() const noexcept { return pages_; }
   const RefineOptions& options() const noexcept { return options_; }
   /// Returns the number of views; 0 before setViews().

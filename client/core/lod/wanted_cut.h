@@ -48,12 +48,12 @@ struct WantedMesh {
 /// The cut of the known octree that a view needs, regardless of which meshes are resident. Refinement starts
 /// at the root's coarsest LOD. The part with the largest projected error is replaced by its next finer LOD,
 /// or at LOD 0 by its children, until no visible part exceeds the threshold or a budget is reached. Children
-/// start at their coarsest LOD; visible children start at the coarsest LOD whose error does not exceed the
-/// error of the replaced part, because a child's far LODs (Node::far_lods) may have larger errors. If an LOD
-/// is lost, the next finer LOD replaces it. A part stays if its children cannot be loaded. Node keys break
-/// ties between equal errors. Parts outside the view are not refined. The order of the replacements matters
-/// only if a budget stops refinement. So the first attempt uses no priority queue; only if a budget stops it,
-/// a second attempt uses one.
+/// outside the view start at their coarsest LOD. Visible children start at the coarsest LOD whose error does
+/// not exceed the error of the replaced part, because a child's far LODs (Node::far_lods) may have larger
+/// errors. If an LOD is lost, the next finer LOD replaces it. A part stays if its children cannot be loaded.
+/// Node keys break ties between equal errors. Parts outside the view are not refined. The order of the
+/// replacements matters only if a budget stops refinement. So the first attempt uses no priority queue; only
+/// if a budget stops it, a second attempt uses one.
 class WantedCut {
  public:
   /// @param held  result of held() after the previous refinement; used only with hysteresis.
@@ -76,7 +76,7 @@ class WantedCut {
   bool blocked() const noexcept { return blocked_; }  ///< the page of some node's children is not loaded
   /// Returns true if lost blobs stopped refinement before all errors were within the threshold.
   bool stoppedByLoss() const noexcept { return stopped_by_loss_; }
-  /// Returns the owners of the pages through which the cut descends.
+  /// Returns the owners of the pages that the cut needs.
   const std::vector<NodeKey>& pages() const noexcept { return pages_; }
   std::vector<HeldNode> held() const;
   std::vector<WantedMesh> meshes() const;
@@ -85,7 +85,7 @@ class WantedCut {
   static uint32_t coarsestLod(const KnownNode& node) { return node.coarsestLod().value_or(lastLod(node)); }
 
  private:
-  /// A part above the threshold, ordered by error, largest first.
+  /// A part to refine. The largest error comes first.
   struct Candidate {
     float error_px = 0;
     uint32_t place = 0;
