@@ -62,8 +62,8 @@ class RequestClock {
 /// Largest number of requests of broken connections that a client remembers.
 constexpr size_t kMaxLostRequests = 4096;
 
-/// Adds the requests of a broken connection to `lost`, the requests of earlier broken connections. `lost`
-/// grows to at most kMaxLostRequests. @return the requests for which there is no room.
+/// Adds the requests of a broken connection to `lost`, which holds those of earlier ones and grows to at most
+/// kMaxLostRequests. @return the requests for which there is no room.
 RequestClock::Requests addLost(RequestClock::Requests& lost, RequestClock::Requests more);
 
 /// Observes both directions of a client's connection and reports each request when its blob is complete.

@@ -68,8 +68,8 @@ const std::shared_ptr<const Cut>& ViewGroup::cut() const noexcept {
   return view_cuts_ ? view_cuts_->all : kNone;
 }
 
-/// Estimates a view's occlusion for the first time, and again when the cut's triangle count has doubled
-/// since. Does nothing if the cut has converged, or is too large to rasterise.
+/// Estimates which nodes are occluded in a view, and again when the cut's triangle count has doubled. Does
+/// nothing if the cut has converged, or is too large to rasterise.
 /// @return true if there is a new estimate.
 bool ViewGroup::updateOcclusion(ViewState& state, const Cut& cut, const ModelSummary& model) {
   if (cut.converged || cut.triangles < kFinerRatio * state.seen_triangles ||

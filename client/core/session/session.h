@@ -111,8 +111,8 @@ class Session {
   bool takesInput() const noexcept { return !paused_; }
 
   /// Tells the session which blob the server sends next without a request (with request number 0). The
-  /// session expects the root page by itself. The caller reads the root page and then names the payload of
-  /// the root's coarsest LOD.
+  /// session already expects the root page. After reading it, the caller names the payload of the root's
+  /// coarsest LOD.
   void expectUnasked(const BlobRef& blob, const BlobUse& use);
 
   /// Replaces the set of requests: adds new ones, updates changed priorities, and cancels those that are not

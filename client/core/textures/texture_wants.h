@@ -44,9 +44,9 @@ constexpr uint32_t kLeastTileCellPx = 32;  ///< smallest side of the square that
 
 /// Selects the tiles that a view of a cut needs. For each level 0 tile that visible parts use, selects the
 /// coarsest level whose texels are at most max(threshold_px, 1) pixels wide at the nearest point of the part,
-/// and all coarser levels. For parts outside the view, selects the coarsest level. Sorts the result: first
-/// the coarsest levels, then visible before other tiles, then by descending priority, which is higher for
-/// coarser tiles, then by key. Deterministic.
+/// and all coarser levels. For parts outside the view, selects the coarsest level. Sorts tiles of coarsest
+/// levels first, then visible tiles before others, then by descending priority, then by key. Coarser tiles
+/// have higher priorities. Deterministic.
 /// @param threshold_px  threshold of the refinement.
 std::vector<WantedTile> wantTiles(const TextureSet& set, std::span<const TexturedPart> parts,
                                   const View& view, float threshold_px);
