@@ -44,27 +44,27 @@ std::string inWords(const timespec& time) {
   return " " + std::to_string(time.tv_sec) + "." + std::to_string(time.tv_nsec);
 }
 
-/// Returns a text that changes whenever the file changes. Uses the file's change time, which only the kernel
-/// sets; programs that unpack or copy files set the modification time to any value.
+/// Returns a text that changes whenever the file changes. The text includes the file's change time, which
+/// only the kernel sets, because programs that unpack or copy files may set any modification time.
 std::string versionOf(const struct stat& status) {
   return std::to_string(status.st_size) + inWords(status.st_mtim) + inWords(status.st_ctim);
 }
 
-/// Returns the version of a file; an empty text if the file is missing.
+/// Returns the version of a file, or an empty text if the file is missing.
 std::string versionOf(const fs::path& path) {
   struct stat status {};
   return stat(path.c_str(), &status) == 0 ? versionOf(status) : std::string();
 }
 
-/// Returns the time that the kernel would record for a change now.
+/// Returns the time that the kernel would record for a file that changes now.
 timespec fileTime() {
   timespec now{};
   clock_gettime(CLOCK_REALTIME_COARSE, &now);
   return now;
 }
 
-/// Returns the version of a file if the file has not changed since `time`. For a changed file, returns a text
-/// that is never the version of a file; for a missing file, an empty text.
+/// Returns the version of a file if the file has not changed since `time`. Returns a text that differs from
+/// every version if the file has changed, and an empty text if the file is missing.
 std::string versionSince(const fs::path& path, timespec time) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) return {};
@@ -73,9 +73,9 @@ std::string versionSince(const fs::path& path, timespec time) {
                                                                                          : "changed";
 }
 
-/// An exclusive lock on the folder of a source. The lock lasts until this object and all child processes that
-/// inherited the lock have ended. The constructor creates the folder and those above it, all for this user
-/// only.
+/// An exclusive lock on the cache folder of a source file. The lock lasts until this object is destroyed and
+/// every child process that inherited the lock has ended. The constructor creates missing folders, which only
+/// this user can access.
 class FolderLock {
  public:
   /// Waits until the lock is free. @throws Error kIo, or kTimeout if `stop` is requested.
@@ -91,7 +91,7 @@ class FolderLock {
 
   int descriptor() const noexcept { return lock_->descriptor(); }
 
-  /// Removes the lock file, and the folder if it is empty then.
+  /// Removes the lock file, and then the folder if it is empty.
   void removeEmptyFolder() const {
     std::error_code ignored;
     fs::remove(path_, ignored);
@@ -119,7 +119,8 @@ class FolderLock {
   std::optional<FileLock> lock_;
 };
 
-/// Contents of the file beside a store: the warnings of the build, and the images that the build looked for.
+/// Contents of the file kBuildRecord beside a store: the warnings of the build, and the images that the build
+/// looked for.
 struct BuildRecord {
   struct Image {
     std::string name;     ///< name in the PLY file
@@ -130,8 +131,8 @@ struct BuildRecord {
   fs::path textures_folder;  ///< folder that the build searched first
   std::vector<Image> images;
 
-  /// Returns true if a build now would find the same images. If an image is missing, the folder must be the
-  /// same too, because the warnings name it.
+  /// Returns true if a build now would find the same images. If an image is missing, textures_folder must be
+  /// the same too, because the build's warnings name this folder.
   bool isCurrent(const PlyFile& ply) const {
     TextureFinder finder(ply.path, ply.textures_folder);
     return std::ranges::all_of(images, [&](const Image& image) {
@@ -180,7 +181,7 @@ void writeRecord(const fs::path& folder, const BuildRecord& record) {
   writeOwnFile(folder / kBuildRecord, std::as_bytes(std::span(text)));
 }
 
-/// Removes the stores of earlier versions of the file.
+/// Removes the stores of all other versions from a source's folder.
 void removeOthers(const fs::path& folder, const fs::path& keep) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored))

@@ -14,8 +14,8 @@
 
 namespace lode::app {
 
-/// A function that receives the current stage of a build and the finished fraction of the stage, 0 to 1.
-/// builtStore() calls the function on its caller's thread.
+/// Function that receives the progress of a build: the current stage and the finished fraction of this stage,
+/// 0 to 1. builtStore() calls the function on the thread of its own caller.
 using BuildWatch = std::function<void(std::string_view stage, double fraction)>;
 
 /// A store in the user's cache.
@@ -25,12 +25,13 @@ struct BuiltStore {
   std::vector<std::string> warnings = {};  ///< warnings of the build
 };
 
-/// Returns the store of a PLY file. Builds the store into the user's cache unless the cache contains a store
-/// of the same file, the same images and the same version of the builder. Waits while another program builds
-/// the store. Prints warnings of the build on stderr. After a build, removes the least recently used stores
-/// until the cache is within its limit.
-/// @param announce   true prints progress on stderr, if stderr is a terminal.
-/// @param stop       a stop request aborts the wait or the build; the function then throws an Error.
+/// Returns the store of a PLY file. Builds the store into the user's cache, unless the cache already contains
+/// a store that the same version of the builder has built from the same file and images. Waits while another
+/// program builds the store. Prints warnings of the build on stderr. After a build, removes the least
+/// recently used stores until the cache is within its limit.
+/// @param announce   true to print progress on stderr, if stderr is a terminal.
+/// @param stop       stop token; a stop request aborts the wait or the build, and the function throws an
+///                   Error.
 /// @param watch      if set, receives the progress instead of stderr.
 /// @param max_bytes  limit for all stores in the cache together; storeCacheBytes() by default.
 /// @throws Error.

@@ -28,12 +28,12 @@ constexpr int kCannotStart = 127;
   throw Error(ErrorCode::kIo, program.string() + " cannot be started: " + std::strerror(errno));
 }
 
-/// Runs the program in the forked child. Makes only calls that are safe between fork and exec.
+/// Replaces the forked child by the program. Makes only calls that are safe between fork and exec.
 [[noreturn]] void become(char* const* arguments, int input, int output, int messages, pid_t parent,
                          const ChildSetup& setup) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(kCannotStart);
-  // Use a new group, because a terminal sends its signals to a whole process group.
+  // Put the child into a new process group, because a terminal sends its signals to a whole group.
   if (!setup.heeds_keys) setpgid(0, 0);
   dup2(input, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
@@ -44,7 +44,8 @@ constexpr int kCannotStart = 127;
   _exit(kCannotStart);
 }
 
-/// Makes an in-memory file with a text. @return its descriptor, positioned at the start; below 0 on failure.
+/// Creates an in-memory file that contains a text. @return the file's descriptor, at offset 0; negative on
+/// failure.
 int fileOf(const std::string& text) {
   const int file = memfd_create("lodestream input", MFD_CLOEXEC);
   if (file < 0) return file;

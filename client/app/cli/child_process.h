@@ -11,16 +11,17 @@ namespace lode::app {
 
 /// Setup of a child process.
 struct ChildSetup {
-  /// Contents of the child's stdin; stdin is an in-memory file, which the child can open again.
+  /// Contents of the child's stdin. Stdin is an in-memory file, so the child can also open it as
+  /// /proc/self/fd/0.
   std::string input;
-  int inherited = -1;       ///< descriptor that the child inherits; -1: none
+  int inherited = -1;       ///< file descriptor that the child inherits; -1: none
   bool heeds_keys = true;   ///< true if Ctrl-C and Ctrl-Z in the terminal also reach the child
   bool is_private = false;  ///< true if only this user can read the child's new files
 };
 
-/// A child process. The destructor ends the process, first with SIGTERM. When the thread that started the
-/// process ends, the kernel sends SIGTERM to the process. The parent reads the process's stdout line by line.
-/// The parent keeps the process's stderr or passes it on. Move only.
+/// A child process. The destructor sends SIGTERM, then SIGKILL if the child does not end in time. The kernel
+/// also sends SIGTERM when the thread that started the child ends. The parent reads the child's stdout line
+/// by line, and either keeps the child's stderr or passes it through. Move only.
 class ChildProcess {
  public:
   enum class Messages {
@@ -35,13 +36,13 @@ class ChildProcess {
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
 
-  /// Returns the next line of the child's stdout without the newline; an empty string at the end of stdout or
-  /// after the timeout. @throws Error kLimit if the line exceeds kMaxLineBytes.
+  /// Returns the next line of the child's stdout without the newline, or an empty string at the end of stdout
+  /// or after the timeout. @throws Error kLimit if the line exceeds kMaxLineBytes.
   std::string readLine(std::chrono::milliseconds timeout);
   /// Closes the child's stdout and waits until the child ends.
-  /// @return the exit status, or 128 + the signal that killed the child.
+  /// @return the exit status, or 128 plus the number of the signal that killed the child.
   int wait();
-  /// Sends SIGTERM. Any thread may call it before wait().
+  /// Sends SIGTERM. Any thread may call this function until wait() is called.
   void terminate() const noexcept;
   /// Returns the last line of the child's kept stderr, at most kMaxMessageBytes.
   std::string lastMessage() const;
@@ -49,13 +50,13 @@ class ChildProcess {
  private:
   pid_t process_ = -1;
   int output_ = -1;    // read end of the child's stdout
-  std::string read_;   // bytes of the child's stdout after the last returned line
+  std::string read_;   // bytes read from the child's stdout but not yet returned
   int messages_ = -1;  // the child's stderr, an in-memory file
 };
 
 constexpr size_t kMaxMessageBytes = 4096;
-constexpr size_t kMaxLineBytes = size_t{64} << 20;  // the limit is large because a build may warn about each
-                                                    // of its images
+// Large, because one line lists all warnings of a build, possibly one for each image.
+constexpr size_t kMaxLineBytes = size_t{64} << 20;
 
 /// Returns the last message of a failed lodestreamd, or `otherwise` if the process wrote no message.
 std::string saidBy(const ChildProcess& server, const std::string& otherwise);

@@ -14,10 +14,10 @@
 
 namespace lode::app {
 
-/// A lodestreamd child process that serves one store on a loopback port. The server ends with this object and
-/// with the thread that created this object. The server ignores Ctrl-C in the terminal, so that it serves
-/// until the client has ended. The server requires a random token, because other users of the machine can
-/// reach its port.
+/// A lodestreamd child process that serves one store on a loopback port. The server ends when this object is
+/// destroyed or the thread that created it ends. Ctrl-C in the terminal does not reach the server, so the
+/// server keeps serving until the client ends. The server requires a random token, because other users of the
+/// machine can reach its port.
 class ChildServer {
  public:
   /// Starts the server and waits until it is ready. @throws Error kIo with the child's message if the server
@@ -33,23 +33,23 @@ class ChildServer {
   stream::ServedModel served_;
 };
 
-/// A target to which a client can connect.
+/// A target that a client can connect to.
 struct ResolvedTarget {
   stream::ServedModel served;
-  stream::StreamOptions options;           ///< connection options, with the token of the child server if
-                                           ///< a child server runs
-  std::unique_ptr<ChildServer> child;      ///< server of a local file; must outlive the connection
-  std::filesystem::path file;              ///< local file as the user named it; empty for a model on a server
-  FileLock in_use;                         ///< lock that keeps other programs from removing the store
-  std::vector<std::string> warnings = {};  ///< warnings of the build of the store
+  /// Connection options; contain the child server's token if there is a child server.
+  stream::StreamOptions options;
+  std::unique_ptr<ChildServer> child;  ///< server of a local file; must outlive the connection
+  std::filesystem::path file;  ///< path of the local file as the user wrote it; empty for a model on a server
+  FileLock in_use;             ///< lock that keeps other programs from removing the cached store
+  std::vector<std::string> warnings = {};  ///< warnings of the store's build
 };
 
 /// Resolves a target: builds the store of a PLY file if necessary, and starts a child server for a local
 /// file.
 /// @param options   options of the connection.
-/// @param announce  true prints the progress of a build on stderr, if stderr is a terminal.
-/// @param stop      a stop request aborts a build or the start of the server; the function then throws an
-/// Error.
+/// @param announce  true to print the progress of a build on stderr, if stderr is a terminal.
+/// @param stop      stop token; a stop request aborts the build or the server's start, and the function
+///                  throws an Error.
 /// @param watch     if set, receives the progress of a build instead of stderr.
 /// @throws Error.
 ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options, bool announce,

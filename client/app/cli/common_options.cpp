@@ -38,7 +38,8 @@ bool isGrant(std::string_view text) {
   return expiry.size() < rest.size() && (expiry == "never" || is_time);
 }
 
-/// Returns the token if it is valid. @param source  name of the token's origin for error messages.
+/// Returns the token if it is valid. @param source  file or variable that contained the token, for error
+/// messages. @throws Error kUsage if the token is invalid.
 std::string checkedToken(std::string token, const std::string& source) {
   if (token.size() > proto::kMaxTokenBytes || !isPrintableUtf8(token) || isGrant(token))
     throw Error(ErrorCode::kUsage, source +
@@ -75,8 +76,8 @@ void warnOfOpenToken(const CommonOptions& options) {
                  options.token_file.c_str());
 }
 
-/// With a token and a target that may be on a server, makes the files that this process creates from now on
-/// readable by this user only, because they may show a model that the token protects.
+/// If there is a token and the target may be on a server, makes all files that this process creates from now
+/// on readable by this user only, because they may show a model that the token protects.
 void keepFilesPrivate(const CommonOptions& options) {
   const char* const token = std::getenv("LODESTREAM_TOKEN");
   const bool has_token = !options.token_file.empty() || (token != nullptr && *token != '\0');
@@ -156,7 +157,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {
                      ->type_name("PATH.json");
   auto* up = command.add_option("--up", options.up_text, "up axis of the model (default: guessed, y or z)")
                  ->type_name("y|z|x|-y|-z|-x");
-  // Commands that draw allow --up together with --camera: light and orbiting need the axis.
+  // Commands that draw accept --up together with --camera, because the light and orbiting need the axis.
   if (takes == Takes::kModels) up->excludes(camera);
   command.add_option("--size", options.size_text, "size of the picture")
       ->type_name("WxH")

@@ -27,29 +27,30 @@ struct CommonOptions {
   std::string target;
   std::string size_text = "1280x720";
   std::string memory_text;
-  /// Value of --camera: a file with a camera path; if empty, the camera frames the model.
+  /// Value of --camera: file with a camera path; if empty, a default camera shows the whole model.
   std::string camera_file;
-  std::string up_text;  ///< value of --up: up axis of the framing camera, of the light and of orbiting; if
-                        ///< empty, the axis is guessed
+  /// Value of --up: the up axis of the default camera, the light and orbiting; if empty, it is guessed.
+  std::string up_text;
   std::string token_file;
   std::string ca_file;
   std::string cache_text;                 ///< value of --cache: a folder or "off"; if empty, the user's cache
-  std::filesystem::path textures_folder;  ///< value of --textures: folder that is searched first for images
+  std::filesystem::path textures_folder;  ///< value of --textures: folder to search first for images
   bool offline = false;
-  bool fade = true;  ///< true fades nodes in and out in the window, while frames are fast enough
+  bool fade = true;  ///< true to cross-fade LODs in the window while frames are fast enough
   float pixels = 1;
   double timeout_s = 120;
 
   PictureSize size() const { return parseSize(size_text); }
   std::chrono::milliseconds timeout() const;
   /// Returns stream options with the memory budget, the CA file, and the token from --token-file or
-  /// LODESTREAM_TOKEN. For a target on a server, also sets the cache of blobs. @throws Error.
+  /// LODESTREAM_TOKEN. If the target is on a server, also sets the folder of the blob cache. @throws Error.
   stream::StreamOptions streamOptions() const;
 };
 
 /// Declares the options of every client command: the target, --timeout, --token-file, --ca-file, --version.
-/// Commands that parse a token write files and folders that only this user can read.
-/// @param target_form  syntax of the target, as the help text shows it.
+/// If the parsed options include a token for a target that may be on a server, the files that the process
+/// creates from then on are readable by this user only.
+/// @param target_form  syntax of the target for the help text.
 void addServerOptions(CLI::App& command, CommonOptions& options, const char* target_form);
 
 /// Kinds of TARGET that a command accepts.
@@ -58,8 +59,8 @@ enum class Takes : uint8_t {
   kScenesToo  ///< models and scene files
 };
 
-/// Declares addServerOptions(), --camera, --up, --size, --pixels, --memory-budget, --cache, --textures and
-/// --offline.
+/// Declares the options of addServerOptions(), and --camera, --up, --size, --pixels, --memory-budget,
+/// --cache, --textures and --offline.
 void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes = Takes::kModels);
 
 /// Declares --no-fade for commands that draw.

@@ -84,9 +84,8 @@ bool ResidentImage::hasAlpha() const {
 
 void ResidentImage::fill(uint32_t y, std::span<glm::u8vec4> row) const { fill(finest_, y, 0, size().x, row); }
 
-/// Fills a part of a row from the tiles of a level. Takes missing tiles from coarser levels.
-/// @param y  row of the image, in texels of the finest level.
-/// @param first, end  first texel of the part and the texel after the part, in texels of the finest level.
+/// Fills the range [first, end) of a row from the tiles of a level. Where a tile is missing, uses coarser
+/// levels. `y`, `first` and `end` are in texels of the image.
 void ResidentImage::fill(uint32_t level, uint32_t y, uint32_t first, uint32_t end,
                          std::span<glm::u8vec4> row) const {
   const uint32_t shift = level - finest_;

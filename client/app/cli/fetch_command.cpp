@@ -35,14 +35,16 @@ double msSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// Result at one key of the path.
+/// Result of streaming what the camera sees at one key of its path.
 struct KeyResult {
   double t = 0;
-  std::optional<double> first_image_ms, converged_ms;  // times since the start of the key
-  uint64_t converged_bytes = 0;                        ///< bytes received until the key converged
-  bool is_complete = false;                            ///< the cut has converged and the stream has settled
-  bool is_lattice_seen = false;  ///< true if is_complete, but one lattice step of the original triangles
-                                 ///< covers more pixels than requested
+  // Times in ms since the view was set; for the first key, since the connection started.
+  std::optional<double> first_image_ms, converged_ms;
+  uint64_t converged_bytes = 0;  ///< bytes received by the time the key converged
+  bool is_complete = false;      ///< the cut has converged and the stream has settled
+  /// True if the cut is complete and the eye is so near that one step of the model's position lattice exceeds
+  /// the error threshold.
+  bool is_lattice_seen = false;
   stream::StreamStatus status;
 
   bool converged() const { return converged_ms.has_value(); }
@@ -70,7 +72,7 @@ Json toJson(const KeyResult& key) {
   return json;
 }
 
-/// Returns the figures of the last key, the times of the whole run, and the figures of each key.
+/// Returns the results of the last key, the times of the whole run, and the results of each key.
 Json toJson(const std::vector<KeyResult>& keys, double total_ms) {
   Json json = toJson(keys.back());
   json.erase("t");
@@ -93,7 +95,7 @@ class Fetch {
     start_ = target.start();
     double total_ms = 0;  // time until the last key converged
     for (const core::CameraKey& camera : target.path().keys) {
-      // The time of the first key counts from the start of the connection.
+      // The first key is timed from the start of the connection.
       const double begin_ms = keys_.empty() ? 0 : msSince(start_);
       keys_.push_back(converge(target, camera.t));
       total_ms = keys_.back().converged() ? begin_ms + *keys_.back().converged_ms : msSince(start_);
@@ -133,7 +135,8 @@ class Fetch {
     return key;
   }
 
-  /// Throws an error, which is one line, if a key has failed. @param left_out  text that ends the line.
+  /// Throws an Error if a key has failed. @param left_out  text to append to the error's message; may be
+  /// empty.
   void refuseFailed(const std::string& left_out) const {
     try {
       for (const KeyResult& key : keys_)
@@ -145,7 +148,8 @@ class Fetch {
     }
   }
 
-  /// Writes the cut. @return text that names the images that are left out; empty if there are none.
+  /// Writes the cut to the output. @return a message that names the images left out; empty if none is left
+  /// out.
   std::string write(const stream::StreamStatus& status, const ModelSummary& model) {
     const core::Cut& cut = *status.cut;
     const Mesh mesh = weldCut(cut, model.attributes);
@@ -185,11 +189,11 @@ class Fetch {
   std::FILE* const report_ = reportStream(options_.output, options_.json);
   Clock::time_point start_ = Clock::now();
   std::vector<KeyResult> keys_;
-  std::vector<std::filesystem::path> files_beside_;  ///< files written beside the output
+  std::vector<std::filesystem::path> files_beside_;  ///< files written beside the output, such as images
 };
 
 void fetch(const FetchOptions& options) {
-  meshFormatOf(options.output);  // refuse a wrong output before the work begins
+  meshFormatOf(options.output);  // reject an invalid output before the work begins
   if (!options.output.empty()) findOutput(options.output);
   refuseToReplace(options.common.target, options.output);
   Fetch run(options);

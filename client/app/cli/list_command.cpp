@@ -42,7 +42,8 @@ class Bell {
     std::unique_lock lock(mutex_);
     condition_.wait_until(lock, deadline, [this] { return rung_; });
     rung_ = false;
-    return Clock::now() < deadline;  // check the deadline, because a flood of frames can ring without end
+    // Check the deadline, because a server that floods the client with frames would ring forever.
+    return Clock::now() < deadline;
   }
 
  private:
@@ -51,7 +52,7 @@ class Bell {
   bool rung_ = false;
 };
 
-/// A session that lists models, for net::exchange().
+/// The client's end of a session that asks for the list of models; used with net::exchange().
 class ListEnd {
  public:
   explicit ListEnd(const core::SessionOptions& options) : session_(options, Clock::now()) {}
@@ -67,7 +68,7 @@ class ListEnd {
         throw Error(ErrorCode::kNetwork, leaving->reason, leaving->remedy);
     }
   }
-  /// Returns the models; nothing until the server has listed them.
+  /// Returns the models, or nothing until the server has listed them.
   std::optional<std::vector<ModelSummary>>& models() noexcept { return models_; }
 
  private:

@@ -13,14 +13,16 @@ namespace {
 
 constexpr unsigned kOrbitKeys = 16, kFlyKeys = 9, kWalkKeys = 31;
 constexpr double kOrbitSeconds = 20, kFlySeconds = 20, kWalkSeconds = 60;
-/// Largest distance of positions from the line of flight, relative to the box.
+/// Largest random offset from the straight line of flight on each axis, relative to half the box's side.
 constexpr double kFlySpread = 0.3;
-/// Least distance from the target, relative to the distance of the framing camera.
+/// Least distance from the target, relative to the distance of the default camera.
 constexpr double kNearestWalk = 0.1;
-/// Largest speeds in radians per second: kWalkStep sideways, kWalkTurn up and down.
+/// Largest angular speeds around the target in radians per second: kWalkStep horizontally, kWalkTurn
+/// vertically.
 constexpr double kWalkStep = 0.5, kWalkTurn = 0.15;
 
-/// Random numbers that are equal on every system. The distributions of the standard library are not.
+/// Random numbers that are the same on every platform, unlike those from the standard library's
+/// distributions.
 class Dice {
  public:
   explicit Dice(uint64_t seed) : random_(seed) {}
@@ -88,7 +90,7 @@ core::CameraPath makePath(MadePath kind, const ModelSummary& model, uint64_t see
   Dice dice(seed);
   const core::CameraPath framing = core::framingCamera(model);
   core::CameraKey first = framing.keys.front();
-  if (!model.box.empty())  // use the box's middle, because the framing camera looks a little past it
+  if (!model.box.empty())  // aim at the box's centre, because the default camera looks slightly past it
     first.target = (model.lattice.toWorld(model.box.min) + model.lattice.toWorld(model.box.max)) / 2.0;
   const glm::dvec3 half = model.box.empty()
                               ? glm::dvec3(1)

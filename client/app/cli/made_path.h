@@ -6,16 +6,16 @@
 
 namespace lode::app {
 
-/// Camera paths that makePath() computes.
+/// Kinds of camera paths that makePath() generates.
 enum class MadePath : uint8_t {
-  kOrbit,  ///< flies once around the model in 20 s; the distance halves meanwhile
-  kFly,    ///< flies through the model's box in 20 s, from one side to the other, looking ahead
-  kWalk,   ///< moves around the model for 60 s, near and far, and looks at changing points
+  kOrbit,  ///< circles the model once in 20 s while the distance to the model halves
+  kFly,    ///< flies through the model's box in 20 s, from one side to the other, and looks ahead
+  kWalk,   ///< wanders around the model for 60 s at varying distances, and looks at varying points
 };
 
 /// Returns a camera path around a model.
-/// @param seed  number that chooses the positions of a path and the start of an orbit. An orbit with seed 0
-///              starts at the framing camera.
+/// @param seed  seed of the random positions of kFly and kWalk, and of the start angle of kOrbit. With seed
+/// 0, an orbit starts at the default camera (core::framingCamera()).
 core::CameraPath makePath(MadePath kind, const ModelSummary& model, uint64_t seed);
 
 }  // namespace lode::app

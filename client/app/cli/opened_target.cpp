@@ -32,7 +32,7 @@ core::Framing framingOf(const Scene& scene, const CommonOptions& options) {
 
 core::Framing frameCoarsely(core::Framing framing, stream::Streamer& streamer, const ModelSummary& model,
                             std::chrono::milliseconds timeout, const std::stop_token& stop) {
-  constexpr std::chrono::milliseconds kLook{50};  // time between two checks of `stop`
+  constexpr std::chrono::milliseconds kLook{50};  // interval between checks of `stop`
   const core::CameraPath path = core::framingCamera(model, framing);
   const core::View view = core::toView(path.keys.front(), path.fov_y_deg, 1, 1, model);
   streamer.setView(view, std::numeric_limits<float>::max());

@@ -14,11 +14,12 @@
 
 namespace lode::app {
 
-/// Returns the framing with the up axis of --up and the aspect ratio of --size. @throws Error kUsage.
+/// Returns a framing for the default camera, with the up axis of --up and the aspect ratio of --size. @throws
+/// Error kUsage.
 core::Framing wantedFraming(const CommonOptions& options);
 
-/// Returns the framing of a scene, with the scene's up axis and the aspect ratio of --size. For a single
-/// model, returns wantedFraming().
+/// Returns a framing for the default camera of a scene, with the scene's up axis and the aspect ratio of
+/// --size. For a single model, returns wantedFraming().
 /// @throws Error kUsage if --up is given for a scene that names its own up axis.
 core::Framing framingOf(const Scene& scene, const CommonOptions& options);
 
@@ -27,24 +28,24 @@ core::Framing framingOf(const Scene& scene, const CommonOptions& options);
 core::Framing frameCoarsely(core::Framing framing, stream::Streamer& streamer, const ModelSummary& model,
                             std::chrono::milliseconds timeout, const std::stop_token& stop = {});
 
-/// Reads the file of --camera. Returns nothing if the option is missing. @throws Error as
+/// Reads the camera path of --camera. Returns nothing if the option is not given. @throws Error as
 /// core::readCameraPath().
 std::optional<core::CameraPath> wantedPath(const CommonOptions& options);
 
-/// The open target of a command, and the camera path of the command.
+/// A command's target, whose model is open, and the command's camera path.
 class OpenedTarget {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Reads the camera path, resolves the target and waits until its model is open.
-  /// @param announce  true: prints the progress of a build, see resolveTarget(). @throws Error.
+  /// Reads the camera path, resolves the target and waits until the target's model is open.
+  /// @param announce  true to print the progress of a build; see resolveTarget(). @throws Error.
   OpenedTarget(const CommonOptions& options, const stream::StreamOptions& stream_options, bool announce);
 
   stream::Streamer& streamer() noexcept { return streamer_; }
   const ModelSummary& model() const noexcept { return model_; }
-  /// Returns the path of --camera, or the camera that frames the model.
+  /// Returns the path of --camera, or else the default camera as a path with one key.
   const core::CameraPath& path() const noexcept { return path_; }
-  /// Returns the up direction of --up, or a guess from the coarsest mesh. Waits if the mesh is missing.
+  /// Returns the up direction of --up, or else a guess from the coarsest mesh. May wait for this mesh.
   glm::dvec3 up();
   /// Returns the time at which the connection started, after any build and the start of any child server.
   Clock::time_point start() const noexcept { return start_; }

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kMostQuotedBytes = 64;  ///< longest quoted part of a name
+constexpr size_t kMostQuotedBytes = 64;  ///< largest number of bytes of a name that are quoted
 
 [[noreturn]] void refuseScene(std::string_view source, const std::string& what) {
   throw Error(ErrorCode::kInput,
@@ -34,7 +34,7 @@ void refuseMoreThan(size_t limit, size_t count, const char* what, std::string_vi
                                      "; the limit is " + std::to_string(limit));
 }
 
-/// Refuses unknown members, because a misspelt member would otherwise be ignored without a message.
+/// Rejects unknown members, because a misspelt member would otherwise be ignored silently.
 void refuseOthers(const Json& object, std::initializer_list<std::string_view> known, std::string_view source,
                   const std::string& where) {
   if (!object.is_object()) refuseScene(source, where + " is not an object");
@@ -104,7 +104,7 @@ Placement placementOf(const Json& json, std::string_view source, const std::stri
   return placement;
 }
 
-/// Adds the models of the JSON to the scene. @return index in Scene::models, by name.
+/// Adds the models of the JSON to the scene. @return for each model's name, its index in Scene::models.
 std::map<std::string, uint32_t> addModels(const Json& json, std::string_view source, Scene& scene) {
   const auto models = json.find("models");
   if (models == json.end() || !models->is_object() || models->empty())
@@ -143,7 +143,8 @@ void addInstances(const Json& json, const std::map<std::string, uint32_t>& model
 }  // namespace
 
 std::string quoted(const std::string& name) {
-  std::string text = name.substr(0, kMostQuotedBytes);  // the part may end within a UTF-8 character
+  // A UTF-8 character that is cut in two here is dropped by dump().
+  std::string text = name.substr(0, kMostQuotedBytes);
   text = Json(text).dump(-1, ' ', true, Json::error_handler_t::ignore);
   if (name.size() > kMostQuotedBytes) text.insert(text.size() - 1, "...");
   return text;

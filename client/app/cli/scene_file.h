@@ -44,10 +44,12 @@ struct SceneSky {
   glm::u8vec3 top_srgb{77, 87, 99}, bottom_srgb{26, 28, 33};
 };
 
-/// A model of the scene, to which instances refer.
+/// A model that instances of the scene show.
 struct SceneModel {
-  std::string name;    ///< name by which instances refer to the model
-  std::string target;  ///< TARGET as commands accept it; a path is relative to the scene's folder
+  std::string name;  ///< name by which instances refer to the model
+  /// TARGET as on the command line. parseScene() leaves a path relative to the scene file's folder;
+  /// readScene() resolves the path.
+  std::string target;
 };
 
 struct Scene {
@@ -59,7 +61,7 @@ struct Scene {
   bool is_single_model = false;  ///< true if sceneOf() made the scene for one model, without a scene file
 };
 
-/// Quotes a name from a scene file for a message: as one line of ASCII, shortened if the name is long.
+/// Quotes a name from a scene file for a message, as one line of ASCII. Shortens a long name.
 std::string quoted(const std::string& name);
 
 /// Parses a scene. Example: {"up": "z", "models": {"rock": "rock.lode"}, "instances": [{"model": "rock",
@@ -70,15 +72,16 @@ std::string quoted(const std::string& name);
 Scene parseScene(std::string_view json, std::string_view source);
 /// Reads and parses a scene file. @throws Error as parseScene(), or kIo.
 Scene readScene(const std::filesystem::path& file);
-/// Reads the scene if the target names a scene file. Otherwise makes a scene of one model at the model's own
-/// coordinates, without an up axis. @throws Error as readScene().
+/// Reads the scene if the target names a scene file. Otherwise returns a scene of one model at the model's
+/// own coordinates; Scene::up of this scene has no meaning. @throws Error as readScene().
 Scene sceneOf(const std::string& target);
-/// Adds the name of the scene's file and the name of the model to an error that opening the model caused.
-/// Returns the error of a single model unchanged.
+/// Prefixes an error from opening a model with the names of the scene file and the model. Returns the error
+/// unchanged if the scene is a single model.
 Error ofSceneModel(const Error& error, std::string_view source, const Scene& scene, size_t model);
 
-/// Transforms a camera of the scene into the frame of a model's instance. Exact for a single model.
-/// @param view    view of the scene, with eye and near distance in the scene's units.
+/// Transforms a view of the scene into the frame of an instance's model. For a single model, subtracts the
+/// origin and adds no other rounding.
+/// @param view    view of the scene; its eye and near distance are in scene coordinates.
 /// @param origin  origin of the model's lattice, in true coordinates.
 core::View viewFrom(const core::View& view, const Placement& placement, const glm::dvec3& origin) noexcept;
 

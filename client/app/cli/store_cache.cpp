@@ -24,8 +24,8 @@ namespace fs = std::filesystem;
 constexpr uint64_t kLeastBytes = 20'000'000'000;
 constexpr uint64_t kShareOfDisk = 10;
 
-/// The folder of a source file. Contains the stores of all versions of the source and the remains of killed
-/// builds.
+/// The cache folder of a source file. It contains the stores of all versions of the source, and files that
+/// killed builds left behind.
 struct BuiltSource {
   fs::path folder;
   uint64_t bytes = 0;
@@ -51,7 +51,7 @@ BuiltSource lookAt(const fs::path& folder) {
   return source;
 }
 
-/// Removes all stores of a source. @return false if a store is in use or being built.
+/// Removes all stores of a source. @return false, with nothing removed, if a store is in use or being built.
 bool remove(const BuiltSource& source) {
   const auto build_lock =
       FileLock::tryTake(source.folder / kStoreBuildLock, FileLock::Kind::kExclusive, true);
@@ -65,7 +65,7 @@ bool remove(const BuiltSource& source) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(source.folder, ignored))
     if (entry.path().filename() != kStoreBuildLock) fs::remove_all(entry.path(), ignored);
-  // Remove the lock file last, so that a waiting program starts with a new folder.
+  // Remove the lock file after the stores: a program that waits for the lock then starts with a new folder.
   fs::remove(source.folder / kStoreBuildLock, ignored);
   fs::remove(source.folder, ignored);
   return true;
@@ -138,7 +138,7 @@ void trimStores(const fs::path& stores, uint64_t max_bytes) {
   std::error_code failed;
   if (!isOwnFolder(stores)) return;
   for (fs::directory_iterator entry(stores, failed), end; !failed && entry != end; entry.increment(failed)) {
-    if (!isOwnFolder(entry->path())) continue;  // remove nothing through a link
+    if (!isOwnFolder(entry->path())) continue;  // never remove files through a link
     sources.push_back(lookAt(entry->path()));
     bytes += sources.back().bytes;
   }

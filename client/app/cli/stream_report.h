@@ -10,18 +10,19 @@
 
 namespace lode::app {
 
-/// Adds the limits of a run to the output of --json: the waiting time per cause, the main cause, and
-/// properties of the link.
+/// Adds the reasons for waiting to the output of --json: the waiting time by cause, the main cause, and
+/// measurements of the link.
 void reportLimits(nlohmann::ordered_json& json, const core::EngineCounts& counts);
 
-/// Adds the number of lost tiles and the reason for a failure to the output of --json.
+/// Adds two members to the output of --json: the number of texture tiles that cannot be loaded, and the
+/// reason for a failure, if any.
 void reportGaps(nlohmann::ordered_json& json, const stream::StreamStatus& status);
 
 /// Returns the statistics of prefetching as --json prints them.
 nlohmann::ordered_json prefetchReport(const core::PrefetchCounts& counts);
 
-/// Returns true if the cut has converged and no visible texture tile is lost. Original triangles have
-/// converged even if a lattice step covers more pixels than requested.
+/// Returns true if the cut has converged and no visible texture tile is lost. A view that shows the original
+/// triangles has converged, even if the eye is so near that a lattice step exceeds the error threshold.
 bool hasConverged(const stream::StreamStatus& status);
 
 /// Throws an Error with the reason why a view did not converge, and the remedy.

@@ -8,13 +8,14 @@
 
 namespace lode::app {
 
-// A command reads a model from a server. For a local file, it starts a child server.
+// Commands always read models from a server. To read a local StoreFile or PlyFile, a command starts a child
+// server (child_server.h).
 struct StoreFile {
   std::filesystem::path path;
 };
 struct PlyFile {
   std::filesystem::path path;
-  std::filesystem::path textures_folder = {};  ///< folder to search first for its images; empty: none
+  std::filesystem::path textures_folder = {};  ///< folder to search first for the PLY's images; empty: none
 };
 using Target = std::variant<stream::ServedModel, StoreFile, PlyFile>;
 
