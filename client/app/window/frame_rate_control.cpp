@@ -8,34 +8,37 @@ namespace lode::app {
 namespace {
 
 constexpr double kStepsOfOctave = 4;
-/// Number of threshold steps that halve or double the work. kStepsOfHalving is for a coarser threshold and
-/// assumes that work falls by kFallOfWork. kStepsOfDoubling is for a finer threshold and assumes the square,
-/// to be careful.
+/// Numbers of threshold steps that halve and double the work. kStepsOfHalving, for raising the threshold,
+/// assumes that the work is proportional to 1 / threshold^kFallOfWork. kStepsOfDoubling, for lowering the
+/// threshold, cautiously assumes an exponent of 2.
 constexpr double kStepsOfHalving = kStepsOfOctave / render::kFallOfWork;
 constexpr double kStepsOfDoubling = kStepsOfOctave / 2;
-/// Largest number of steps, for 8 times the threshold. If frames need more steps, the rate is halved.
+/// Largest number of steps, which raise the threshold 8-fold. If frames need more steps, the frame rate is
+/// halved.
 constexpr int kMostSteps = 12;
 constexpr int kMostHalvings = 3;  ///< largest number of halvings of the rate; 60 frames a second become 7.5
-constexpr double kFill = 0.8;     ///< part of the target time that frames should take
-/// Part of the target time that frames may take after the rate is restored. The part is below 1, so that the
-/// rate does not drop again.
+constexpr double kFill = 0.8;     ///< fraction of the target time that frames should take
+/// Fraction of the target time that frames may take after the frame rate is restored. The fraction is below
+/// 1, so that the rate does not drop again at once.
 constexpr double kFillOfFaster = 0.9;
-constexpr double kSpareSteps = 0.25;  ///< margin when the threshold becomes finer
-constexpr int kSlowFrames = 3;        ///< number of consecutive slow frames that halve the rate
-/// Number of frames in a round; each restoration needs at least one round.
+constexpr double kSpareSteps = 0.25;  ///< margin in steps when the threshold is lowered
+constexpr int kSlowFrames = 3;        ///< number of consecutive slow frames after which the rate is halved
+/// Number of calm frames in a round of Trials; each restoration needs at least one round.
 constexpr int kCalmFrames = 8;
-constexpr int kTrialFrames = 64;  ///< number of frames that a restored rate or resolution must last
-constexpr int kMorePatience = 4, kMostPatience = 256;        ///< factor and limit of Trials::patience_
-constexpr std::array kScales{1.0, 0.7071067811865476, 0.5};  ///< scales of the sides, for all, half and a
-                                                             ///< quarter of the pixels
-/// Threshold steps that have the same effect as one step of kScales, in window pixels.
+/// Number of frames that a restored rate or resolution must last to count as a success.
+constexpr int kTrialFrames = 64;
+constexpr int kMorePatience = 4, kMostPatience = 256;  ///< factor and limit of Trials::patience_
+/// Scales of width and height that leave all, half and a quarter of the pixels.
+constexpr std::array kScales{1.0, 0.7071067811865476, 0.5};
+/// One step of kScales enlarges the pixels by the same factor as this number of threshold steps.
 constexpr int kStepsOfScale = 2;
-/// The resolution can drop if frames need more threshold steps than these. This number of steps doubles the
-/// threshold.
+/// The resolution may drop only if frames need more threshold steps than this, that is, more than twice the
+/// user's threshold.
 constexpr int kStepsBeforeScale = 4;
-constexpr double kPixelFill = 0.5;        ///< part of a frame's time that the work per pixel may take
-constexpr double kPixelFillAgain = 0.45;  ///< kPixelFill for a restored resolution
-constexpr double kNoThreshold = 1000;     ///< number of steps that stands for "no threshold is coarse enough"
+/// The resolution drops only if the pixel load (see last_pixel_load_) exceeds this value.
+constexpr double kPixelFill = 0.5;
+constexpr double kPixelFillAgain = 0.45;  ///< largest pixel load that a restored resolution may cause
+constexpr double kNoThreshold = 1000;     ///< number of steps that means that no threshold is coarse enough
 constexpr double kRestSeconds = 0.25;
 /// A cut is worth waiting for if its threshold is coarser by the factor kMuchCoarser, and if the last frame
 /// exceeded the target time by the factor kMuchSlower.
@@ -45,8 +48,8 @@ constexpr double kLongestWaitS = 0.25;
 
 double stepsOf(double coarsening) noexcept { return kStepsOfOctave * std::log2(coarsening); }
 
-/// Returns the threshold steps that bring a load to 1.
-/// @param share  part of the load that is work per pixel, which no threshold reduces.
+/// Returns the number of threshold steps that bring a load to 1; negative steps lower the threshold.
+/// @param share  fraction of the load that is work per pixel, which no threshold reduces.
 double stepsFor(double load, double share) noexcept {
   const double left = 1 - share * load, triangles = (1 - share) * load;
   if (left <= 0) return kNoThreshold;
@@ -87,8 +90,8 @@ void FrameRateControl::limitTo(double coarsening) noexcept {
   steps_ = std::min(steps_, mostSteps());
 }
 
-/// Returns the limit of steps_ for the picture's current resolution. The limit is in the picture's pixels,
-/// which are larger at a lower resolution.
+/// Returns the limit of steps_ at the current resolution. The limit falls with the resolution, because larger
+/// pixels already make the threshold coarser.
 int FrameRateControl::mostSteps() const noexcept {
   return std::max(0, most_steps_ - kStepsOfScale * scale_steps_);
 }
@@ -101,8 +104,9 @@ void FrameRateControl::step(double seconds, bool moved) noexcept {
   still_s_ = moved ? 0 : still_s_ + seconds;
 }
 
-/// Adds a drawn frame. A frame with missing parts can still show that a coarser threshold is needed. Only
-/// complete parts can show that a finer threshold fits.
+/// Adds a drawn frame. A frame that shows coarse stand-ins for missing meshes can still prove that the
+/// threshold must rise. To prove that the threshold may fall, such a frame counts with the thresholds of its
+/// stand-ins (Coarsening::complete), because the missing meshes will add work.
 void FrameRateControl::add(double work_ms, const render::Coarsening& coarsening) noexcept {
   if (coarsening.scale != movingScale()) return;
   const double steps = stepsOf(coarsening.drawn), complete_steps = stepsOf(coarsening.complete);
@@ -141,8 +145,8 @@ void FrameRateControl::add(double work_ms, const render::Coarsening& coarsening)
   }
 }
 
-/// Forgets earlier frames after a change of resolution, because their times cannot be compared with the new
-/// frames.
+/// Forgets earlier frames after a change of resolution, because their times are not comparable with those of
+/// new frames.
 void FrameRateControl::forgetFrames() noexcept {
   last_need_ = last_pixel_load_ = 0;
   slow_frames_ = calm_frames_ = 0;
@@ -156,7 +160,7 @@ void FrameRateControl::lowerScale(double pixel_load) noexcept {
   forgetFrames();
 }
 
-/// Halves the rate until the fastest of the slow frames is in time.
+/// Halves the target frame rate until the fastest of the slow frames would be in time.
 void FrameRateControl::lowerRate() noexcept {
   const int halvings = static_cast<int>(std::ceil(std::log2(least_slow_)));
   halvings_ = std::min(halvings_ + std::max(halvings, 1), kMostHalvings);
@@ -164,13 +168,13 @@ void FrameRateControl::lowerRate() noexcept {
   rate_.end();
 }
 
-/// Restores the rate, the resolution or the threshold. Twice the rate means twice the work; the next higher
-/// resolution means at most twice the work.
+/// Restores one step of the frame rate, the resolution or the threshold. Twice the rate means twice the work
+/// per second; the next higher resolution means at most twice the work per frame.
 void FrameRateControl::ease() noexcept {
   calm_frames_ = 0;
   const bool fits_limit = double_need_ <= mostSteps();
-  const bool stays_fine = full_need_ < kStepsBeforeScale;  // a higher resolution would not make the threshold
-                                                           // so coarse that the resolution drops again
+  // True if frames at the higher resolution would need too few steps to lower the resolution again.
+  const bool stays_fine = full_need_ < kStepsBeforeScale;
   const bool leaves_room =
       double_need_ <= mostSteps() + kStepsOfScale && 2 * calm_pixel_load_ <= kPixelFillAgain;
   if (rate_.see(halvings_ > 0 && fits_limit)) {

@@ -14,11 +14,11 @@
 namespace lode::app {
 namespace {
 
-/// Longest distance that the pointer moves during a click, in pointer units.
+/// Largest distance that the pointer may move during a click, in pointer units.
 constexpr double kClickReach = 4;
-constexpr double kDoubleClickS = 0.35;  ///< longest time between the clicks of a double click, without the
-                                        ///< time spent on frames
-/// Longest time between the clicks of a double click, with the time spent on frames.
+/// Longest time between the clicks of a double click, excluding the time spent on frames.
+constexpr double kDoubleClickS = 0.35;
+/// Longest time between the clicks of a double click, including the time spent on frames.
 constexpr double kLongestDoubleClickS = 1.2;
 
 std::string lastGlfwError() {
@@ -170,8 +170,8 @@ void GlfwWindow::pressKey(int key, int modifiers) {
   }
 }
 
-/// Handles typed characters, which do not depend on the keyboard layout. GLFW sends the event of the key
-/// before the character, so is_repeated_ is up to date.
+/// Handles a typed character. pressKey() cannot handle these characters, because their keys depend on the
+/// keyboard layout. GLFW reports the key before the character, so is_repeated_ is up to date.
 void GlfwWindow::typeSign(unsigned code) {
   if (is_repeated_) return;
   if (code == '?') pending_.toggle_help = !pending_.toggle_help;
@@ -234,8 +234,8 @@ FlyKeys GlfwWindow::heldKeys() const {
 
 bool GlfwWindow::hasGamepad() const noexcept { return glfwJoystickIsGamepad(GLFW_JOYSTICK_1) == GLFW_TRUE; }
 
-/// Adds the gamepad's sticks and buttons to the input. Buttons: the right bumper acts as Shift, A selects the
-/// next camera, Y the first view, X the next colour mode, and Start shows the help.
+/// Adds the gamepad's sticks and buttons to the input. The right bumper acts as Shift, A switches to the next
+/// kind of camera, Y resets the view, X switches to the next colour mode, and Start opens the help.
 void GlfwWindow::takeGamepad(Input& input) {
   GLFWgamepadstate pad;
   if (!hasGamepad() || glfwGetGamepadState(GLFW_JOYSTICK_1, &pad) == GLFW_FALSE) return;

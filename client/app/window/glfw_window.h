@@ -13,7 +13,7 @@ struct GLFWwindow;
 namespace lode::app {
 
 /// The program's window with an OpenGL 4.5 core context. The context is current on the thread that created
-/// the window. Create and use the window only on the program's first thread.
+/// the window. Create and use the window only on the main thread.
 class GlfwWindow {
  public:
   /// Opens the window. @throws Error kIo if the system has no display or no OpenGL 4.5.
@@ -26,7 +26,8 @@ class GlfwWindow {
   // The next two functions return the size of the picture; 0 while the window is minimized.
   uint32_t widthPx() const noexcept;
   uint32_t heightPx() const noexcept;
-  double contentScale() const noexcept;  ///< ratio of this display's pixel density to normal density
+  /// Returns the ratio of the display's pixel density to the system's default density.
+  double contentScale() const noexcept;
 
   bool shouldClose() const noexcept;
   void setTitle(const std::string& title);
@@ -35,13 +36,13 @@ class GlfwWindow {
   bool hasGamepad() const noexcept;
   /// Waits for events, at most `wait_s`, and handles them.
   void handleEvents(double wait_s);
-  /// Sets the area that the panel covers. The picture ignores mouse input in this area, and drags that begin
-  /// in it.
+  /// Sets the area that the panel covers. Mouse input in this area, and drags that begin in it, do not move
+  /// the camera.
   void cover(const std::optional<Covered>& covered) { covered_ = covered; }
   /// Returns the input since the last call.
   Input takeInput();
   void swap();
-  /// Returns the picture that was drawn last and is not yet swapped.
+  /// Returns the picture in the back buffer. Call it after drawing and before swap().
   render::Image readBack() const;
 
  private:
@@ -58,14 +59,15 @@ class GlfwWindow {
   GLFWwindow* window_ = nullptr;
   Input pending_;
   std::optional<Covered> covered_;
-  bool pressed_covered_ = false;  ///< true if the pointer was over the panel when a button last went down
-  bool is_repeated_ = false;      ///< true if the last handled key event was a repetition
+  bool pressed_covered_ = false;  ///< true while a mouse button that went down over the panel is held
+  bool is_repeated_ = false;      ///< true if the last key event was the repetition of a held key
   glm::dvec2 pointer_{0}, pressed_at_{0}, clicked_at_{0};
   unsigned pad_buttons_ = 0;  ///< bits of the buttons that were down at the last poll, in GLFW's order
-  double handled_s_ = 0;      ///< time when events were last handled
-  /// Total time spent outside of handleEvents(); needed because events have no time stamps.
+  double handled_s_ = 0;      ///< time when handleEvents() last returned
+  /// Total time spent outside handleEvents(). Needed to time double clicks, because events have no time
+  /// stamps.
   double unattended_s_ = 0;
-  double clicked_s_ = -1e9, clicked_unattended_s_ = 0;  ///< time, and unattended_s_, at the last click
+  double clicked_s_ = -1e9, clicked_unattended_s_ = 0;  ///< time and unattended_s_ at the last click
   double to_px_ = 1;                                    ///< pixels of the picture per pointer unit
 };
 

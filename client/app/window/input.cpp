@@ -5,7 +5,7 @@
 namespace lode::app {
 namespace {
 
-/// Part of a stick's travel that is ignored, because worn sticks do not return to 0.
+/// Fraction of a stick's travel that is ignored, because worn sticks do not return to 0.
 constexpr double kDeadZone = 0.2;
 
 double curved(double travel) noexcept {
@@ -13,8 +13,8 @@ double curved(double travel) noexcept {
   return part * part;
 }
 
-/// Converts a stick's position to motion. Applies the curve to the length of the deflection instead of x and
-/// y, so that the direction stays.
+/// Converts a stick's position to motion. Applies the response curve to the length of the deflection, not to
+/// x and y separately, because that would change the direction.
 glm::dvec2 stick(const glm::dvec2& at) noexcept {
   const double travel = glm::length(at);
   return travel > 0 ? at / travel * curved(travel) : glm::dvec2(0);

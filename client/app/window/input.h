@@ -18,10 +18,10 @@ struct Input {
   /// True for the second click of a double click. The first click has set `clicked` in this frame or in an
   /// earlier frame.
   bool double_clicked = false;
-  FlyKeys fly;             ///< keys that are held down now
+  FlyKeys fly;             ///< movement by the keys held down now and by the gamepad
   glm::dvec2 pad_turn{0};  ///< right stick of the gamepad, -1 to 1: x to the right, y down
 
-  // Keys that were pressed. Two presses of a toggle key cancel each other.
+  // Keys that were pressed since the last frame. Two presses of a toggle key cancel each other.
   bool reset_camera = false;
   bool toggle_wireframe = false, toggle_panel = false, toggle_help = false, toggle_settings = false;
   bool any_key = false;  ///< any key was pressed
@@ -33,10 +33,11 @@ struct Input {
   int next_show = 0;    ///< number of steps through the colour modes; negative steps go back
   int finer = 0;        ///< number of steps to a finer threshold; negative steps make the threshold coarser
   bool screenshot = false, copy = false, record = false, quit = false;
-  bool quit_where_idle = false;  ///< Q was pressed; the key quits if no model is shown, else it flies down
+  /// Q was pressed; it quits if the scene failed to open, and otherwise moves the camera down.
+  bool quit_where_idle = false;
 
-  bool over_panel = false;  ///< the user used the mouse on the panel, which covers the picture
-  bool damaged = false;     ///< the system lost the window's picture, which must be drawn again
+  bool over_panel = false;  ///< the mouse was used on the panel instead of the picture
+  bool damaged = false;     ///< the system has lost the window's contents; draw them again
 
   bool any() const noexcept {
     return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
@@ -53,11 +54,11 @@ struct PadAxes {
   double left_trigger = -1, right_trigger = -1;
 };
 
-/// Camera motion by a gamepad. The left stick moves the camera, the left trigger lowers it, the right trigger
-/// raises it, and the right stick turns it.
+/// Camera motion by a gamepad. The left stick moves the camera, the right stick turns it, the left trigger
+/// lowers it, and the right trigger raises it.
 struct PadMotion {
   FlyKeys move;        ///< motion; `fast` is not set
-  glm::dvec2 turn{0};  ///< turn, -1 to 1: x to the right, y down
+  glm::dvec2 turn{0};  ///< turn from -1 to 1; x to the right, y down
 };
 
 /// Converts stick and trigger positions to camera motion, with a dead zone and a quadratic curve. Half of the

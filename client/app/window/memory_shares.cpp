@@ -9,17 +9,18 @@
 namespace lode::app {
 namespace {
 
-constexpr uint64_t kStagingShare = 256;  // a frame uploads at most 1/256 of the memory
-constexpr uint64_t kPageShare = 8;       // a buffer has 1/8 of the meshes' memory, but at most kBufferBytes
-// 4 MiB; software GL allocates a buffer of this size in a millisecond.
+// A frame may upload up to 1/256 of the budget for meshes, and another 1/256 for textures.
+constexpr uint64_t kStagingShare = 256;
+constexpr uint64_t kPageShare = 8;  // a GPU buffer takes 1/8 of the mesh memory, but at most kBufferBytes
+// Software OpenGL allocates a buffer of this size in a millisecond.
 constexpr uint64_t kBufferBytes = 4u << 20;
-constexpr uint64_t kSpareShare = 4;  // 1/4 of the meshes' memory is for meshes that are no longer drawn
-constexpr uint64_t kWasteShare = 8;  // at most 1/8 of the meshes' memory is lost at the ends of buffers
+constexpr uint64_t kSpareShare = 4;  // 1/4 of the mesh memory may hold meshes that are no longer drawn
+constexpr uint64_t kWasteShare = 8;  // at most 1/8 of the mesh memory is lost at the ends of buffers
 
 }  // namespace
 
-/// Divides the budget. Texture tiles get as many bytes on the GPU as the core's texture budget, and half as
-/// many in addition for copying when their array grows. Meshes get the rest, at least 3/8 of the GPU's half.
+/// Divides the budget. On the GPU, texture tiles get as many bytes as in the core, plus half of these bytes
+/// for copying the tile array when it grows. Meshes get the rest of the GPU's half, but at least 3/8 of it.
 MemoryShares shareMemory(uint64_t memory_budget_bytes) {
   MemoryShares shares;
   shares.stream_bytes = memory_budget_bytes / 2;

@@ -7,21 +7,21 @@
 
 namespace lode::app {
 
-/// Division of a program's memory budget. One half is for the client core, the other half for the copies on
-/// the GPU.
+/// Shares of the program's memory budget: half for the client core, and half for its copies on the GPU.
 struct MemoryShares {
-  uint64_t stream_bytes = 0;  ///< budget of the client core, see EngineOptions::memory_budget_bytes
-  /// Value of RefineOptions::drawn_budget_bytes. Meshes of any sizes that take this many bytes together fit
+  uint64_t stream_bytes = 0;  ///< budget of the client core; see EngineOptions::memory_budget_bytes
+  /// Value for RefineOptions::drawn_budget_bytes. Any meshes that take at most this many bytes in total fit
   /// on the GPU.
   uint64_t drawn_bytes = 0;
-  /// Budgets of the GPU's half. With memory budgets below 32 MB, the upload buffers exceed this half.
+  /// Budgets within the GPU's half. If the memory budget is below 32 MB, the upload buffers push their sum
+  /// above this half.
   render::ResidencyOptions gpu;
 };
 
 /// Divides a memory budget. Pure.
 MemoryShares shareMemory(uint64_t memory_budget_bytes);
 
-/// Returns the options with the budgets of the stream's share.
+/// Returns the options with the memory budgets of the stream set to its share.
 stream::StreamOptions withShare(stream::StreamOptions options, const MemoryShares& memory);
 
 }  // namespace lode::app

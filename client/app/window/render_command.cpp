@@ -48,10 +48,10 @@ constexpr size_t kMaxPictures = 1'000'000;
 struct RenderOptions {
   CommonOptions common;
   LookOptions look;
-  // Exactly one of the next three texts is set.
-  std::string output;  ///< file for a picture at the path's first key
-  std::string folder;  ///< folder for a picture of each frame
-  std::string video;   ///< file for a video of all frames
+  // The user gives exactly one of the next three.
+  std::string output;  ///< file for one picture, at the first key of the camera path
+  std::string folder;  ///< folder for one picture per frame
+  std::string video;   ///< file for a video of the whole path
   double fps = 30;
   bool json = false;
 };
@@ -82,10 +82,10 @@ std::vector<Shot> planShots(const RenderOptions& options, const core::CameraPath
   return shots;
 }
 
-/// Temporary folder for a video's frames. The destructor removes the folder.
+/// Temporary folder for the frames of a video. The destructor removes the folder.
 class FramesFolder {
  public:
-  /// @throws Error kIo if something is at the path, or if the folder cannot be created.
+  /// @throws Error kIo if the path exists already, or if the folder cannot be created.
   explicit FramesFolder(fs::path path) : path_(std::move(path)) {
     const Uninterrupted until_it_is_known;
     if (::mkdir(path_.c_str(), S_IRWXU) != 0)
@@ -142,7 +142,7 @@ void printLegend(const Shown& shown, std::FILE* report) {
     std::fprintf(report, "%s  %s\n", hexOf(entry.colour).c_str(), entry.meaning.c_str());
 }
 
-/// Refuses wrong outputs before the work begins. @throws Error.
+/// Rejects invalid outputs before the work begins. @throws Error.
 void checkOutput(const RenderOptions& options) {
   if (options.output.empty() == options.folder.empty())
     throw Error(ErrorCode::kUsage, "render needs one of -o OUT.png, --frames DIR and --video OUT.mp4");
@@ -156,7 +156,7 @@ void render(const RenderOptions& options) {
   checkOutput(options);
   std::FILE* const report = options.output.empty() ? stdout : reportStream(options.output, options.json);
   const PictureSize size = options.common.size();
-  // Create a context now, so that a machine that cannot draw fails before a long build begins.
+  // Create the context first, so that a machine without OpenGL fails before a long build begins.
   const render::OffscreenContext context;
   const render::Framebuffer target(size.width_px, size.height_px);
   render::AmbientOcclusion occlusion;

@@ -16,13 +16,13 @@ struct ViewOptions {
   CommonOptions common;
   LookOptions look;
   double fps = 60;
-  /// True if --pixels was given; the frame rate then does not change the threshold.
+  /// True if --pixels was given; a moving camera then does not raise the threshold.
   bool is_threshold_fixed = false;
-  /// File for one converged picture, after which the program ends; empty for none.
+  /// File for one converged picture, after which the program exits; empty: none.
   std::string screenshot;
-  /// Number of times to fly the camera's path, then print frame times and end; 0 for none.
+  /// Number of times to fly the camera's path before printing frame times and exiting; 0: no flight.
   int laps = 0;
-  bool json = false;  ///< true prints the frame times as JSON
+  bool json = false;  ///< true to print the frame times as JSON
 };
 
 /// Declares the subcommand `view`: a window that shows a model or a scene while its data streams.

@@ -14,11 +14,11 @@
 namespace lode::app {
 namespace {
 
-// Time between two frames that draw nothing, in seconds.
-constexpr double kIdleWaitS = 0.25;       ///< wait if all streams are settled
-constexpr double kStreamingWaitS = 0.01;  ///< wait if a stream refines
-constexpr double kCoarserWaitS = 0.002;   ///< wait if a coarser cut is about to be drawn
-constexpr double kFramesOfFade = 4;       ///< least number of frames of a fade
+// Times to wait for input if nothing needs to be drawn, in seconds.
+constexpr double kIdleWaitS = 0.25;       ///< if all streams are settled
+constexpr double kStreamingWaitS = 0.01;  ///< if a stream is refining
+constexpr double kCoarserWaitS = 0.002;   ///< if a coarser cut is about to be drawn
+constexpr double kFramesOfFade = 4;       ///< parts fade only if a fade takes at least this many frames
 constexpr double kNoteS = 6;              ///< time during which a note stays on the panel
 
 }  // namespace
@@ -71,14 +71,14 @@ bool Viewer::isMinimized() const { return window_.widthPx() == 0 || window_.heig
 
 bool Viewer::isLeaving() const { return done_ || window_.shouldClose(); }
 
-/// Returns true if the cut for the view now drawn is final and uploaded.
+/// Returns true if the final cut of the current view is on the GPU.
 bool Viewer::settled() const {
   const stream::StreamStatus& status = scene_.status();
   return rig_ && status.settled && status.cut && status.cut->view == drawnView() &&
          status.cut->threshold_px == pacing_.askedPx() && scene_.uploaded();
 }
 
-/// Returns the time to wait for input: long while nothing changes, short while streams refine.
+/// Returns the time to wait for input, which is long while nothing changes and short while streams refine.
 double Viewer::waitSeconds() const {
   if (isMinimized() || (failed_ && frames_to_draw_ == 0)) return kIdleWaitS;
   if (isWorthWaiting()) return kCoarserWaitS;
@@ -115,7 +115,8 @@ void Viewer::frame() {
   draw();
 }
 
-/// Handles a frame of a minimized window: draws nothing, but checks the timeout and continues the flight.
+/// Handles a frame while the window is minimized: draws nothing, but checks the timeout and continues the
+/// flight.
 void Viewer::passUnseen() {
   const bool is_picture_due = !options_.screenshot.empty() || (pilot_ && !pilot_->isUnderWay());
   if (is_picture_due && isTimeOver())
@@ -125,7 +126,7 @@ void Viewer::passUnseen() {
   if (rig_) fly();
 }
 
-/// Returns true if the next picture would differ from the last.
+/// Returns true if the next picture would differ from the last drawn one.
 bool Viewer::isPictureOld(const Input& input) const {
   if (input.any() || input.damaged || uploading_ || scene_.fading() || !options_.screenshot.empty())
     return true;
@@ -139,7 +140,8 @@ bool Viewer::isWorthWaiting() const {
   return rig_ && pacing_.isWorthWaiting(drawnThresholdPx(), scene_.uploaded(), Clock::now());
 }
 
-/// Shows the error in the window. The window stays open, because users may have no terminal.
+/// Shows the error in the window, which stays open because the user may have no terminal. With --screenshot
+/// or --laps, and on wrong usage, throws the error instead.
 void Viewer::fail(const Error& error) {
   if (!isInteractive() || error.code() == ErrorCode::kUsage) throw error;
   failed_ = error;
@@ -180,7 +182,7 @@ void Viewer::noteFlight(std::optional<uint64_t> number) {
   pilot_->draw(*number, frame);
 }
 
-/// Takes the times of earlier frames, which the GPU has finished.
+/// Collects the times of earlier frames that the GPU has finished.
 void Viewer::takeTimes() {
   while (const auto frame = timer_.take()) {
     const double work_ms = std::max(frame->cpu_ms, frame->gpu_ms);
@@ -207,8 +209,8 @@ render::DrawTime Viewer::time() const {
 /// Returns true if ambient occlusion is drawn. A screenshot always has it, like the pictures of `render`.
 bool Viewer::darkensHollows() const { return darkens_hollows_ || !options_.screenshot.empty(); }
 
-/// Returns true if the next picture has one sample per pixel. If the CPU draws and the camera moves, a finer
-/// threshold is worth more than antialiasing.
+/// Returns true if the next picture is drawn without antialiasing. While the CPU draws for a moving camera, a
+/// finer threshold is worth more than antialiasing.
 bool Viewer::isQuick() const {
   return draws_in_software_ && rig_ && !pacing_.isResting() && options_.screenshot.empty();
 }
@@ -225,7 +227,7 @@ core::View Viewer::drawnView() const {
   return view;
 }
 
-/// Returns the coarsest drawn threshold, in pixels of the next picture; 0 while nothing is drawn.
+/// Returns the threshold of the coarsest drawn cut, in pixels of the next picture; 0 while no cut is drawn.
 float Viewer::drawnThresholdPx() const {
   return static_cast<float>(scene_.drawnThresholdRad() * focalPx(drawnView()));
 }
@@ -237,8 +239,8 @@ const render::Framebuffer& Viewer::target(const core::View& view) {
   return *target;
 }
 
-/// Returns the coarsening of a drawn frame for the frame-rate control. Returns nothing if the frame is not
-/// typical of frames with a moving camera.
+/// Returns the coarsening of a drawn frame for the frame-rate control, or nothing if the frame is not typical
+/// of a moving camera.
 std::optional<render::Coarsening> Viewer::coarseningOf(const render::DrawCounts& drawn,
                                                        const core::View& view) const {
   std::optional<render::Coarsening> coarsening = render::coarseningOf(drawn.shown, pacing_.thresholdPx());

@@ -27,22 +27,23 @@ namespace lode::app {
 
 /// The program's window. Handles input, passes the camera to the streams, uploads within each frame's budget
 /// and draws. Refinement, network and decoding run on the threads of each stream::Streamer. Use it only on
-/// the program's first thread.
+/// the main thread.
 class Viewer {
  public:
   /// Opens the window and begins to open the target. @throws Error.
   explicit Viewer(const ViewOptions& options);
-  /// Runs until the user closes the window. Then writes the picture or recording that is still due.
-  /// @return false if the target could not be opened; the window and a line on stderr have shown the reason.
-  /// @throws Error on wrong usage, or if the last picture cannot be written. With --screenshot or --laps,
-  /// also throws if the target cannot be opened. With --screenshot, throws if the picture is incomplete after
-  /// the timeout or when the window is closed. With --laps, throws if the flight cannot begin, or, after
-  /// printing its frames, if the flight is cut short.
+  /// Runs until the user closes the window, or until --screenshot or --laps is done. Then writes the pending
+  /// pictures and recording.
+  /// @return false if the target could not be opened; the window and stderr have shown the reason.
+  /// @throws Error on wrong usage, or if a pending picture or recording cannot be written. With --screenshot
+  /// or --laps, also throws if the target cannot be opened. With --screenshot, throws if the picture is still
+  /// incomplete at the timeout or when the window is closed. With --laps, throws if the flight cannot begin,
+  /// or, after printing the frame times, if the flight ends early.
   bool run();
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr int kFramesToSettle = 2;  ///< number of frames that the panel needs to fit its text
+  static constexpr int kFramesToSettle = 2;  ///< number of frames until the panel fits its text
 
   // viewer.cpp: opening, frames and drawing.
   static double secondsSince(Clock::time_point start);
@@ -103,15 +104,15 @@ class Viewer {
   const render::OcclusionCulling occlusion_culling_ = render::fastestOcclusionCulling();
   Panel panel_;
   ViewedScene scene_;
-  /// Framebuffers with several samples per pixel and with one sample per pixel.
+  /// Framebuffers: `smooth_` has several samples per pixel, `quick_` has one.
   std::optional<render::Framebuffer> smooth_, quick_;
   render::AmbientOcclusion occlusion_;
   render::FrameTimer timer_;
   Pacing pacing_;
-  double uploads_ms_ = 0;         ///< time spent on uploads since the last frame
+  double uploads_ms_ = 0;         ///< time spent on uploads since the last drawn frame
   std::optional<CameraRig> rig_;  ///< empty until the scene is open
   std::optional<Error> failed_;   ///< set if the scene cannot be opened
-  /// State of the last picture in the window.
+  /// State of the last picture drawn in the window.
   struct Drawn {
     core::View view;
     uint64_t serial = 0;
@@ -128,8 +129,8 @@ class Viewer {
   ColorModeSwitch show_;
   uint64_t memory_bytes_ = 0;
   bool fades_ = options_.common.fade;
-  /// True if ambient occlusion is drawn. False by default if the CPU draws, because ambient occlusion costs
-  /// the same at every threshold.
+  /// True to draw ambient occlusion. Off by default if the CPU draws, because a coarser threshold does not
+  /// make ambient occlusion cheaper.
   bool darkens_hollows_ = !draws_in_software_;
   PanelContent content_;
   Clock::time_point started_ = Clock::now(), opened_ = started_, last_frame_ = started_, noted_ = started_;

@@ -19,8 +19,8 @@ void Viewer::record(const Input& input) {
     recorder_.start();
 }
 
-/// Ends the recording and writes its file. Reports a failure as a note in the panel while the window is open;
-/// while the window closes, throws the error, because nobody would read a note.
+/// Ends the recording and writes its file. While the window is open, shows a failure as a note in the panel.
+/// While the window closes, throws the error instead, because nobody would read the note.
 void Viewer::saveRecording() {
   try {
     if (const std::optional<std::string> file = recorder_.save())
@@ -31,9 +31,9 @@ void Viewer::saveRecording() {
   }
 }
 
-/// Saves pictures that are due. The picture of --screenshot is due once the cut has converged and the panel
-/// fits its final text; saving it ends the program. A picture requested by a key is due once the window is at
-/// rest, see PictureRequest.
+/// Saves the pictures that are due. The picture of --screenshot is due once the cut has converged and the
+/// panel fits its final text; the program exits after saving it. A picture requested by a key is due once the
+/// window is at rest: see PictureRequest.
 void Viewer::saveScreenshots() {
   if (!options_.screenshot.empty()) {
     converged_frames_ = content_.converged && pacing_.asksForFinest() ? converged_frames_ + 1 : 0;

@@ -11,11 +11,11 @@
 namespace lode::app {
 namespace {
 
-constexpr double kLongestStepS = 0.1;  ///< longest time that a flight advances in one frame
+constexpr double kLongestStepS = 0.1;  ///< longest time by which camera motion advances in one frame
 
 }  // namespace
 
-/// If the panel below the pointer is too high for the window, scrolls the panel by the wheel.
+/// Uses the wheel to scroll the panel if the pointer is over a panel that is taller than the window.
 void Viewer::scrollPanel(Input& input) {
   PanelScroll* const scroll = input.wheel != 0 ? panel_.scrolledAt(input.pointer_px) : nullptr;
   if (scroll == nullptr) return;
@@ -47,7 +47,8 @@ void Viewer::noteBookmark(const Input& input) {
     note("no bookmark " + number + " yet: Ctrl+" + number + " sets it");
 }
 
-/// Opens or closes the help. Any key closes the help. After that, the help no longer opens by itself.
+/// Opens or closes the help. Any key closes it. After that, the help no longer opens on its own at program
+/// start.
 void Viewer::openOrCloseHelp(const Input& input) {
   if (!content_.help) {
     content_.help = input.toggle_help;
@@ -87,16 +88,16 @@ void Viewer::pointAt(const Input& input) {
   if (input.clicked) picks_.add(*hit);
 }
 
-/// Returns the share of the window's width that the panel covers; 0 for a screenshot, which frames the model
-/// as `render` does.
+/// Returns the share of the window's width that the panel covers. Returns 0 with --screenshot and --laps, so
+/// that the camera frames the model as in `render`.
 double Viewer::coveredShare() const {
   if (!isInteractive() || !content_.visible) return 0;
   const glm::vec2 window_px(window_.widthPx(), window_.heightPx());
   return app::coveredShare(window_px, kTextPx * static_cast<float>(window_.contentScale()));
 }
 
-/// Returns the surface point below the pointer. If no surface is below the pointer, returns the surface point
-/// in the middle of the picture. If no surface is there either, returns the ground below the eye.
+/// Returns the point where a walk starts: the surface point under the pointer, else the surface point at the
+/// centre of the picture, else the ground below the eye.
 std::optional<glm::dvec3> Viewer::startOfWalk(const glm::dvec2& pointer_px, const GroundBelow& ground) {
   const core::View& view = rig_->view();
   for (const glm::dvec2& pixel_px : {pointer_px, glm::dvec2(view.width_px, view.height_px) / 2.0})
@@ -136,8 +137,8 @@ Settings Viewer::settings() const {
           .memory_bytes = memory_bytes_};
 }
 
-/// Applies the settings that the user has changed. Leaves other values as they are, because they may lie
-/// outside the range of the settings.
+/// Applies the settings that the user has changed. Does not touch the others, because the command line may
+/// have set them outside the range of the settings.
 void Viewer::apply(const Settings& wanted) {
   const Settings now = settings();
   if (wanted.unlit != now.unlit)
