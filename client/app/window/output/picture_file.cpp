@@ -42,7 +42,7 @@ std::string frameName(size_t frame) {
 }
 
 void makeFilmFolder(const fs::path& folder) {
-  followLinks(folder);  // refuses a link of another user
+  followLinks(folder);  // throws for a link that another user owns
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed)

@@ -18,11 +18,11 @@ std::string timedName(const std::string& ending);
 /// Returns "frame_000012.png" for frame 12.
 std::string frameName(size_t frame);
 
-/// Makes the folder for the frames of a film, and the folders above this folder. @throws Error kIo.
+/// Creates the folder for the frames of a film, with any missing parent folders. @throws Error kIo.
 void makeFilmFolder(const std::filesystem::path& folder);
 
-/// Refuses a folder that contains frames of another film with higher numbers, because a video made from the
-/// folder would include them.
+/// Rejects a folder that contains frames of another film beyond the last frame of the new film, because a
+/// video made from the folder would include them.
 /// @param frames  number of frames of the new film.
 /// @throws Error kUsage, kIo.
 void refuseOtherFilm(const std::filesystem::path& folder, size_t frames);

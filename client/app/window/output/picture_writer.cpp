@@ -30,8 +30,8 @@ void PictureWriter::write(std::filesystem::path file, render::Image image) {
   std::shared_future<Written> before;
   if (!queued_.empty()) before = queued_.back();
   auto shared = std::make_shared<const render::Image>(std::move(image));
-  // The task owns the image and the previous future, so that both are freed when the picture is written. The
-  // call of take() may come much later.
+  // The task owns the image and the previous future, so that both are freed as soon as the picture is
+  // written, even if take() is called much later.
   auto write = [file = std::move(file), shared = std::move(shared), before = std::move(before)]() mutable {
     if (before.valid()) before.wait();
     before = {};

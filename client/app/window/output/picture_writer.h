@@ -46,12 +46,12 @@ class PictureWriter {
 
   struct Written {
     std::filesystem::path file;
-    std::exception_ptr failure;  ///< exception that prevented the file; null if the file is written
+    std::exception_ptr failure;  ///< reason why the file could not be written; null on success
   };
-  /// Returns the result of the oldest picture whose result was not yet returned. Returns nothing if the
-  /// picture is still being written.
+  /// Returns the oldest result that was not returned yet. Returns nothing if there is no further picture or
+  /// it is still being written.
   std::optional<Written> take();
-  /// Waits until all pictures are written, then calls take() and returns its result.
+  /// Waits until all pictures are written, then returns take().
   std::optional<Written> waitAndTake();
 
  private:

@@ -13,7 +13,7 @@ namespace lode::app {
 
 namespace {
 
-/// Returns a path in which ffmpeg finds no pattern of a file number.
+/// Escapes each % in a path, because ffmpeg would read it as the start of a file number pattern.
 std::string escapePattern(const std::filesystem::path& path) {
   std::string escaped;
   for (const char c : path.string()) escaped += c == '%' ? "%%" : std::string(1, c);
@@ -39,8 +39,8 @@ void makeVideo(const std::filesystem::path& ffmpeg, const std::filesystem::path&
   const std::filesystem::path folder = std::filesystem::absolute(frames), unfinished = folder / "video.mp4";
   char rate[32];
   std::snprintf(rate, sizeof rate, "%.6g", fps);
-  // Most players need yuv420p, which needs even sides. Write the colour matrix into the file, because players
-  // would otherwise guess the matrix from the size of the picture.
+  // Most players need yuv420p, which needs an even width and height. Write the colour matrix into the file,
+  // because players would otherwise guess it from the picture size.
   ChildProcess encoder(std::filesystem::absolute(ffmpeg),
                        {"-y",
                         "-loglevel",

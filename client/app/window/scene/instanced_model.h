@@ -21,12 +21,12 @@ namespace lode::app {
 /// points and placements of the scene are in the frame of ViewedScene::summary(). Use it only on the thread
 /// of its OpenGL context.
 struct InstancedModel {
-  /// Begins to open the target. @param number  index in Scene::models.
+  /// Begins to open the target. @param model_number  index in Scene::models.
   InstancedModel(size_t model_number, const std::string& target, const std::filesystem::path& textures_folder,
                  stream::StreamOptions options, core::Framing framing, std::chrono::milliseconds timeout,
                  const MemoryShares& memory);
 
-  /// Updates `opened` without waiting. @return true once, when the model has opened.
+  /// Updates `opened` without waiting. @return true only once, when the model has opened.
   bool poll();
   bool isOpen() const noexcept { return opened.streamer != nullptr; }
   /// Returns true while the first attempt to open the model is under way.
@@ -34,7 +34,7 @@ struct InstancedModel {
 
   /// Transforms a camera of the scene into the model's frame at an instance.
   core::View viewAt(size_t instance, const core::View& scene_view) const;
-  /// Transforms a point of the model's frame into the scene. toModel() transforms it back.
+  /// Transforms a point of the model's frame into the scene. toModel() is the inverse.
   glm::dvec3 toScene(size_t instance, const glm::dvec3& point_model) const;
   glm::dvec3 toModel(size_t instance, const glm::dvec3& point_scene) const;
   /// Returns the model's box in the model's frame.

@@ -41,7 +41,7 @@ ModelOpener::ModelOpener(Target target, stream::StreamOptions options, core::Fra
 ModelOpener::~ModelOpener() {
   stopping_.request_stop();
   {
-    const std::lock_guard lock(mutex_);  // the lock keeps run() from missing the notification
+    const std::lock_guard lock(mutex_);  // without this lock, run() could miss the notification
   }
   stop_.notify_all();
   thread_.join();

@@ -24,7 +24,7 @@ namespace lode::app {
 /// started it. Thread safe.
 class ModelOpener {
  public:
-  /// @param framing  framing without the coarsest mesh; becomes Progress::framing.
+  /// @param framing  framing without a mesh; Progress::framing adds the coarsest mesh.
   ModelOpener(Target target, stream::StreamOptions options, core::Framing framing,
               std::chrono::milliseconds timeout);
   ~ModelOpener();
@@ -33,7 +33,7 @@ class ModelOpener {
 
   struct Progress {
     std::string phase;                     ///< description for the user; empty once the model is open
-    double part = -1;                      ///< finished part of the phase, 0 to 1; below 0: unknown
+    double part = -1;                      ///< finished fraction of the phase, 0 to 1; negative: unknown
     stream::Streamer* streamer = nullptr;  ///< null until the model is open; lives as long as the opener
     const ModelSummary* model = nullptr;   ///< null until the model is open; lives as long as the opener
     core::Framing framing;                 ///< framing of the first camera, with the coarsest mesh
@@ -62,7 +62,8 @@ class ModelOpener {
 /// seconds. Not thread safe.
 class RetryingOpener {
  public:
-  /// @param target, textures_folder  arguments of parseTarget(). An invalid text counts as a failed attempt.
+  /// @param target, textures_folder  arguments of parseTarget(). An invalid target counts as a failed
+  /// attempt.
   RetryingOpener(std::string target, std::filesystem::path textures_folder, stream::StreamOptions options,
                  core::Framing framing, std::chrono::milliseconds timeout);
 
@@ -86,7 +87,7 @@ class RetryingOpener {
   const std::chrono::milliseconds timeout_;
   bool target_is_server_ = false;
   std::optional<ModelOpener> opener_;  ///< current attempt; empty between two attempts
-  /// Time of the next attempt; empty if another attempt cannot succeed.
+  /// Time of the next attempt; empty during an attempt, and if another attempt cannot succeed.
   std::optional<Clock::time_point> next_attempt_;
   ModelOpener::Progress progress_;  ///< progress at the last poll
 };

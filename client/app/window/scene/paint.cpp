@@ -11,7 +11,8 @@ glm::dvec3 toLinear(const glm::u8vec4& srgb) {
   return {linearOf(srgb.r), linearOf(srgb.g), linearOf(srgb.b)};
 }
 
-/// Returns the finest resident texel. @param uv  v = 0 is the image's bottom.
+/// Returns the texel at a texture coordinate, from the finest resident level of a texture. @param uv  v = 0
+/// is the bottom edge of the image.
 std::optional<glm::u8vec4> texelAt(const core::Cut& cut, uint32_t number, const glm::dvec2& uv) {
   if (!cut.textures || number >= cut.textures->textures.size()) return std::nullopt;
   const Texture& texture = cut.textures->textures[number];

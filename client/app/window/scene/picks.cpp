@@ -11,7 +11,7 @@
 namespace lode::app {
 namespace {
 
-/// Returns the decimals that resolve a lattice step; more would not be meaningful.
+/// Returns the number of decimals that resolves a lattice step. More decimals would be meaningless.
 int decimalsOf(double step) { return std::clamp(static_cast<int>(std::ceil(-std::log10(step))), 0, 12); }
 
 std::string coordinates(const glm::dvec3& position, int decimals) {

@@ -10,7 +10,7 @@
 
 namespace lode::app {
 
-/// The surface point that the user has picked at a pixel.
+/// A surface point that the user has picked in the picture.
 struct PickedPoint {
   glm::dvec3 position_model;  ///< position in the frame of ViewedScene::summary()
   glm::dvec3 position;        ///< position in true coordinates
@@ -18,12 +18,13 @@ struct PickedPoint {
   NodeKey node;
   uint32_t lod = 0;
   float error_px = 0;
-  double step = 1;  ///< lattice step; the position is no more precise than this
+  double step = 1;  ///< lattice step, which limits the precision of the position
   std::optional<glm::u8vec3> colour;
   std::string model;  ///< name of the model; empty on the ground and in a scene of one model
 };
 
-/// Describes a hit. @param textured  cut that has the model's textures, see paintAt().
+/// Returns the picked point of a ray's hit. @param textured  cut that has the model's textures; see
+/// paintAt().
 PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core::Cut& textured);
 
 /// The last two points on which the user clicked.
@@ -31,11 +32,11 @@ class Picks {
  public:
   void add(PickedPoint point);
   void clear() noexcept;
-  /// Undoes the last pick. Called for a double click, whose first click has already picked a point.
+  /// Undoes the last pick. Used for a double click, because its first click has already picked a point.
   void takeBack() { picks_ = before_; }
 
-  /// Describes the last point in lines: coordinates, node, LOD, error, colour, and the distance to the
-  /// previous point. Returns no lines if no point is picked.
+  /// Returns lines of text about the last point: coordinates, node, LOD, error, colour, and the distance to
+  /// the previous point. Returns no lines if no point is picked.
   std::vector<std::string> lines() const;
   /// Returns the distance between the two points as text; empty if fewer than two points are picked.
   std::string distance() const;

@@ -16,27 +16,28 @@
 
 namespace lode::app {
 
-/// The scene that `render` draws; a single model is a scene of one model. Each model has an equal part of the
-/// memory budget, and one stream and one renderer, which all instances of the model share. Create, use and
-/// destroy the object on the thread of its OpenGL context.
+/// The scene that `render` draws; a single model is a scene of one model. Each model gets an equal part of
+/// the memory budget. All instances of a model share one stream and one renderer. Create, use and destroy the
+/// object on the thread of its OpenGL context.
 class RenderedScene {
  public:
   struct Picture {
-    bool is_drawn = false;        ///< false if there is no picture, because an instance has no converged cut
-    bool has_converged = false;   ///< true if all instances have converged, see hasConverged()
-    stream::StreamStatus status;  ///< status for the first instance that did not converge, else for the last
-    float max_error_px = 0;       ///< largest error of all instances
+    bool is_drawn = false;       ///< false if an instance has no converged cut, so that there is no picture
+    bool has_converged = false;  ///< true if all instances have converged, see hasConverged()
+    /// Status of the first instance that did not converge, else of the last instance.
+    stream::StreamStatus status;
+    float max_error_px = 0;  ///< largest error of all instances
     std::vector<render::LegendEntry> legend;
   };
 
   /// Builds the stores of PLY files, starts servers for local models, and waits until all models are open.
-  /// @param announce  true: prints the progress of builds, see resolveTarget(). @throws Error.
+  /// @param announce  true to print the progress of builds; see resolveTarget(). @throws Error.
   RenderedScene(const CommonOptions& options, bool announce);
   ~RenderedScene();
 
-  /// Returns the camera path of --camera, or the camera that frames the scene.
+  /// Returns the camera path of --camera, or else the default camera as a path with one key.
   const core::CameraPath& path() const { return path_; }
-  /// Draws the scene from the camera at time `t` of the path. Draws one instance after the other, each as
+  /// Draws the scene from the camera at time `t` of the path. Draws the instances one after another, each as
   /// soon as it has converged. @throws Error; kLimit if a model does not fit into its GPU memory.
   Picture draw(double t, const render::Framebuffer& target, render::DrawStyle style);
 

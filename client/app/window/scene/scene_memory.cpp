@@ -6,7 +6,7 @@ namespace lode::app {
 namespace {
 
 constexpr uint64_t kEqualShare = 8;   // 1/8 of the budget is divided equally
-constexpr uint64_t kChangeShare = 8;  // parts change only if one of them changes by more than 1/8
+constexpr uint64_t kChangeShare = 8;  // parts change only if at least one part would change by more than 1/8
 constexpr int kMostChanges = 4;       // largest number of changes while the view stays the same
 
 }  // namespace

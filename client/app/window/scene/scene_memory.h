@@ -10,25 +10,25 @@
 namespace lode::app {
 
 /// Divides the memory budget among the models of a scene so that all models reach the same error. All parts
-/// are equal until a model is short of memory. Then each part is proportional to the memory that the model
-/// needs for the requested error. Pure.
+/// are equal until a model is short of memory. From then on, 1/8 of the budget is divided equally, and the
+/// rest in proportion to the memory that each model needs for the requested error. Pure.
 class SceneMemory {
  public:
   SceneMemory(uint64_t budget_bytes, size_t models);
 
   struct Need {
-    uint64_t bytes = 0;     ///< memory that the requested error needs, in any unit that all models share
-    bool is_short = false;  ///< the model's part is too small for these bytes
+    uint64_t bytes = 0;     ///< memory needed for the requested error, in a unit common to all models
+    bool is_short = false;  ///< the model's part is too small for this need
   };
-  /// Sets the view; call setView() in each frame. While the view stays the same, parts change only a few
+  /// Sets the view; call this function in each frame. While the view stays the same, parts change only a few
   /// times, so that the picture settles.
   void setView(const core::View& view, float threshold_px);
   /// Lets parts change again in the same view, because a model was added.
   void allowChanges() noexcept { changes_ = 0; }
-  /// Divides the budget again if a model is short. @param needs  by model. @return true if parts have
-  /// changed.
+  /// Divides the budget anew if a model is short of memory. @param needs  need of each model. @return true if
+  /// parts have changed.
   bool share(std::span<const Need> needs);
-  /// Returns the bytes of each model. Their sum is at most the budget.
+  /// Returns the part of each model in bytes. The sum of the parts is at most the budget.
   const std::vector<uint64_t>& parts() const noexcept { return parts_; }
 
  private:
@@ -36,7 +36,7 @@ class SceneMemory {
   std::vector<uint64_t> parts_;
   core::View view_;
   float threshold_px_ = 0;
-  int changes_ = 0;  ///< number of changes in this view
+  int changes_ = 0;  ///< number of times that parts have changed in this view
 };
 
 /// GPU memory of a model.

@@ -20,23 +20,24 @@ namespace lode::app {
 namespace {
 
 constexpr uint64_t kGroundBytes = 1u << 20;  ///< memory budget for the ground's two triangles
-constexpr double kGroundRadii = 40;          ///< half of the ground's side, in radii of the scene
-constexpr double kShadowWidening = 1.3;      ///< extent of a shadow relative to the model's box
-/// Darkness of the shadow below a model that stands on the ground. A shadow fades as its model rises, and is
-/// gone when the model's distance from the ground equals its height.
+constexpr double kGroundRadii = 40;          ///< half of the ground's side, in diagonals of the scene's box
+constexpr double kShadowWidening = 1.3;      ///< size of a shadow, relative to the model's box
+/// Darkness of the shadow below a model that stands on the ground. The shadow fades as the model rises, and
+/// is gone once the gap between model and ground equals the model's height.
 constexpr double kShadowDepth = 0.55;
 
-constexpr double kRoom = 64;  ///< room on each side of the scene, relative to the scene's longest side
+constexpr double kRoom = 64;  ///< free space on each side of the scene, relative to the scene's longest side
 
-/// Returns a corner of a model's box in the scene. @param corner  bits 0 to 2 choose max for x, y and z.
+/// Returns a corner of a model's box in scene coordinates. @param corner  bits 0, 1 and 2 select the maximum
+/// of x, y and z.
 glm::dvec3 cornerOf(const ModelSummary& model, const Placement& placement, unsigned corner) {
   const glm::uvec3 choice(corner & 1, corner >> 1 & 1, corner >> 2);
   const glm::uvec3 at = glm::mix(model.box.min, model.box.max, glm::bvec3(choice));
   return placement.position + placement.rotation * (placement.scale * model.lattice.toWorld(at));
 }
 
-/// Returns an elliptic shadow whose axes follow the two most level sides of the model's box. Returns nothing
-/// if the model is too far above or below the ground.
+/// Returns an elliptical shadow along the two most horizontal sides of the model's box, or nothing if the
+/// model is too far above the ground or below it.
 std::optional<render::ContactShadow> shadowOf(const ModelSummary& model, const Placement& placement,
                                               const glm::dvec3& up, double ground_height) {
   const glm::dvec3 first = cornerOf(model, placement, 0);
@@ -44,7 +45,7 @@ std::optional<render::ContactShadow> shadowOf(const ModelSummary& model, const P
   for (unsigned axis = 0; axis < 3; ++axis)
     sides[axis] = (cornerOf(model, placement, 1u << axis) - first) / 2.0;
   const glm::dvec3 middle = first + sides[0] + sides[1] + sides[2];
-  double reach = 0;  // half of the box's extent along up
+  double reach = 0;  // half of the box's height along `up`
   for (const glm::dvec3& side : sides) reach += std::abs(glm::dot(side, up));
   const double above = glm::dot(middle, up) - ground_height;
   const double gap = std::max(0.0, above - reach) / std::max(2 * reach, 1e-12);
@@ -120,7 +121,7 @@ SceneStage::SceneStage(const Scene& scene, std::span<const ModelSummary* const> 
   if (ground_) makeGround(scene, min, max);
 }
 
-/// Makes a square of two triangles around the scene.
+/// Makes the ground, a square of two triangles under the scene.
 void SceneStage::makeGround(const Scene& scene, const glm::dvec3& min, const glm::dvec3& max) {
   sortShadows(ground_->shadows);
   const glm::dvec3 middle = (min + max) / 2.0, up = scene.up;

@@ -19,10 +19,11 @@ constexpr uint32_t instanceNumber(size_t model, size_t instance) noexcept {
   return static_cast<uint32_t>((model + 1) << 16 ^ instance);
 }
 
-/// Returns a lattice for a scene in which models are still missing. The lattice surrounds the box of the open
-/// models, with room of 64 times the box's longest side on each side. The placement of a missing model does
-/// not show where the model will be: a georeferenced model can lie millions of units away. Pure.
-/// @param whole  summary with the box of the open models.
+/// Returns a lattice for a scene in which models are still missing. On every side, the lattice extends beyond
+/// the box of the open models by 64 times the box's longest side. This room is for the missing models: their
+/// placements alone do not tell where they will lie, because the coordinates of a georeferenced model can be
+/// in the millions. Pure.
+/// @param whole  summary of the open models, with their box.
 Lattice latticeWithRoom(const ModelSummary& whole);
 
 /// Returns the box of `whole` in another lattice, clipped to this lattice. Pure.
@@ -32,18 +33,18 @@ LatticeBox boxIn(const Lattice& lattice, const ModelSummary& whole);
 /// OpenGL context.
 class SceneStage {
  public:
-  /// @param models  summaries of the models, indexed as in Scene::models; null if a model is missing.
+  /// @param models  summaries of the models, indexed as in Scene::models; null for a missing model.
   SceneStage(const Scene& scene, std::span<const ModelSummary* const> models);
   ~SceneStage();
 
   /// Returns a summary of the scene as if it were one model, with the extent of the scene and the triangles
   /// of all instances. For a single model, returns the model's summary.
   const ModelSummary& whole() const noexcept { return whole_; }
-  /// Returns the near distance for views of the scene: one lattice step of the coarsest instance. All models
-  /// use the same near distance, so that their depths are comparable.
+  /// Returns the near distance for views of the scene: the largest lattice step of the instances and the
+  /// ground. All models use the same near distance, so that their depths are comparable.
   double nearest() const noexcept { return near_; }
 
-  /// Starts a picture: clears the depths and draws the ground with contact shadows, if the scene has a
+  /// Starts a picture: clears the depth buffer, and draws the ground with contact shadows if the scene has a
   /// ground.
   /// @param view  view of the scene.
   void begin(const core::View& view, const render::Framebuffer& target, const render::DrawStyle& style);
@@ -57,8 +58,8 @@ class SceneStage {
   std::unique_ptr<Ground> ground_;
 };
 
-/// Draws the background into the pixels without ground and model: the scene's sky, or the colours of the
-/// style.
+/// Draws the background into all pixels that show neither ground nor model. The background is the scene's
+/// sky, or has the colours of the style if the scene has no sky.
 /// @param renderer  renderer of any model.
 void drawSky(const render::Renderer& renderer, const Scene& scene, const render::Framebuffer& target,
              render::DrawStyle style);

@@ -15,7 +15,8 @@
 namespace lode::app {
 namespace {
 
-/// Refuses a scene with wrong targets before any model is opened. @throws Error.
+/// Rejects a scene with invalid targets before any model is opened. If missing models are allowed, only a
+/// usage error or a scene without any valid instance is rejected. @throws Error.
 void refuseWrongTargets(const Scene& scene, const std::string& source, MissingModels missing_models) {
   std::vector<std::optional<Error>> refused(scene.models.size());
   for (size_t model = 0; model < scene.models.size(); ++model) {
@@ -66,8 +67,8 @@ void ViewedScene::openNext() {
   gpu_budget_bytes_ += memory.gpu.budget_bytes;
 }
 
-/// Opens the models. Opens local files one after the other, because each may need a build. Opens models on
-/// servers at the same time, because a server may not answer.
+/// Opens the models: local files one after another, because each may need a build, and models on servers in
+/// parallel, because a server may not answer.
 ViewedScene::Opening ViewedScene::open() {
   if (stage_) return {.is_open = true};
   for (const auto& model : models_) model->poll();
@@ -98,8 +99,8 @@ core::Framing ViewedScene::framing() const {
   return scene_.is_single_model ? models_.front()->opened.framing : framing_;
 }
 
-/// Sets up the stage and the instances of all open models. If a model opens later, the frame of views stays
-/// the same.
+/// Sets up the stage and the instances of all open models. The first call chooses the coordinate frame of
+/// views; later calls, for models that open later, keep this frame.
 void ViewedScene::setUp() {
   std::vector<const ModelSummary*> summaries;
   for (const auto& model : models_) summaries.push_back(model->opened.model);
@@ -188,14 +189,14 @@ void ViewedScene::update(const core::View& view, float threshold_px) {
         view_cuts && view_cuts->cuts.size() == model->instances.size())
       model->renderer.show(view_cuts);
     else
-      model->status.view_cuts = nullptr;  // the cut is still for the view that ModelOpener set
+      model->status.view_cuts = nullptr;  // the current cut is still for the view that ModelOpener set
     model->dropOldProbes();
   }
   mergeStatus(view);
   shareMemory();
 }
 
-/// Sets the GPU budgets, and divides the memory again if a model is short.
+/// Sets the GPU budgets, and divides the memory anew if a model is short of memory.
 void ViewedScene::shareMemory() {
   std::vector<SceneMemory::Need> needs;
   std::vector<GpuShare> on_gpu;
@@ -211,7 +212,7 @@ void ViewedScene::shareMemory() {
     if (model->isOpen()) applyShare(*model);
 }
 
-/// Sets the budgets of a model's stream, from the model's part of the memory.
+/// Sets the budgets of a model's stream to the model's part of the memory.
 void ViewedScene::applyShare(const InstancedModel& model) {
   const MemoryShares memory = app::shareMemory(memory_.parts()[model.number]);
   model.opened.streamer->setMemoryBudget(memory.stream_bytes, memory.drawn_bytes);
@@ -224,7 +225,7 @@ void ViewedScene::mergeStatus(const core::View& view) {
   status_ = sceneStatus(statuses, view);
 }
 
-/// Spends one frame's budget on all models. In each frame, another model is the first to upload.
+/// Spends the upload budget of one frame on all models. A different model goes first in each frame.
 void ViewedScene::uploadInRenderThread() {
   render::UploadBudget left;
   for (size_t i = 0; i < models_.size() && left.bytes > 0 && left.ms > 0; ++i) {
@@ -284,8 +285,8 @@ ViewedScene::GpuUse ViewedScene::gpuUse() const {
   return use;
 }
 
-/// Returns the instances whose boxes may be in the picture. The nearest instance, which may hide others,
-/// comes first.
+/// Returns the instances whose boxes may be in the picture, sorted by distance. Near instances come first,
+/// because they may hide others.
 std::vector<ViewedScene::VisibleInstance> ViewedScene::visibleInstances(const core::View& view) const {
   std::vector<VisibleInstance> found;
   for (const auto& model : models_) {
@@ -302,8 +303,8 @@ std::vector<ViewedScene::VisibleInstance> ViewedScene::visibleInstances(const co
   return found;
 }
 
-/// Ends the fades of all instances that are not visible, so that nothing fades when these instances become
-/// visible again.
+/// Ends the fades of all instances that are out of the picture, so that these instances do not fade when they
+/// appear again.
 void ViewedScene::forgetInvisible(std::span<const VisibleInstance> visible) {
   for (const auto& model : models_) {
     std::vector<bool> is_visible(model->instances.size());
@@ -351,7 +352,7 @@ render::DrawCounts ViewedScene::draw(const core::View& view, const render::Frame
 
 /// Returns the point where a ray meets the scene's ground from above.
 /// @param ray       ray in the scene.
-/// @param distance  receives the distance of the point, if the ray meets the ground.
+/// @param distance  receives the distance from the eye to the point, if there is one.
 std::optional<PickedPoint> ViewedScene::groundUnder(const core::Ray& ray, double& distance) const {
   const double fall = -glm::dot(ray.direction, scene_.up);
   if (!scene_.ground || fall <= 0) return std::nullopt;

@@ -27,9 +27,9 @@
 
 namespace lode::app {
 
-/// Reaction to models of a scene that cannot be opened.
+/// Handling of a scene's models that cannot be opened.
 enum class MissingModels : uint8_t {
-  kRefused,  ///< the scene cannot be opened
+  kRefused,  ///< opening the scene fails
   kAllowed   ///< the scene is shown without these models
 };
 
@@ -46,31 +46,32 @@ class ViewedScene {
 
   struct Opening {
     std::string phase = {};  ///< description for the user
-    double part = -1;        ///< finished part of the phase, 0 to 1; below 0: unknown
+    double part = -1;        ///< finished fraction of the phase, 0 to 1; negative: unknown
     bool is_open = false;
     std::optional<Error> error = std::nullopt;
   };
-  /// Advances the opening without waiting. Until the scene is open, do not call summary(), framing(),
+  /// Continues to open the scene, without waiting. Until the scene is open, do not call summary(), framing(),
   /// update(), under() or groundBelow().
   Opening open();
   /// Returns a summary of the scene as if it were one model: name, frame, extent and triangles.
   const ModelSummary& summary() const { return whole_; }
-  /// Returns the warnings of the builds of all models.
+  /// Returns the build warnings of all models.
   std::vector<std::string> warnings() const;
   /// Returns a line for each missing model, with the reason.
   std::vector<std::string> missing() const;
-  /// Returns true if the scene comes from a scene file, which fixes the up axis: the user cannot change it.
+  /// Returns true if the scene comes from a scene file. Such a file fixes the up axis, which the user then
+  /// cannot change.
   bool hasFixedUp() const noexcept { return !scene_.is_single_model; }
-  /// Returns the framing of the first camera.
+  /// Returns the framing for the first camera.
   core::Framing framing() const;
 
-  /// Changes the memory budget of all streams and GPU copies together.
+  /// Changes the total memory budget of all streams and GPU copies.
   void setMemory(uint64_t budget_bytes);
   /// Requests the LODs that a view needs, and passes the newest cuts to the renderers.
   void update(const core::View& view, float threshold_px);
   /// Returns the combined status of all streams for the view of the last update(); see sceneStatus().
   const stream::StreamStatus& status() const { return status_; }
-  /// Uploads within one frame's budget.
+  /// Uploads meshes and texture tiles within the upload budget of one frame.
   void uploadInRenderThread();
   /// Returns true if the newest cut of every model is on the GPU.
   bool upToDate() const;
@@ -80,17 +81,17 @@ class ViewedScene {
   bool uploaded() const;
 
   /// Draws the scene. Before the scene is open, draws only the background.
-  /// @param style  style whose `up` is the scene's up axis.
+  /// @param style  drawing style; its `up` is the scene's up axis.
   render::DrawCounts draw(const core::View& view, const render::Framebuffer& target, render::DrawStyle style,
                           const render::DrawTime& time);
-  /// Returns the parts in the last picture.
+  /// Returns the cut parts (client/core/lod/cut.h) in the last picture.
   std::span<const render::DrawItem> inPicture() const { return in_picture_; }
   /// Returns the threshold of the coarsest drawn cut, see core::thresholdRad(); 0 while no cut is drawn.
   double drawnThresholdRad() const;
-  /// Returns a number that grows whenever another cut is drawn.
+  /// Returns a number that grows whenever the drawn cuts change.
   uint64_t drawnSerial() const;
-  // The next two functions return true if the next picture will differ from the last picture even without a
-  // new cut.
+  // If one of the next two functions returns true, the next picture differs from the last even without a new
+  // cut.
   /// Returns true while parts fade.
   bool fading() const;
   /// Returns true while colours that depend on the age of parts change.
@@ -105,7 +106,7 @@ class ViewedScene {
   /// Returns the nearest surface point drawn at a pixel.
   /// @param pixel_px  position in the picture, from the top left corner.
   std::optional<PickedPoint> under(const core::View& view, const glm::dvec2& pixel_px);
-  /// Returns the nearest drawn surface straight below a point. @param up  unit length.
+  /// Returns the nearest drawn surface straight below a point. @param up  up direction, unit length.
   std::optional<Ground> groundBelow(const core::View& view, const glm::dvec3& point_model,
                                     const glm::dvec3& up);
 
@@ -136,8 +137,9 @@ class ViewedScene {
   const core::Framing framing_;  ///< framing without a coarsest mesh, which framing() adds for a single model
   std::vector<std::unique_ptr<InstancedModel>> models_;
   SceneMemory memory_;
-  uint64_t gpu_budget_bytes_ = 0;    ///< GPU budget for the meshes of all models
-  size_t first_upload_ = 0;          ///< model that uploads first in the next frame
+  uint64_t gpu_budget_bytes_ = 0;  ///< GPU budget for the meshes of all models
+  /// Index of the model that uploads first in the next frame, modulo the number of models.
+  size_t first_upload_ = 0;
   std::optional<SceneStage> stage_;  ///< empty until the scene is open
   render::InstanceDrawer instance_drawer_;
   ModelSummary whole_;
