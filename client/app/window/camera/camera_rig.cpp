@@ -8,14 +8,14 @@
 namespace lode::app {
 namespace {
 
-/// Time in which a flight at the initial speed crosses the model.
+/// Time that the flying camera takes to cross the model at its initial speed.
 constexpr double kCrossingSeconds = 4;
-constexpr double kPadHeightsPerSecond = 1.2;  ///< speed of turning with a fully deflected stick, in picture
-                                              ///< heights of a drag
-constexpr double kPadStepsPerSecond = 6;  ///< speed of zooming with a fully deflected stick, or by W and S,
-                                          ///< in wheel steps
-constexpr double kEyeHeight = 0.005;      ///< initial eye height, relative to the model's size
-constexpr double kDropHeights = 2;        ///< height from which standAt() descends, in eye heights
+/// Turning speed of a fully deflected stick, as a drag in picture heights per second.
+constexpr double kPadHeightsPerSecond = 1.2;
+/// Zooming speed of a fully deflected stick, or of W and S, in wheel steps per second.
+constexpr double kPadStepsPerSecond = 6;
+constexpr double kEyeHeight = 0.005;  ///< initial eye height, relative to the model's size
+constexpr double kDropHeights = 2;  ///< height above the ground from which standAt() descends, in eye heights
 
 double sizeOf(const ModelSummary& model) {
   if (model.box.empty()) return model.lattice.step;
@@ -42,18 +42,18 @@ void CameraRig::startAt(const core::CameraPath& path) {
   restart(start_, start_distance_model_);
 }
 
-/// Frames the model for the window's current size.
+/// Moves to the camera that frames the model in the window's current size.
 void CameraRig::frame() {
   if (view_.width_px > 0 && view_.height_px > 0)
     framing_.aspect = static_cast<double>(view_.width_px) / view_.height_px;
   startAt(core::framingCamera(model_, framing_));
   const core::ModelBox box = core::toModelBox(model_.box, model_.lattice.step);
-  // Turn about the middle of the model, which is not straight ahead if the panel covers a part of the
-  // picture.
+  // Orbit the centre of the model, which is not straight ahead if the panel covers a part of the picture.
   if (framing_.covered > 0) turnAbout((box.min + box.max) / 2.0);
 }
 
-/// Restarts all kinds of cameras from a view. The orbit turns about the point at a distance straight ahead.
+/// Restarts the orbiting, flying and walking cameras from a view. The orbited point lies straight ahead, at
+/// the given distance.
 void CameraRig::restart(core::View from, double distance_model) {
   from.width_px = view_.width_px;  // the size of the window may have changed
   from.height_px = view_.height_px;
@@ -64,8 +64,8 @@ void CameraRig::restart(core::View from, double distance_model) {
   walk_ = WalkCamera(from, size * kEyeHeight, up_);
 }
 
-/// Returns the camera, with the up axis as its up. If the camera is rolled or looks along the up axis, uses
-/// the view's up instead.
+/// Returns the camera. Its up vector is the up axis, or the view's up if the view is rolled or looks along
+/// the up axis.
 core::CameraKey CameraRig::camera() const {
   constexpr double kAlong = 1e-5, kUpright = 1e-9;
   const glm::dvec3 eye = model_.lattice.origin + view_.eye_model;
@@ -92,7 +92,7 @@ void CameraRig::standAt(const glm::dvec3& point_model) {
 void CameraRig::turnUp() {
   constexpr std::array<glm::dvec3, 6> kTurns{glm::dvec3{0, 1, 0}, {0, 0, 1},  {1, 0, 0},
                                              {0, -1, 0},          {0, 0, -1}, {-1, 0, 0}};
-  // If z was a guess, switch to y next, which is the other likely axis.
+  // If z was a guess, switch to y, the other likely axis.
   const auto now = !framing_.up && up_ == kTurns[1] ? kTurns.end() - 1 : std::ranges::find(kTurns, up_);
   framing_.up = kTurns[static_cast<size_t>(now - kTurns.begin() + 1) % kTurns.size()];
   up_ = *framing_.up;
@@ -125,8 +125,8 @@ void CameraRig::startAgain() {
     restart(start_, start_distance_model_);
 }
 
-/// Applies the input of a frame. If nothing steers the camera, leaves the view unchanged to the bit;
-/// computing the view again would change its rounding.
+/// Applies the input of a frame. If nothing steers the camera, leaves the view as it is, because computing
+/// the view again could round differently.
 void CameraRig::apply(const Input& input, double seconds, const GroundBelow& ground) {
   if (input.reset_camera) startAgain();
   for (int i = 0; i < input.next_axis; ++i) turnUp();

@@ -14,8 +14,8 @@
 
 namespace lode::app {
 
-/// The camera of the window. The camera orbits, flies or walks, as the user chooses. The view stays the same
-/// when the kind of motion changes.
+/// The camera of the window, which orbits, flies or walks, as the user chooses. The view stays the same when
+/// the user switches between these.
 class CameraRig {
  public:
   /// @param model    model or scene to look at; must outlive this object. The box of the model may grow, so
@@ -32,14 +32,15 @@ class CameraRig {
   void standAt(const glm::dvec3& point_model);
   /// Returns the camera in true coordinates, at t = 0.
   core::CameraKey camera() const;
-  /// Moves to a camera. @param camera  camera in true coordinates.
+  /// Moves the view to a camera that is given in true coordinates.
   void lookFrom(const core::CameraKey& camera, double fov_y_deg);
-  /// Sets the point about which the orbit turns. The view stays the same.
+  /// Sets the point to orbit. The view stays the same.
   void turnAbout(const glm::dvec3& point_model) noexcept { orbit_.turnAbout(point_model); }
   /// Starts a flight of the orbit camera towards a point.
   void flyTo(const glm::dvec3& point_model) noexcept { orbit_.flyTo(point_model); }
   void resize(uint32_t width_px, uint32_t height_px) noexcept;
-  /// Sets the share of the picture that the panel covers. Framing leaves this share free; see core::Framing.
+  /// Sets the share of the picture that the panel covers. A camera that frames the model keeps this share
+  /// free: see core::Framing.
   void frameBeside(double covered) noexcept { framing_.covered = covered; }
 
   const core::View& view() const noexcept { return view_; }

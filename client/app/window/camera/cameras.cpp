@@ -8,10 +8,11 @@ namespace lode::app {
 namespace {
 
 constexpr double kMaxTiltRad = std::numbers::pi / 2 - 1e-3;
-constexpr double kClosestPart = 1e-5;  ///< least distance, relative to the initial distance
+/// Smallest distance to the orbited point, relative to the initial distance.
+constexpr double kClosestPart = 1e-5;
 constexpr double kZoomStep = 0.85;
 constexpr double kFlightSeconds = 0.6;
-constexpr double kFlightPart = 0.4;  ///< distance after a flight, relative to the distance before
+constexpr double kFlightPart = 0.4;  ///< distance after a flight, relative to the distance before it
 constexpr double kSpeedStep = 1.25;
 constexpr double kSpeedRange = 1e4;
 constexpr double kFastFactor = 4;

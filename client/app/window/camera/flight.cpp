@@ -15,7 +15,7 @@
 namespace lode::app {
 namespace {
 
-/// Percentiles of a lap's values, by nearest rank.
+/// Percentiles of a lap's values, by the nearest-rank method.
 struct Spread {
   double p50 = 0, p99 = 0, max = 0;
 
@@ -140,7 +140,8 @@ nlohmann::ordered_json Flight::toJson() const {
 Pilot::Pilot(const ViewOptions& options, std::optional<core::CameraPath> path)
     : options_(options), path_(std::move(path)) {}
 
-/// Returns true once the window shows a picture from which the flight can start.
+/// Returns true once the window shows a picture that is fine enough to start the flight. @throws Error if no
+/// such picture can follow.
 bool Pilot::mayBegin(const ViewedScene& scene, bool is_time_over, const core::View& view) const {
   const double drawn_px = scene.drawnThresholdRad() * focalPx(view);
   if (drawn_px > 0 && drawn_px <= kLargestThresholdPx) return true;

@@ -21,10 +21,10 @@ struct FlownFrame {
   int lap = 0;
   double t_s = 0;           ///< time on the path
   double work_ms = 0;       ///< frame time without waiting for the display
-  double upload_ms = 0;     ///< time spent on uploads since the previous frame; a part of work_ms
+  double upload_ms = 0;     ///< time spent on uploads since the previous frame; included in work_ms
   double target_ms = 0;     ///< target frame time; 0: none
-  double scale = 1;         ///< resolution scale per side
-  double threshold_px = 0;  ///< threshold in scaled pixels
+  double scale = 1;         ///< scale of the picture's width and height
+  double threshold_px = 0;  ///< error threshold in pixels of the scaled picture
   uint64_t triangles = 0;
 };
 
@@ -32,10 +32,10 @@ struct FlownFrame {
 /// GL.
 class Flight {
  public:
-  /// @param laps  number of times that the path is flown from its first key, >= 1.
+  /// @param laps  number of times to fly the path, >= 1.
   Flight(core::CameraPath path, int laps);
 
-  /// Returns the camera at a time since the start; nothing once the flight is over.
+  /// Returns the camera at a time since the start of the flight, or nothing once the flight is over.
   std::optional<core::CameraKey> cameraAt(double seconds);
   /// Returns true once all laps are flown.
   bool isOver() const noexcept { return lap_ >= laps_; }
@@ -65,8 +65,8 @@ class Flight {
   std::vector<FlownFrame> frames_;
 };
 
-/// Flies the window's camera along a path from the first picture on, and prints frame times. The user cannot
-/// steer during the flight.
+/// Flies the window's camera along a path as soon as the window shows a first picture, and prints frame
+/// times. The user cannot steer during the flight.
 class Pilot {
  public:
   /// @param path  path to fly; an orbit if there is no path.
@@ -74,18 +74,19 @@ class Pilot {
 
   enum class State { kWaiting, kFlying, kOver };
   /// Moves the camera along the path.
-  /// @throws Error if there is no first picture and never will be, because nothing more loads or the time is
+  /// @throws Error if there is no first picture and none can follow, because loading has ended or the time is
   /// over.
   State fly(const ViewedScene& scene, bool is_time_over, CameraRig& rig);
 
-  /// Returns true after the first picture.
+  /// Returns true once the flight has begun.
   bool isUnderWay() const noexcept { return flight_.has_value(); }
 
   /// Adds a drawn frame to the flight, like Flight::draw().
   void draw(uint64_t number, const FlownFrame& frame);
   void finish(uint64_t number, double work_ms);
 
-  /// Prints the frame times. @throws Error after printing if the flight is not over.
+  /// Prints the frame times. @throws Error if the flight has not begun, or, after printing, if it is not
+  /// over.
   void print() const;
 
  private:
@@ -95,7 +96,7 @@ class Pilot {
 
   const ViewOptions options_;
   const std::optional<core::CameraPath> path_;
-  std::optional<Flight> flight_;  ///< set at the first picture
+  std::optional<Flight> flight_;  ///< set when the flight begins
   Clock::time_point start_;
 };
 

@@ -8,22 +8,22 @@
 namespace lode::app {
 namespace {
 
-constexpr double kHeightsASecond = 2.5;  ///< initial speed, in eye heights
+constexpr double kHeightsASecond = 2.5;  ///< initial speed, in eye heights per second
 constexpr double kFastWalkFactor = 4;
 constexpr double kWalkSpeedStep = 1.25, kWalkSpeedRange = 1e4;
 constexpr double kGrowthASecond = 2, kHeightRange = 1e3;
 /// Height above the eye from which the search for ground starts, in eye heights.
 constexpr double kClimb = 1;
-/// If the camera is lower than this share of the eye height above the ground, it jumps to this height, then
-/// rises smoothly.
+/// Least height above the ground, in eye heights. If the camera is lower, it jumps to this height at once,
+/// then rises smoothly.
 constexpr double kLeast = 0.25;
 constexpr double kSettleS = 0.15;  ///< time constant with which the height adapts
 constexpr double kSettled = 1e-3;  ///< differences below this share of the eye height count as zero
 
-constexpr double kMostUncertain = 0.01;  ///< limit of a part's error, relative to the part's size
+constexpr double kMostUncertain = 0.01;  ///< largest uncertainty, relative to the diagonal of the part's box
 
-/// Returns a part's error, but at most the part's size. Otherwise the camera would float while the ground is
-/// coarse.
+/// Returns a cut part's error, limited by kMostUncertain. Without this limit, the camera would float above
+/// the ground while the ground is coarse.
 double uncertaintyOf(const core::CutPart& part, double step) {
   LatticeBox lattice_box;
   for (const PositionCode code : part.mesh->positions) lattice_box.add(unpackPosition(code));
@@ -55,7 +55,7 @@ void WalkCamera::move(const FlyKeys& keys, double seconds, const GroundBelow& gr
   const double way_model =
       height_model_ * kHeightsASecond * speed_factor_ * seconds * (keys.fast ? kFastWalkFactor : 1);
   eye_model_ += (heading_.right() * keys.right + heading_.level() * keys.forward) * way_model;
-  // A slope of 45 degrees rises by the length of the step.
+  // On a slope of 45 degrees, the ground rises by the distance that the camera moves.
   const double climb_model = kClimb * height_model_ + way_model;
   follow(ground(eye_model_ + heading_.axis() * climb_model), climb_model, seconds);
 }

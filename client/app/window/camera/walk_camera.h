@@ -14,16 +14,16 @@ namespace lode::app {
 /// The ground below a point, according to the loaded data.
 struct Ground {
   double depth_model = 0;        ///< distance from the point straight down to the ground
-  double uncertainty_model = 0;  ///< distance by which finer data may move the ground up or down
+  double uncertainty_model = 0;  ///< distance by which finer data may raise or lower the ground
 };
 /// Function that returns the ground below a point, or nothing.
 using GroundBelow = std::function<std::optional<Ground>(const glm::dvec3& point_model)>;
 
 /// A walking camera. Keys move the camera over the ground at a constant eye height, the mouse turns it, and
-/// the wheel changes its speed. The camera does not fall. The camera follows the ground smoothly, even over
-/// edges, and keeps its height if there is no ground below. The camera descends only so far that the eye
-/// stays above finer data that may load later: see Ground::uncertainty_model. Positions are in the model
-/// frame, like those of View. Pure: no clock, no input device.
+/// the wheel changes its speed. The camera follows the ground smoothly, even over edges, and keeps its height
+/// where there is no ground below. A descent stops Ground::uncertainty_model above the eye height, because
+/// finer data that loads later may raise the ground. Positions are in the model frame, like those of View.
+/// Pure: no clock, no input device.
 class WalkCamera {
  public:
   /// @param eye_height_model  initial height of the eye above the ground, > 0. @param axis  up axis.
@@ -51,9 +51,10 @@ class WalkCamera {
   bool is_settling_ = false;
 };
 
-/// Finds the ground straight below a point in a cut. Uses the cut's parts, and the fallbacks of missing
-/// parts.
-/// @param view  view of the camera, whose field of view is used. @param up  up direction, unit length.
+/// Finds the ground straight below a point in the cut of a probe. Where parts of the cut are missing, uses
+/// their fallbacks (client/core/lod/cut.h).
+/// @param view  view that supplies the picture size and the field of view. @param up  up direction, unit
+/// length.
 std::optional<Ground> groundBelow(const core::CutProbe& probe, const core::View& view,
                                   const glm::dvec3& point_model, const glm::dvec3& up);
 

@@ -24,7 +24,7 @@ void FirstStart::helpWasSeen() const {
   try {
     makeOwnFolders(folder_, {"the cache", "set XDG_CACHE_HOME"});
     writeOwnFile(folder_ / kSeenName, {});
-  } catch (const Error&) {  // the help appears again
+  } catch (const Error&) {  // the help appears again at the next start
   }
 }
 

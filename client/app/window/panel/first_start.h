@@ -4,8 +4,8 @@
 
 namespace lode::app {
 
-/// Remembers whether this user has seen the help: an empty file marks that the user has seen the help. If the
-/// folder is not writable, the help appears again at the next start.
+/// Remembers with an empty file that this user has seen the help. If the file cannot be written, the help
+/// appears again at the next start.
 class FirstStart {
  public:
   /// @param folder  folder of the empty file; helpWasSeen() creates the folder.

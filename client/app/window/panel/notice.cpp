@@ -10,7 +10,8 @@ namespace {
 
 constexpr size_t kMostMissing = 3;
 
-/// Joins the first `most` lines, and adds the number of the remaining lines. @param lines  at least one line.
+/// Joins the first `most` lines, and adds a line with the number of the remaining lines. @param lines  at
+/// least one line.
 std::string firstOf(std::span<const std::string> lines, size_t most) {
   std::string text = lines.front();
   for (const std::string& line : lines.first(std::min(most, lines.size())).subspan(1)) text += "\n" + line;

@@ -11,8 +11,8 @@
 
 namespace lode::app {
 
-/// A text over the picture. The text tells the state of the stream. If the user can help, the text also tells
-/// how.
+/// A text over the picture that describes the state of the stream. If the user can do something about it, the
+/// text says what.
 struct Notice {
   enum class Kind : uint8_t {
     kNone,
@@ -33,7 +33,8 @@ enum class OnGpu : uint8_t {
   kFull        ///< the cut does not fit into the GPU memory
 };
 
-/// Returns the most serious notice that applies. @param offline  true if only the cache is used.
+/// Returns the most serious notice that applies to a stream's status. @param offline  true if only the cache
+/// is used.
 Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu);
 /// Summarizes the warnings of a build: the first warning, and the number of further warnings, which are on
 /// stderr.
@@ -48,8 +49,8 @@ Notice noticeOf(const Error& error);
 /// has the number of the preceding stage. Returns unknown names unchanged.
 std::string describeStage(std::string_view stage);
 
-/// Returns a text for a model that is outside the view or only a dot, with the key that helps. Returns an
-/// empty text if the model is visible.
+/// If the model is outside the view or only a dot, returns a text that says so and names the key that resets
+/// the view. Otherwise returns an empty text.
 std::string_view lostSightText(const core::ModelBox& model, const core::View& view);
 
 }  // namespace lode::app

@@ -20,7 +20,7 @@
 namespace lode::app {
 namespace {
 
-constexpr float kNameEm = 5.5f;  ///< width of the name column in font sizes
+constexpr float kNameEm = 5.5f;  ///< width of the column of names, in multiples of the font size
 const ImVec4 kGood(0.55f, 0.85f, 0.60f, 1), kWarning(1.0f, 0.72f, 0.40f, 1), kBad(1.0f, 0.50f, 0.45f, 1),
     kBar(0.26f, 0.48f, 0.72f, 1);
 
@@ -46,7 +46,7 @@ float barPx(const std::string& text, float width_px) {
   return textPx(text, width_px) + lineGapPx() + thinBarPx();
 }
 
-/// Draws a bar with a text.
+/// Draws a progress bar with a text on it or above it.
 void bar(double part, const std::string& text, float width_px) {
   const bool is_on = isOnBar(text, width_px);
   if (!is_on) ImGui::TextUnformatted(text.c_str());
@@ -69,7 +69,7 @@ void drawFigures(std::span<const Figure> figures, const std::vector<bool>& shown
   if (std::ranges::find(shown, true) == shown.end() ||
       !ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit))
     return;
-  // Fix the column widths, because widths that follow the contents would be a frame late.
+  // Fix the column widths, because widths that follow the contents would lag one frame behind.
   ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, namePx());
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthFixed, valuePx());
   ImGui::PushTextWrapPos(0);  // wraps at the end of the column
@@ -206,8 +206,8 @@ struct Word {
   ImVec4 colour;
 };
 
-/// Returns the texts that are always shown. Missing models, warnings and the explanation are among these only
-/// while the panel is visible.
+/// Returns the texts at the top of the panel. Missing models, warnings and the explanation are included only
+/// while the panel is visible; the other texts are always shown.
 std::vector<Word> wordsOf(const PanelContent& content) {
   const Notice& notice = content.notice;
   const ImVec4& colour = notice.kind == Notice::Kind::kFailure   ? kBad
@@ -239,7 +239,7 @@ constexpr const char* kKeys = "F1: help";
 
 }  // namespace
 
-/// Draws the parts that fit into the window, then the remaining parts, to which the user can scroll.
+/// Draws the parts of the panel that fit into the window, then the other parts, which the user can scroll to.
 void Panel::drawOpen(const PanelContent& content) const {
   const float outside_px = 2 * (kPanelMarginPx + ImGui::GetStyle().WindowPadding.y);
   float room_px = ImGui::GetIO().DisplaySize.y - outside_px - wordsPx(content);
@@ -260,7 +260,8 @@ void Panel::drawOpen(const PanelContent& content) const {
             std::span(content.legend).subspan(is_legend_whole ? legend.size() : legend.size() - 1));
 }
 
-/// Draws some parts of the panel. @param shown  one flag per part, in order; true draws the part.
+/// Draws some parts of the panel. @param shown  one flag per part, in the order of drawOpen(); true to draw
+/// the part.
 void Panel::drawParts(const PanelContent& content, std::span<const Figure> figures,
                       const std::vector<bool>& shown, std::span<const render::LegendEntry> legend) const {
   const auto rest = shown.begin() + static_cast<std::ptrdiff_t>(figures.size());
@@ -302,7 +303,7 @@ void Panel::draw(const PanelContent& content) {
   ImGui_ImplOpenGL3_NewFrame();
   layOut(content);
   ImGui::EndFrame();
-  layOut(content);  // lay out again, because ImGui knows all sizes now
+  layOut(content);  // lay out a second time, because ImGui knows all sizes only now
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }

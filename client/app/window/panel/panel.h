@@ -19,7 +19,7 @@ struct GLFWwindow;
 
 namespace lode::app {
 
-/// The panel over the picture. Create the panel after the window and the window's callbacks, and destroy it
+/// The panel over the picture. Create the panel after the window has set its callbacks, and destroy the panel
 /// before the window. Use it only on the window's thread.
 class Panel {
  public:
@@ -28,15 +28,15 @@ class Panel {
   Panel(const Panel&) = delete;
   Panel& operator=(const Panel&) = delete;
 
-  /// Loads the font for the next draw() if the scale has changed or the content contains new characters.
-  /// Loading is slow. @param scale  scale of the text, 1 on a standard display.
+  /// Prepares draw(): reloads the font, which is slow, if the scale has changed or the content has new
+  /// characters. @param scale  scale of the text, 1 on a standard display.
   void prepare(double scale, const PanelContent& content);
   /// Draws into the window's framebuffer.
   void draw(const PanelContent& content);
-  /// Returns the area that captures the mouse as of the last draw().
+  /// Returns the area that captured the mouse in the last draw().
   const std::optional<Covered>& covered() const noexcept { return covered_; }
-  /// Returns the scrollable panel window at a pixel of the picture as of the last draw(); null if no such
-  /// window is there.
+  /// Returns the scrollable panel window that covers a pixel of the picture since the last draw(), or null if
+  /// none does.
   PanelScroll* scrolledAt(const glm::dvec2& place_px);
   /// Returns the settings if the user has changed them since the last call.
   std::optional<Settings> takeSettings() { return std::exchange(changed_, std::nullopt); }

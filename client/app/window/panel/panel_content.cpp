@@ -52,7 +52,7 @@ bool differ(PanelContent now, const PanelContent& drawn) {
     now.counts.link_bytes_per_s = drawn.counts.link_bytes_per_s;
     now.counts.round_trip_ms = drawn.counts.round_trip_ms;
   }
-  // Most counts are not shown, and some change in each step of a stream.
+  // Compare only the counts that are shown, because others change in each step of a stream.
   if (figuresOf(now) != figuresOf(drawn) || now.counts.requests != drawn.counts.requests) return true;
   now.counts = drawn.counts;
   return now != drawn;

@@ -19,7 +19,7 @@ namespace lode::app {
 class RefiningProgress {
  public:
   /// Updates the progress.
-  /// @param error_px, threshold_px  error and threshold of the drawn cut, > 0.
+  /// @param error_px, threshold_px  error of the newest cut, and threshold to reach, > 0.
   /// @param converged  true if no more detail will load for this view.
   /// @return 0 to 1; 1 only if converged.
   double update(float error_px, float threshold_px, bool converged) noexcept;
@@ -32,38 +32,38 @@ class RefiningProgress {
 struct PanelContent {
   std::string title;     ///< name of the model or the target
   bool is_open = false;  ///< true if the model is open
-  std::string waiting;   ///< current step of opening the model; empty once the model is open
+  std::string waiting;   ///< step that the user waits for before the first picture; empty otherwise
   double waited_s = 0;
-  double waiting_part = -1;           ///< finished share of the step of opening, 0 to 1; negative: unknown
+  double waiting_part = -1;           ///< finished fraction of this step, 0 to 1; negative: unknown
   uint64_t triangles = 0, nodes = 0;  ///< numbers of drawn triangles and nodes
   uint64_t model_triangles = 0;
-  core::EngineCounts counts;  ///< figures of the scene's streams
+  core::EngineCounts counts;  ///< statistics of the scene's streams
   uint64_t resident_budget_bytes = 0, gpu_bytes = 0, gpu_budget_bytes = 0;
   bool textured = false;
   uint64_t gpu_tiles = 0;  ///< number of texture tiles on the GPU
   float threshold_px = 1, error_px = 0;
-  double target_ms = 0;  ///< target frame time for which the threshold is coarsened; 0: not coarsened
+  double target_ms = 0;  ///< target frame time that the threshold is raised for; 0: not raised
   double aimed_ms = 0;   ///< target frame time while the camera moves; 0: none
-  double scale = 1;      ///< resolution scale per side; thresholds are in scaled pixels
+  double scale = 1;      ///< scale of the picture's width and height; thresholds are in scaled pixels
   bool converged = false;
   bool limited = false;             ///< the memory budget prevents more detail
   bool exhausted = false;           ///< the program is offline, and the cache has no more detail
   bool incomplete = false;          ///< parts of the view could not be loaded
   bool waiting_for_server = false;  ///< the connection is lost; the program reconnects
   double progress = 0;              ///< progress of refinement, see RefiningProgress
-  std::string_view lost;            ///< text of lostSightText() if the model is out of sight
+  std::string_view lost;            ///< text of lostSightText(); empty if the model is in sight
   double frame_ms = 0, upload_ms = 0;
   CameraKind camera = CameraKind::kOrbit;
-  std::vector<std::string> pick;            ///< lines about the last clicked point
+  std::vector<std::string> pick;            ///< lines of text about the last picked point
   PickMarks marks;                          ///< marks of the last two picks in the picture
   std::string_view show;                    ///< name of the colour mode
-  std::vector<render::LegendEntry> legend;  ///< meaning of the colours in this mode
+  std::vector<render::LegendEntry> legend;  ///< meanings of the colours in this mode
   std::string_view explanation;             ///< explanation of the colour mode, see render::ColorModeTraits
   std::string warning;                      ///< warnings of the builds, see warningOf()
   std::string missing;                      ///< missing models of the scene, see missingText()
   Notice notice;                            ///< state of the stream
   bool recording = false;                   ///< true while the camera path is recorded
-  std::string message;                      ///< temporary message, for example the name of a screenshot
+  std::string message;                      ///< temporary message, for example the file name of a screenshot
   Settings settings;
   bool visible = true, help = false, shows_settings = false;
 
@@ -76,11 +76,11 @@ struct ViewState {
   bool is_offline = false;
 };
 
-/// Fills in the figures and the state of a scene's stream and GPU use.
+/// Fills in the state and the statistics of a scene's streams, and its use of the GPU.
 void describe(const ViewedScene& scene, const ViewState& state, PanelContent& content);
 
-/// Returns true if the panel must be drawn again, because it shows something else. Ignores frame times and,
-/// once the picture has converged, network figures.
+/// Returns true if the panel must be drawn again, because its content has changed. Ignores frame times and,
+/// once the picture has converged, network statistics.
 bool differ(PanelContent now, const PanelContent& drawn);
 
 }  // namespace lode::app

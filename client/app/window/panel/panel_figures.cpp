@@ -9,7 +9,7 @@ namespace lode::app {
 namespace {
 
 constexpr const char* kNoBreak = "\u00a0";  ///< no-break space
-constexpr double kLeastTripMs = 0.05;       ///< shorter times would be shown as 0.0
+constexpr double kLeastTripMs = 0.05;       ///< shorter round trips would be shown as 0.0 ms
 /// Frames up to this multiple of the target time count as in time.
 constexpr double kAlmostInTime = 1.1;
 
@@ -64,8 +64,8 @@ std::string tilesOf(const PanelContent& content) {
   return left_out == 0 ? tiles : tiles + ", no memory for " + countOf(left_out);
 }
 
-/// Describes the threshold, and the frame rate for which the threshold is coarsened. The real rate can be
-/// higher, or lower if the control reaches its limits.
+/// Describes the threshold, and the frame rate that the threshold is raised for. The actual rate can be
+/// higher, or lower if FrameRateControl reaches its limits.
 std::string thresholdOf(const PanelContent& content) {
   std::string text = formatted("%.2f px", content.threshold_px);
   if (content.target_ms <= 0) return text;

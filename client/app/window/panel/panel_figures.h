@@ -12,7 +12,7 @@ struct Figure {
   const char* name = "";
   std::string value;
   double part = -1;  ///< length of the row's bar, 0 to 1; negative: no bar
-  /// Order in which rows are dropped if the window is too low; rows with higher ranks go first.
+  /// Rank of the row if the window is not tall enough for all rows: see PanelPart::rank.
   int rank = 0;
 
   bool operator==(const Figure&) const = default;

@@ -14,10 +14,10 @@ namespace lode::app {
 namespace {
 
 constexpr char32_t kLastOfLatin = 0x17f;
-/// Largest number of characters outside Latin; the limit keeps the atlas small.
+/// Largest number of non-Latin characters in the font atlas. The limit keeps the atlas small.
 constexpr size_t kMostOthers = 4096;
 
-/// Returns the number of bytes of a UTF-8 character that follow its first byte. Source: RFC 3629, 3.
+/// Returns the number of bytes that follow the first byte of a UTF-8 character. Source: RFC 3629, section 3.
 int following(unsigned char first) {
   if (first >= 0xf0 && first <= 0xf4) return 3;
   if (first >= 0xe0 && first < 0xf0) return 2;
@@ -32,7 +32,7 @@ constexpr std::array<const char*, 5> kOtherFonts{"/usr/share/fonts/opentype/noto
                                                  "/usr/share/fonts/truetype/wqy/wqy-microhei.ttc",
                                                  "/usr/share/fonts/truetype/wqy/wqy-zenhei.ttc",
                                                  "/usr/share/fonts/opentype/ipafont-gothic/ipag.ttf"};
-constexpr size_t kPlainRanges = 3;  ///< length of ranges() if all characters are Latin
+constexpr size_t kPlainRanges = 3;  ///< size of PanelCharacters::ranges() if all characters are Latin
 constexpr float kOwnTextPx = 13;    ///< size of ImGui's own font, a bitmap that is legible only at multiples
                                     ///< of this size
 
@@ -72,7 +72,7 @@ void setPanelFont(float scale, const PanelCharacters& characters) {
       std::ranges::find_if(kOtherFonts, [](const char* file) { return bool(std::ifstream(file)); });
   if (other != kOtherFonts.end() && ranges.size() > kPlainRanges) {
     ImFontConfig merged;
-    merged.MergeMode = true;  // the second font adds only characters that the first lacks
+    merged.MergeMode = true;  // the second font adds only characters that the first font lacks
     fonts.AddFontFromFileTTF(*other, size_px, &merged, ranges.data() + 2);
   }
   ImGuiStyle style;

@@ -15,8 +15,8 @@ class PanelCharacters {
   /// Adds the characters of a text. @param text  UTF-8; invalid bytes are skipped.
   /// @return true if at least one character is new.
   bool add(std::string_view text);
-  /// Returns character ranges for Dear ImGui, up to the character `most`. The list contains pairs of a first
-  /// and a last character, then a zero.
+  /// Returns the ranges of characters up to `most`, in the format of Dear ImGui: pairs of a first and a last
+  /// character, then a zero.
   template <typename Letter>
   std::vector<Letter> ranges(char32_t most) const {
     std::vector<Letter> ranges{0x20, 0x17f};
@@ -34,8 +34,8 @@ class PanelCharacters {
 constexpr float kTextPx = 15;
 
 /// Sets the font and spacing of Dear ImGui for a scale. Uses DejaVu Sans if it is installed, else ImGui's own
-/// font. Takes missing characters from the first installed font of a list of East Asian fonts. Call it
-/// between frames, after the OpenGL backend is initialized.
+/// font. Takes characters that this font lacks from the first installed font of a list of East Asian fonts.
+/// Call it between frames, after the OpenGL backend is initialized.
 void setPanelFont(float scale, const PanelCharacters& characters);
 
 }  // namespace lode::app

@@ -5,7 +5,7 @@
 
 namespace lode::app {
 
-/// Draws the help about keys and mouse in the middle of the picture.
+/// Draws the help about keys and mouse at the centre of the picture.
 void drawHelp(CameraKind camera, PanelScroll& scroll);
 
 }  // namespace lode::app

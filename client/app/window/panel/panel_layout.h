@@ -19,17 +19,19 @@ float panelWidthPx(float window_px, float em_px);
 /// Returns 0 if the rest is too narrow for a model. Pure.
 double coveredShare(glm::vec2 window_px, float em_px);
 
-/// A part that the panel drops if the window is too low.
+/// A part of the panel. If the window is not tall enough for all parts, some are moved to the end of the
+/// panel.
 struct PanelPart {
-  int rank = 0;  ///< order in which parts are dropped; parts with higher ranks go first
+  int rank = 0;  ///< parts with smaller ranks get the room first
   float height_px = 0;
 };
 
-/// Returns true for each part that fits into the room. Adds parts by rank until one does not fit. Pure.
+/// Returns for each part whether it fits into the room. Adds parts in order of rank until one does not fit.
+/// Pure.
 std::vector<bool> partsThatFit(std::span<const PanelPart> parts, float room_px);
 
-/// Shortens a legend to half of the room, but to no less than three rows. The last row then tells the number
-/// of dropped entries. Pure.
+/// Shortens a legend to the number of rows that fit into half of the room, but not to fewer than three rows.
+/// The last row of a shortened legend tells the number of left-out entries. Pure.
 std::vector<render::LegendEntry> legendThatFits(std::span<const render::LegendEntry> legend, float row_px,
                                                 float room_px);
 

@@ -10,7 +10,7 @@ namespace lode::app {
 namespace {
 
 constexpr double kLinesPerStep = 3;
-constexpr float kTolerancePx = 3;  ///< tolerance for the estimated height of a window
+constexpr float kTolerancePx = 3;  ///< tolerance for errors in the estimated height of a window
 
 }  // namespace
 

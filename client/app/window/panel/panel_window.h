@@ -17,13 +17,13 @@ constexpr ImGuiWindowFlags kPlainWindow =
 constexpr float kPanelMarginPx = 12;
 inline const ImVec4 kMuted(0.62f, 0.66f, 0.72f, 1);
 
-/// Limits the width of a content to the width of the display without padding and margins.
+/// Limits a width to the width of the display minus padding and margins.
 float fittingPx(float width_px);
 
 /// Starts a table row with a muted name and moves on to the next column.
 void nameRow(const char* name);
 
-/// Scrolls a panel window by the mouse wheel if the window is higher than the display.
+/// Scrolls a panel window by the mouse wheel if its content is taller than the display.
 class PanelScroll {
  public:
   /// Requests scrolling at the next layout. @param steps  wheel steps; forward scrolls up.
@@ -34,7 +34,7 @@ class PanelScroll {
   void follow();
   /// Forgets the scrolling. Call it instead of follow() if the window is not shown.
   void leaveOut() noexcept { *this = {}; }
-  /// Returns the area that captures the wheel; nothing if the whole window fits the display.
+  /// Returns the area that captures the wheel; nothing if the whole content fits the display.
   const std::optional<Covered>& where() const noexcept { return where_; }
 
  private:

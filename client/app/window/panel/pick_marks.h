@@ -11,9 +11,9 @@ struct ImVec4;
 
 namespace lode::app {
 
-/// Marks of a measurement in the picture.
+/// Marks that show the user's measurement in the picture.
 struct PickMarks {
-  std::vector<glm::dvec2> points_px;  ///< picked points in front of the eye
+  std::vector<glm::dvec2> points_px;  ///< positions of the picked points that are in front of the eye
   std::optional<PictureLine> line;    ///< line between the two points
   std::string distance;               ///< length of the line as text
 
@@ -23,8 +23,9 @@ struct PickMarks {
 /// Projects the picks into a view's picture.
 PickMarks marksOf(const Picks& picks, const core::View& view);
 
-/// Places a text beside the middle of a line, so that the text does not cover the line and, if possible, is
-/// inside the window. @param text  size of the text. @param gap  distance between text and line.
+/// Places a text beside the middle of a line, where it does not cover the line. Moves the text into the
+/// window if necessary. @param text  size of the text. @param gap  least distance between the text and the
+/// line, and between the text and the window's edge.
 /// @return the upper left corner of the text.
 glm::dvec2 besideLine(const PictureLine& line, const glm::dvec2& text, const glm::dvec2& window,
                       double gap) noexcept;

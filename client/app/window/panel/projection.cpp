@@ -6,8 +6,8 @@
 namespace lode::app {
 namespace {
 
-// Least depth of a point that is projected, relative to the depth of the segment's far end. A nearer point
-// would project very far outside the picture.
+// Least depth of the projected part of a segment, relative to the depth of the segment's far end. Nearer
+// points are cut off, because they would be projected very far outside the picture.
 constexpr double kNearest = 1e-3;
 
 double depthOf(const core::View& view, const glm::dvec3& point_model) noexcept {

@@ -8,7 +8,7 @@
 
 namespace lode::app {
 
-/// A line in a picture, in pixels from the picture's top left corner, y down. The ends of the line may lie
+/// A line segment in a picture, in pixels from the picture's top left corner, y down. Its ends may lie
 /// outside the picture.
 struct PictureLine {
   glm::dvec2 from_px{0}, to_px{0};
@@ -17,7 +17,7 @@ struct PictureLine {
 };
 
 /// Projects a point into the picture. The inverse of core::rayThrough().
-/// @return nothing if the point is nearer than view.near_model or behind the eye.
+/// @return the pixel position, or nothing if the point is nearer than view.near_model or behind the eye.
 std::optional<glm::dvec2> pointInPicture(const core::View& view, const glm::dvec3& point_model) noexcept;
 
 /// Projects the part of a segment that is in front of the eye. Returns nothing if the whole segment is behind

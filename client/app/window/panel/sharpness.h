@@ -5,8 +5,8 @@
 
 namespace lode::app {
 
-/// Largest error that the panel shows. A larger bound would be meaningless: the eye is then inside the box of
-/// a part, and the part's surface may be anywhere in this box.
+/// Largest error that the panel shows. A larger value would be meaningless: the eye is then inside the box of
+/// a cut part, and the part's surface may be anywhere in this box.
 constexpr float kLargestToldErrorPx = 64;
 
 /// State of a picture that is being refined.
@@ -20,11 +20,11 @@ struct Refining {
 
 /// Returns the text for a picture that is being refined.
 std::string refiningText(const Refining& refining);
-/// Returns the text for a picture whose detail the memory budget limits.
+/// Returns the text for a picture that lacks detail because of the memory budget.
 std::string limitedText(float error_px);
-/// Returns the text for a picture whose server is unreachable.
+/// Returns the text for a picture that lacks detail while the server is unreachable.
 std::string waitingText(float error_px);
-/// Returns the text for a picture whose finer parts are damaged or permanently refused.
+/// Returns the text for a picture that lacks detail because finer parts are damaged or permanently refused.
 std::string lackingText(float error_px);
 /// Returns the text for a converged picture. An error above the threshold means that the file has no finer
 /// triangles.
