@@ -128,7 +128,7 @@ struct BuildRecord {
     std::string version;  ///< version of the file at that path
   };
   std::vector<std::string> warnings;
-  fs::path textures_folder;  ///< folder that the build searched first
+  fs::path textures_folder;  ///< folder that the build searched first for images
   std::vector<Image> images;
 
   /// Returns true if a build now would find the same images. If an image is missing, textures_folder must be
@@ -165,7 +165,7 @@ std::optional<BuildRecord> readRecord(const fs::path& folder) {
   return record;
 }
 
-/// Writes the record. Ignores failures: without a record, the next use builds the store again.
+/// Writes the record. Ignores a failure, because the next use then just builds the store again.
 void writeRecord(const fs::path& folder, const BuildRecord& record) {
   Json json{{"warnings", record.warnings},
             {"textures_folder", record.textures_folder.string()},

@@ -9,14 +9,14 @@
 
 namespace lode::app {
 
-/// Setup of a child process.
+/// Options for starting a child process.
 struct ChildSetup {
   /// Contents of the child's stdin. Stdin is an in-memory file, so the child can also open it as
   /// /proc/self/fd/0.
   std::string input;
   int inherited = -1;       ///< file descriptor that the child inherits; -1: none
   bool heeds_keys = true;   ///< true if Ctrl-C and Ctrl-Z in the terminal also reach the child
-  bool is_private = false;  ///< true if only this user can read the child's new files
+  bool is_private = false;  ///< true to let only this user read the files that the child creates
 };
 
 /// A child process. The destructor sends SIGTERM, then SIGKILL if the child does not end in time. The kernel
@@ -61,7 +61,8 @@ constexpr size_t kMaxLineBytes = size_t{64} << 20;
 /// Returns the last message of a failed lodestreamd, or `otherwise` if the process wrote no message.
 std::string saidBy(const ChildProcess& server, const std::string& otherwise);
 
-/// Returns the path of lodestreamd in this program's folder. @throws Error kIo if the file is missing.
+/// Returns the path of lodestreamd in this program's folder. @throws Error kIo if the file is missing or not
+/// executable.
 std::filesystem::path siblingServer();
 
 }  // namespace lode::app

@@ -21,8 +21,8 @@ constexpr size_t kMaxSceneInstances = 10'000;
 constexpr double kMaxSceneCoordinate = 1e12;
 constexpr double kMinSceneScale = 1e-6, kMaxSceneScale = 1e6;
 
-/// Placement of a model in a scene. Maps a point p of the model, in true coordinates, to position + rotation
-/// * (scale * p).
+/// Placement of a model in a scene. Maps a point p of the model, in the coordinates of the model's file, to
+/// the point position + rotation * (scale * p) of the scene.
 struct Placement {
   glm::dvec3 position{0};
   glm::dquat rotation{1, 0, 0, 0};  ///< unit length
@@ -82,7 +82,7 @@ Error ofSceneModel(const Error& error, std::string_view source, const Scene& sce
 /// Transforms a view of the scene into the frame of an instance's model. For a single model, subtracts the
 /// origin and adds no other rounding.
 /// @param view    view of the scene; its eye and near distance are in scene coordinates.
-/// @param origin  origin of the model's lattice, in true coordinates.
+/// @param origin  origin of the model's lattice, in the coordinates of the model's file.
 core::View viewFrom(const core::View& view, const Placement& placement, const glm::dvec3& origin) noexcept;
 
 }  // namespace lode::app

@@ -27,7 +27,7 @@ constexpr int kSlowFrames = 3;        ///< number of consecutive slow frames aft
 constexpr int kCalmFrames = 8;
 /// Number of frames that a restored rate or resolution must last to count as a success.
 constexpr int kTrialFrames = 64;
-constexpr int kMorePatience = 4, kMostPatience = 256;  ///< factor and limit of Trials::patience_
+constexpr int kMorePatience = 4, kMostPatience = 256;  ///< growth factor and limit of Trials::patience_
 /// Scales of width and height that leave all, half and a quarter of the pixels.
 constexpr std::array kScales{1.0, 0.7071067811865476, 0.5};
 /// One step of kScales enlarges the pixels by the same factor as this number of threshold steps.
@@ -43,7 +43,7 @@ constexpr double kRestSeconds = 0.25;
 /// A cut is worth waiting for if its threshold is coarser by the factor kMuchCoarser, and if the last frame
 /// exceeded the target time by the factor kMuchSlower.
 constexpr double kMuchCoarser = 1.4, kMuchSlower = 2;
-constexpr double kShareWaited = 0.5;  ///< longest wait, relative to the last frame's time
+constexpr double kShareWaited = 0.5;  ///< longest wait for a cut, relative to the last frame's time
 constexpr double kLongestWaitS = 0.25;
 
 double stepsOf(double coarsening) noexcept { return kStepsOfOctave * std::log2(coarsening); }
@@ -104,9 +104,9 @@ void FrameRateControl::step(double seconds, bool moved) noexcept {
   still_s_ = moved ? 0 : still_s_ + seconds;
 }
 
-/// Adds a drawn frame. A frame that shows coarse stand-ins for missing meshes can still prove that the
-/// threshold must rise. To prove that the threshold may fall, such a frame counts with the thresholds of its
-/// stand-ins (Coarsening::complete), because the missing meshes will add work.
+/// Adds a drawn frame. Even a frame that shows coarse stand-ins for missing meshes can prove that the
+/// threshold must rise. Whether the threshold may fall depends on Coarsening::complete, which is larger for
+/// coarse stand-ins, because the missing meshes will add work.
 void FrameRateControl::add(double work_ms, const render::Coarsening& coarsening) noexcept {
   if (coarsening.scale != movingScale()) return;
   const double steps = stepsOf(coarsening.drawn), complete_steps = stepsOf(coarsening.complete);

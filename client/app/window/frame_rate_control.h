@@ -87,7 +87,7 @@ class FrameRateControl {
   /// Number of steps that the last frame called for. The threshold is raised only if two frames in a row call
   /// for it.
   double last_need_ = 0;
-  /// Time of the last frame's work per pixel, relative to kFill of the target time.
+  /// Time that the last frame spent on work per pixel, relative to kFill of the target time.
   double last_pixel_load_ = 0;
   /// Number of consecutive frames that exceeded the target time at the coarsest threshold.
   int slow_frames_ = 0;
@@ -97,8 +97,9 @@ class FrameRateControl {
   int calm_frames_ = 0;
   double calm_need_ = 0;        ///< number of steps called for
   double calm_pixel_load_ = 0;  ///< work per pixel, measured like last_pixel_load_
-  double double_need_ = 0;  ///< number of steps that fit twice the work into kFillOfFaster of the target time
-  double full_need_ = 0;    ///< number of steps that fit twice the work into kFill of the target time
+  /// Number of steps at which twice the work fits into kFillOfFaster of the target time.
+  double double_need_ = 0;
+  double full_need_ = 0;  ///< number of steps at which twice the work fits into kFill of the target time
   Trials rate_, resolution_;
   /// Time since the camera last moved. It starts at 0, so that the first cut can be coarse.
   double still_s_ = 0;

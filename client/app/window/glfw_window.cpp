@@ -119,7 +119,7 @@ void GlfwWindow::handleEvents(double wait_s) {
 }
 
 void GlfwWindow::pressKey(int key, int modifiers) {
-  if (key < GLFW_KEY_LEFT_SHIFT) pending_.any_key = true;  // a modifier alone does not count as a key
+  if (key < GLFW_KEY_LEFT_SHIFT) pending_.any_key = true;  // modifier keys do not count
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) {
     pending_.bookmark = key - GLFW_KEY_1 + 1;
     pending_.set_bookmark = (modifiers & GLFW_MOD_CONTROL) != 0;

@@ -62,13 +62,13 @@ class GlfwWindow {
   bool pressed_covered_ = false;  ///< true while a mouse button that went down over the panel is held
   bool is_repeated_ = false;      ///< true if the last key event was the repetition of a held key
   glm::dvec2 pointer_{0}, pressed_at_{0}, clicked_at_{0};
-  unsigned pad_buttons_ = 0;  ///< bits of the buttons that were down at the last poll, in GLFW's order
+  unsigned pad_buttons_ = 0;  ///< bit mask of the gamepad buttons held at the last poll, in GLFW's order
   double handled_s_ = 0;      ///< time when handleEvents() last returned
   /// Total time spent outside handleEvents(). Needed to time double clicks, because events have no time
   /// stamps.
   double unattended_s_ = 0;
   double clicked_s_ = -1e9, clicked_unattended_s_ = 0;  ///< time and unattended_s_ at the last click
-  double to_px_ = 1;                                    ///< pixels of the picture per pointer unit
+  double to_px_ = 1;                                    ///< number of pixels per unit of pointer coordinates
 };
 
 }  // namespace lode::app

@@ -8,8 +8,9 @@ namespace lode::app {
 
 /// User input since the last frame. Distances and positions are in pixels of the picture, y down.
 struct Input {
-  glm::dvec2 turned_px{0};   ///< distance dragged with the left button
-  glm::dvec2 shifted_px{0};  ///< distance dragged with the right or middle button, or with Shift
+  glm::dvec2 turned_px{0};  ///< distance dragged with the left button
+  /// Distance dragged with the right or middle button, or with the left button and Shift.
+  glm::dvec2 shifted_px{0};
   double wheel = 0;          ///< wheel steps, forward is positive
   glm::dvec2 pointer_px{0};  ///< current pointer position
   bool pressed = false;      ///< a mouse button went down
@@ -24,14 +25,14 @@ struct Input {
   // Keys that were pressed since the last frame. Two presses of a toggle key cancel each other.
   bool reset_camera = false;
   bool toggle_wireframe = false, toggle_panel = false, toggle_help = false, toggle_settings = false;
-  bool any_key = false;  ///< any key was pressed
+  bool any_key = false;  ///< a key other than Shift, Ctrl, Alt or Super was pressed
   int bookmark = 0;      ///< 1 to 9: number of the bookmark to use; 0: none
   /// True stores the camera in the bookmark; false moves the camera to the bookmark.
   bool set_bookmark = false;
   int next_camera = 0;  ///< number of steps through the kinds of cameras
   int next_axis = 0;    ///< number of steps through the up axes
   int next_show = 0;    ///< number of steps through the colour modes; negative steps go back
-  int finer = 0;        ///< number of steps to a finer threshold; negative steps make the threshold coarser
+  int finer = 0;        ///< number of steps by which to lower the threshold; negative steps raise it
   bool screenshot = false, copy = false, record = false, quit = false;
   /// Q was pressed; it quits if the scene failed to open, and otherwise moves the camera down.
   bool quit_where_idle = false;

@@ -19,7 +19,7 @@ constexpr double kIdleWaitS = 0.25;       ///< if all streams are settled
 constexpr double kStreamingWaitS = 0.01;  ///< if a stream is refining
 constexpr double kCoarserWaitS = 0.002;   ///< if a coarser cut is about to be drawn
 constexpr double kFramesOfFade = 4;       ///< parts fade only if a fade takes at least this many frames
-constexpr double kNoteS = 6;              ///< time during which a note stays on the panel
+constexpr double kNoteS = 6;              ///< time for which a note stays on the panel
 
 }  // namespace
 

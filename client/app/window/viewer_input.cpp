@@ -63,7 +63,8 @@ std::optional<PickedPoint> Viewer::under(const glm::dvec2& pixel_px) {
   return scene_.under(rig_->view(), pixel_px);
 }
 
-/// Picks a point, then copies the picks if requested. In this order, a click in the same frame is copied too.
+/// Picks a point, then copies the picks if requested. The order matters, because a click in the same frame
+/// must be copied too.
 void Viewer::pick(const Input& input) {
   if (input.pressed || input.clicked || input.double_clicked || input.wheel != 0) pointAt(input);
   if (!input.copy) return;

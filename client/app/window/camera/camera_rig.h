@@ -30,7 +30,7 @@ class CameraRig {
   void apply(const Input& input, double seconds, const GroundBelow& ground);
   /// Moves a walking camera above a point, with a horizontal view. Does nothing if the camera does not walk.
   void standAt(const glm::dvec3& point_model);
-  /// Returns the camera in true coordinates, at t = 0.
+  /// Returns the camera at t = 0, in true coordinates (those of the model's file).
   core::CameraKey camera() const;
   /// Moves the view to a camera that is given in true coordinates.
   void lookFrom(const core::CameraKey& camera, double fov_y_deg);

@@ -16,10 +16,10 @@
 
 namespace lode::app {
 
-/// A frame of a flight.
+/// Measurements of one frame of a flight.
 struct FlownFrame {
   int lap = 0;
-  double t_s = 0;           ///< time on the path
+  double t_s = 0;           ///< time on the camera path
   double work_ms = 0;       ///< frame time without waiting for the display
   double upload_ms = 0;     ///< time spent on uploads since the previous frame; included in work_ms
   double target_ms = 0;     ///< target frame time; 0: none
@@ -28,8 +28,8 @@ struct FlownFrame {
   uint64_t triangles = 0;
 };
 
-/// A camera path that the window follows, and the times of the frames drawn on the path. Pure: no clock, no
-/// GL.
+/// A camera path that the window's camera follows, and measurements of the frames drawn on the way. Pure: no
+/// clock, no GL.
 class Flight {
  public:
   /// @param laps  number of times to fly the path, >= 1.
@@ -41,9 +41,9 @@ class Flight {
   bool isOver() const noexcept { return lap_ >= laps_; }
   double fovYDeg() const noexcept { return path_.fov_y_deg; }
 
-  /// Adds a frame that was drawn. finish() sets the frame's time later. Ignored once the flight is over.
+  /// Adds a drawn frame; finish() sets the frame's work_ms later. Does nothing once the flight is over.
   void draw(uint64_t number, FlownFrame frame);
-  /// Sets the work time of a frame. Ignores frames that draw() did not add.
+  /// Sets the work_ms of a frame. Ignores frames that draw() has not added.
   void finish(uint64_t number, double work_ms);
 
   /// Returns a line per lap: the number of frames, and statistics of frame times, upload times and

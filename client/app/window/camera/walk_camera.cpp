@@ -18,7 +18,7 @@ constexpr double kClimb = 1;
 /// then rises smoothly.
 constexpr double kLeast = 0.25;
 constexpr double kSettleS = 0.15;  ///< time constant with which the height adapts
-constexpr double kSettled = 1e-3;  ///< differences below this share of the eye height count as zero
+constexpr double kSettled = 1e-3;  ///< height differences below this share of the eye height count as zero
 
 constexpr double kMostUncertain = 0.01;  ///< largest uncertainty, relative to the diagonal of the part's box
 

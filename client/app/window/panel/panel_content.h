@@ -43,7 +43,7 @@ struct PanelContent {
   uint64_t gpu_tiles = 0;  ///< number of texture tiles on the GPU
   float threshold_px = 1, error_px = 0;
   double target_ms = 0;  ///< target frame time that the threshold is raised for; 0: not raised
-  double aimed_ms = 0;   ///< target frame time while the camera moves; 0: none
+  double aimed_ms = 0;   ///< target frame time for a moving camera; 0: none
   double scale = 1;      ///< scale of the picture's width and height; thresholds are in scaled pixels
   bool converged = false;
   bool limited = false;             ///< the memory budget prevents more detail

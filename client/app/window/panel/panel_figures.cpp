@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kNoBreak = "\u00a0";  ///< no-break space
 constexpr double kLeastTripMs = 0.05;       ///< shorter round trips would be shown as 0.0 ms
-/// Frames up to this multiple of the target time count as in time.
+/// Frames that take up to this multiple of the target time count as on time.
 constexpr double kAlmostInTime = 1.1;
 
 std::string countOf(uint64_t value) {

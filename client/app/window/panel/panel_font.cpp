@@ -24,7 +24,8 @@ int following(unsigned char first) {
   return first >= 0xc2 && first < 0xe0 ? 1 : 0;
 }
 
-constexpr const char* kFontFile = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // fonts-dejavu-core
+// In Debian's package fonts-dejavu-core.
+constexpr const char* kFontFile = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 /// East Asian fonts. Their packages in Debian are fonts-noto-cjk, fonts-droid-fallback, fonts-wqy-microhei,
 /// fonts-wqy-zenhei and fonts-ipafont-gothic.
 constexpr std::array<const char*, 5> kOtherFonts{"/usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc",

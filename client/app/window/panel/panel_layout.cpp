@@ -10,7 +10,7 @@ namespace {
 constexpr float kPanelEm = 23.5f;
 constexpr float kPanelShare = 0.4f;  ///< limit of the panel's width, as a share of the window's width
 constexpr float kLeastPanelEm = 11;
-constexpr float kSidesEm = 2;         ///< width of the panel's padding and margins
+constexpr float kSidesEm = 2;         ///< width of the panel's padding and margins, in font sizes
 constexpr float kLeastAspect = 0.75;  ///< least aspect ratio of the free area in which a model is framed
 
 constexpr size_t kLeastLegendRows = 3;

@@ -10,9 +10,9 @@
 
 namespace lode::app {
 
-/// Returns the largest width of the panel in a window. The limit keeps the model visible beside the panel.
-/// Pure.
-/// @param em_px  size of the font.
+/// Returns the width of the panel in a window. The width is limited, so that the model stays visible beside
+/// the panel. Pure.
+/// @param em_px  font size.
 float panelWidthPx(float window_px, float em_px);
 
 /// Returns the share of a window's width that the panel covers at the left; models are framed in the rest.

@@ -20,7 +20,7 @@ inline const ImVec4 kMuted(0.62f, 0.66f, 0.72f, 1);
 /// Limits a width to the width of the display minus padding and margins.
 float fittingPx(float width_px);
 
-/// Starts a table row with a muted name and moves on to the next column.
+/// Starts a table row with a name in the colour kMuted and moves on to the next column.
 void nameRow(const char* name);
 
 /// Scrolls a panel window by the mouse wheel if its content is taller than the display.
@@ -30,9 +30,9 @@ class PanelScroll {
   void turn(double steps) noexcept { steps_ += steps; }
   /// Limits the height of the next window to the display. Call it before ImGui::Begin().
   static void limit();
-  /// Applies the scrolling. Call it before ImGui::End().
+  /// Applies the requested scrolling. Call it before ImGui::End().
   void follow();
-  /// Forgets the scrolling. Call it instead of follow() if the window is not shown.
+  /// Resets the scrolling. Call it instead of follow() if the window is not shown.
   void leaveOut() noexcept { *this = {}; }
   /// Returns the area that captures the wheel; nothing if the whole content fits the display.
   const std::optional<Covered>& where() const noexcept { return where_; }

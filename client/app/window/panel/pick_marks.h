@@ -14,8 +14,9 @@ namespace lode::app {
 /// Marks that show the user's measurement in the picture.
 struct PickMarks {
   std::vector<glm::dvec2> points_px;  ///< positions of the picked points that are in front of the eye
-  std::optional<PictureLine> line;    ///< line between the two points
-  std::string distance;               ///< length of the line as text
+  /// Line between the two picked points; empty if none of it is in front of the eye.
+  std::optional<PictureLine> line;
+  std::string distance;  ///< length of the line as text
 
   bool operator==(const PickMarks&) const = default;
 };

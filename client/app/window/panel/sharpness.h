@@ -16,7 +16,7 @@ struct Refining {
   uint64_t received_bytes = 0;
 };
 
-// The next functions return texts for the panel that state the error of the picture.
+// The functions below return the panel's texts about the error of the picture.
 
 /// Returns the text for a picture that is being refined.
 std::string refiningText(const Refining& refining);

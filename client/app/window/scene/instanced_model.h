@@ -32,7 +32,7 @@ struct InstancedModel {
   /// Returns true while the first attempt to open the model is under way.
   bool isAwaited() const noexcept { return !isOpen() && !opened.error; }
 
-  /// Transforms a camera of the scene into the model's frame at an instance.
+  /// Transforms a view of the scene into the model's frame, for one of the model's instances.
   core::View viewAt(size_t instance, const core::View& scene_view) const;
   /// Transforms a point of the model's frame into the scene. toModel() is the inverse.
   glm::dvec3 toScene(size_t instance, const glm::dvec3& point_model) const;

@@ -13,7 +13,7 @@ namespace lode::app {
 /// A surface point that the user has picked in the picture.
 struct PickedPoint {
   glm::dvec3 position_model;  ///< position in the frame of ViewedScene::summary()
-  glm::dvec3 position;        ///< position in true coordinates
+  glm::dvec3 position;        ///< position in the coordinates of the model's or the scene's file
   bool is_ground = false;     ///< the point is on the scene's ground, which has no node, LOD or error
   NodeKey node;
   uint32_t lod = 0;
@@ -27,7 +27,7 @@ struct PickedPoint {
 /// paintAt().
 PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core::Cut& textured);
 
-/// The last two points on which the user clicked.
+/// The last two points that the user has clicked.
 class Picks {
  public:
   void add(PickedPoint point);

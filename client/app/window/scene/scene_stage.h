@@ -26,7 +26,7 @@ constexpr uint32_t instanceNumber(size_t model, size_t instance) noexcept {
 /// @param whole  summary of the open models, with their box.
 Lattice latticeWithRoom(const ModelSummary& whole);
 
-/// Returns the box of `whole` in another lattice, clipped to this lattice. Pure.
+/// Returns the box of `whole` in another lattice, clipped to the range of this lattice. Pure.
 LatticeBox boxIn(const Lattice& lattice, const ModelSummary& whole);
 
 /// The scene without its models: the extent and the ground. Create, use and destroy it on the thread of its

@@ -53,7 +53,7 @@ class ViewedScene {
   /// Continues to open the scene, without waiting. Until the scene is open, do not call summary(), framing(),
   /// update(), under() or groundBelow().
   Opening open();
-  /// Returns a summary of the scene as if it were one model: name, frame, extent and triangles.
+  /// Returns a summary of the scene as if it were one model: name, coordinate frame, extent and triangles.
   const ModelSummary& summary() const { return whole_; }
   /// Returns the build warnings of all models.
   std::vector<std::string> warnings() const;
