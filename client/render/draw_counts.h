@@ -9,8 +9,8 @@ namespace lode::render {
 /// and 2, depending on how flat the model is.
 constexpr double kFallOfWork = 1.5;
 
-/// Mean of the thresholds of parts. The frame would take the same work if all parts had this mean as their
-/// threshold (see kFallOfWork).
+/// Mean of the thresholds of a frame's parts: the frame would take the same work if all parts had the mean as
+/// their threshold (see kFallOfWork).
 class MeanThreshold {
  public:
   void add(uint64_t triangles, double threshold_px) noexcept;
@@ -25,35 +25,42 @@ class MeanThreshold {
 
 /// Mean thresholds of the parts in a picture.
 struct ShownThresholds {
-  /// Mean in which each part coarser than the cut's threshold counts with the cut's threshold.
+  /// Mean for the frame as drawn. A part that is coarser than the cut's threshold counts with the cut's
+  /// threshold.
   MeanThreshold drawn;
-  /// Mean in which each part coarser than the cut's threshold counts with its own error.
+  /// Mean for the complete cut. A part that is coarser than the cut's threshold counts with its own error,
+  /// and a part that fades out does not count.
   MeanThreshold complete;
 
   ShownThresholds& operator+=(const ShownThresholds& more) noexcept;
 };
 
-/// Ratio of the thresholds in a frame to the finest requested threshold; at least 1.
+/// Tells how much coarser a frame is than the user requested. The user requests the finest threshold; a
+/// larger threshold draws fewer triangles.
 struct Coarsening {
-  double drawn = 1, complete = 1;  ///< ratios of the means of ShownThresholds
-  double pixel_share = 0;          ///< share of the frame's work that depends on pixels instead of triangles
-  double scale = 1;                ///< scale of the picture's width and height
+  /// The means of ShownThresholds divided by the requested threshold, at least 1.
+  double drawn = 1, complete = 1;
+  double pixel_share = 0;  ///< share of the frame's work that depends on pixels rather than on triangles
+  double scale = 1;        ///< scale of the picture's width and height
 };
 
-/// Returns the coarsening of a frame. Returns nothing if the frame shows no part.
+/// Returns the coarsening of a frame; nothing if the frame shows no part. @param finest_px  the threshold
+/// that the user requested.
 std::optional<Coarsening> coarseningOf(const ShownThresholds& shown, float finest_px) noexcept;
 
-/// Estimates the share of a frame's work that its pixels cause, if the CPU renders the frame.
+/// Estimates the share of a frame's work that depends on its number of pixels when the CPU renders the frame.
 double pixelShareInSoftware(uint64_t triangles, double pixels) noexcept;
 
 /// Statistics of one picture.
 struct DrawCounts {
-  /// Triangles drawn after culling. OcclusionCulling::kOnGpu counts the triangles of a frame a few frames
-  /// ago.
+  /// Triangles drawn after culling. With OcclusionCulling::kOnGpu, the number is that of a frame drawn a
+  /// few frames earlier.
   uint64_t triangles = 0;
   uint32_t nodes = 0;
   uint32_t calls = 0;
-  float error_px = 0;  ///< largest projected error in the picture, in the view of the cut
+  /// Largest error of a drawn part in pixels of the picture, projected in the view for which the cut was
+  /// made.
+  float error_px = 0;
   ShownThresholds shown;
 
   DrawCounts& operator+=(const DrawCounts& more) noexcept;

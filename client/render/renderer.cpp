@@ -140,7 +140,8 @@ DrawState Renderer::stateOf(const FadedItem& faded, const DrawStyle& style, floa
 
 /// Updates an instance's cross-fade with the parts that the drawn cut shows to this camera.
 Renderer::DrawnInstance& Renderer::choose(size_t number, const core::View& view, const DrawTime& time) {
-  // The clusters of an instance point into CrossFade::items(), so a move must not copy.
+  // The clusters of an instance point into CrossFade::items(), so resize() must move instances, not copy
+  // them.
   static_assert(std::is_nothrow_move_constructible_v<DrawnInstance>);
   if (number >= instances_.size()) instances_.resize(number + 1);
   DrawnInstance& instance = instances_[number];
@@ -275,7 +276,7 @@ void Renderer::drawClusters(const DrawnInstance& instance, const std::vector<boo
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
 }
 
-/// Adds a part with its drawn triangles to the picture's mean thresholds.
+/// Adds a part's threshold, weighted by the triangles drawn, to the picture's mean thresholds.
 void Renderer::countShown(const DrawnInstance& instance, const SeenPart& part, uint32_t triangles,
                           const core::View& view, DrawCounts& counts) {
   const double focal_px = core::focalPx(view);

@@ -49,11 +49,11 @@ class Renderer {
   /// Changes the memory budgets. The staging buffers keep their size.
   void setMemory(const ResidencyOptions& options);
 
-  /// Returns the meshes on the GPU, which determine the drawn cut.
+  /// Returns the residency, which keeps the meshes on the GPU and decides which cut is drawn.
   MeshResidency& meshes() noexcept { return meshes_; }
   const MeshResidency& meshes() const noexcept { return meshes_; }
   const TextureResidency& textures() const noexcept { return textures_; }
-  /// Returns the parts of an instance in the last picture.
+  /// Returns the parts of an instance that the last picture shows.
   std::span<const DrawItem> inPicture(size_t instance = 0) const noexcept {
     return instance < instances_.size() ? std::span<const DrawItem>(instances_[instance].in_picture)
                                         : std::span<const DrawItem>();
@@ -65,31 +65,34 @@ class Renderer {
   DrawCounts draw(const core::View& view, const Framebuffer& target, const DrawStyle& style = {},
                   const DrawTime& time = {});
   /// Draws one instance without background. With OcclusionCulling::kReadBack, draws only the clusters that
-  /// were not hidden in the last frame; drawAppeared() tests and draws the other clusters.
+  /// were not hidden in the last frame; drawAppeared() then tests the other clusters and draws those that
+  /// have become visible.
   /// @param view  view in the instance's model frame.
   DrawCounts drawInstance(size_t instance, const core::View& view, const Framebuffer& target,
                           const DrawStyle& style, const DrawTime& time);
   /// Returns the number of clusters of the instance that drawInstance() found in the view.
   size_t clustersInPicture(size_t instance) const noexcept { return instances_[instance].seen.size(); }
   /// Draws the clusters that drawInstance() skipped, except those that the drawn depth hides. The picture is
-  /// the same as without culling. @param drawn  depth after drawInstance() of all instances.
+  /// then the same as without culling. @param drawn  depth after drawInstance() was called for all instances.
   DrawCounts drawAppeared(size_t instance, const core::View& view, const Framebuffer& target,
                           const DrawStyle& style, const FarthestDepths& drawn);
-  /// Adds the parts of an instance that may be visible to a GPU culling pass (OcclusionCulling::kOnGpu). The
-  /// result does not count triangles; see GpuCulling::trianglesLately().
+  /// Adds an instance's parts in the view to `culling`, for OcclusionCulling::kOnGpu. The returned counts
+  /// have no triangles; see GpuCulling::trianglesLately().
   DrawCounts addInstance(size_t instance, const core::View& view, const DrawStyle& style,
                          const DrawTime& time, GpuCulling& culling);
-  /// Draws the clusters of an instance that the last culling pass found. Call continuePicture() first.
+  /// Draws those clusters of an instance that the last culling pass found. Call continuePicture() first.
   /// @return number of draw calls.
   uint32_t drawFound(size_t instance, const core::View& view, const Framebuffer& target,
                      const DrawStyle& style, const GpuCulling& culling);
   /// Fills the pixels that no model covers. Call drawBackground() last.
   void drawBackground(const Framebuffer& target, const DrawStyle& style) const;
-  /// Forgets an instance that is not drawn in this frame. The instance will appear without fading.
+  /// Forgets an instance that is not drawn in this frame. When it is drawn again, it appears without fading
+  /// in.
   void leaveOut(size_t instance);
-  /// Returns true while a cross-fade runs, so that the next frame will differ from the last frame.
+  /// Returns true while a cross-fade runs. The next frame then differs from the last frame.
   bool fading() const noexcept;
-  /// Returns true while the last picture has parts younger than kOldS, whose colours by age still change.
+  /// Returns true while the last picture has parts no older than kOldS. ColorMode::kAges still changes their
+  /// colours.
   bool ageing() const noexcept;
 
  private:
@@ -126,7 +129,7 @@ class Renderer {
   MeshResidency meshes_;
   TextureResidency textures_;
   std::vector<DrawnInstance> instances_;
-  bool fades_ = false;       ///< true if the last picture cross-faded
+  bool fades_ = false;       ///< DrawTime::fades of the last picture
   bool has_samples_ = true;  ///< true if the target is multisampled
   MeshDrawer drawer_;
   GlProgram background_program_;

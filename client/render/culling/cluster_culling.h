@@ -9,7 +9,7 @@
 
 namespace lode::render {
 
-/// A part that may be visible.
+/// A part of a cut (core::CutPart) that may be visible.
 struct SeenPart {
   const DrawItem* item = nullptr;
   uint32_t state = 0;  ///< index of the part's draw state in the caller's array
@@ -24,14 +24,16 @@ struct SeenCluster {
   uint32_t firstTriangle() const noexcept { return number * kClusterTriangles; }
   uint32_t triangles() const noexcept;
   const LatticeBox& box() const noexcept { return part.item->clusters->boxes[number]; }
-  /// Returns the flag that is true if other geometry hid the cluster in the instance's last frame.
+  /// Returns a reference to the flag that tells whether other geometry hid the cluster when the instance was
+  /// last drawn.
   std::vector<bool>::reference hidden(size_t instance) const;
 };
 
-/// Returns true if a part's box may be in the view frustum.
+/// Returns true if a part's box may intersect the view frustum.
 bool isInPicture(const SeenPart& part, const core::ViewFrustum& frustum, double lattice_step);
 
-/// Adds the clusters of a part whose boxes may be in the view frustum. @return number of clusters added.
+/// Adds to `seen` each cluster of a part if the cluster's box may intersect the view frustum.
+/// @return number of clusters added.
 size_t addSeenClusters(const SeenPart& part, const core::ViewFrustum& frustum, double lattice_step,
                        std::vector<SeenCluster>& seen);
 
@@ -42,11 +44,11 @@ struct DrawCommand {
   uint32_t base_instance;
 };
 
-/// Draw commands of one shader program, grouped by page.
+/// Draw commands of one shader program, grouped by GPU page (see GpuPages).
 struct DrawList {
   void clear(size_t pages);
-  /// Adds a cluster. If the cluster directly follows the last command's triangles in memory, extends this
-  /// command.
+  /// Adds a cluster. Extends the page's last command if the cluster directly follows that command's triangles
+  /// in memory and has the same draw state.
   void add(const SeenCluster& cluster);
   bool empty() const noexcept;
 

@@ -2,11 +2,11 @@
 
 namespace lode::render {
 
-/// Compute shader that writes one bit per cluster of each chunk. The bit is set if the cluster is in the view
-/// and the depths do not hide it.
+/// Compute shader that tests the clusters of each chunk (see GpuCulling::Chunk) and writes one bit per
+/// cluster. The bit is set if the cluster is in the view and not hidden behind the drawn depth.
 extern const char* const kFindShader;
-/// Compute shader that writes the commands of each list, in order, and their number. The commands draw the
-/// clusters that kFindShader found.
+/// Compute shader that turns the bits of kFindShader into draw commands. For each list (see
+/// GpuCulling::List), writes the commands in order and counts them.
 extern const char* const kListShader;
 
 }  // namespace lode::render

@@ -101,8 +101,8 @@ FarthestDepths DepthReader::read(const Framebuffer& picture) {
 
 DepthPyramid::DepthPyramid() : coarser_program_(linkComputeProgram(kCoarserLevelShader)) {}
 
-/// Creates a texture whose sides are powers of two, so that each level has exactly half the size of the
-/// previous level.
+/// Creates a texture with power-of-two sides, so that each level is exactly half as wide and high as the next
+/// finer level.
 void DepthPyramid::makeTexture(uint32_t columns, uint32_t rows) {
   const auto width = static_cast<GLsizei>(std::bit_ceil(columns));
   const auto height = static_cast<GLsizei>(std::bit_ceil(rows));

@@ -8,15 +8,16 @@
 
 namespace lode::render {
 
-/// Reduces a picture's depth to the farthest depth of each square of FarthestDepths::kSquarePx, over all
-/// samples. Create, use and destroy the object on the thread of its OpenGL context.
+/// Reduces a picture's depth buffer to one value per square of FarthestDepths::kSquarePx pixels a side: the
+/// farthest depth of all samples in the square. Create, use and destroy the object on the thread of its
+/// OpenGL context.
 class FarthestSquares {
  public:
   /// @throws Error kInternal if the driver rejects a shader.
   FarthestSquares();
 
-  /// Draws one pixel per square into the lower left corner of a framebuffer with one float channel. Changes
-  /// the bound framebuffer, program, vertex array and viewport, and disables the depth test.
+  /// Draws one pixel per square into the lower left corner of a framebuffer that has one float channel.
+  /// Changes the bound framebuffer, program, vertex array and viewport, and disables the depth test.
   void draw(const Framebuffer& picture, GLuint framebuffer);
 
  private:
@@ -27,11 +28,11 @@ class FarthestSquares {
 /// Returns the number of squares along a side of `side_px` pixels.
 uint32_t squareCount(uint32_t side_px) noexcept;
 
-/// Reads back a picture's farthest depths. Create, use and destroy the object on the thread of its OpenGL
-/// context.
+/// Reads a picture's farthest depths back to the CPU. Create, use and destroy the object on the thread of its
+/// OpenGL context.
 class DepthReader {
  public:
-  /// Blocks until drawing is done. Changes the same state as FarthestSquares::draw().
+  /// Blocks until the picture is drawn. Changes the same state as FarthestSquares::draw().
   FarthestDepths read(const Framebuffer& picture);
 
  private:
@@ -41,10 +42,10 @@ class DepthReader {
   uint32_t columns_ = 0, rows_ = 0;
 };
 
-/// Depth pyramid of a picture on the GPU. Level 0 has the squares of FarthestDepths. In each further level, a
-/// texel has the farthest depth of 2 × 2 texels. A test of a box therefore reads at most 16 texels. Create,
-/// use and destroy the object on the thread of its OpenGL context. Source: Greene, Kass and Miller,
-/// Hierarchical Z-buffer Visibility, 1993.
+/// Depth pyramid of a picture on the GPU. Level 0 has one texel per square of FarthestDepths. Each texel of a
+/// coarser level holds the farthest depth of 2 × 2 texels of the next finer level. A shader tests a box at
+/// the level where the box covers at most 4 × 4 texels. Create, use and destroy the object on the thread of
+/// its OpenGL context. Source: Greene, Kass and Miller, Hierarchical Z-buffer Visibility, 1993.
 class DepthPyramid {
  public:
   /// @throws Error kInternal if the driver rejects a shader.
@@ -53,7 +54,8 @@ class DepthPyramid {
   /// Builds the pyramid without blocking. Changes the same state as FarthestSquares::draw().
   void build(const Framebuffer& picture);
 
-  /// Returns the texture of reversed depths. Texels outside the picture are 1, so that they hide everything.
+  /// Returns the texture of reversed depths (1 is nearest). Texels outside the picture are 1, so that they
+  /// never make a box visible.
   GLuint texture() const noexcept { return texture_.get(); }
   /// Returns the width of the picture, or 0 before the first build().
   uint32_t widthPx() const noexcept { return width_px_; }

@@ -145,7 +145,7 @@ void GpuCulling::addChunks(const SeenPart& part, uint32_t instance) {
                        static_cast<int32_t>(item.base_vertex), part.state, instance});
     ++groups_.back().chunks;
     ++lists_.back().chunks;
-    const uint32_t most_runs = (count + 1) / 2;  // two runs are at least one cluster apart
+    const uint32_t most_runs = (count + 1) / 2;  // at least one cluster lies between two runs
     draws_.back().most_commands += most_runs;
     most_commands_ += most_runs;
   }
@@ -172,8 +172,8 @@ void GpuCulling::findAppeared(const Framebuffer& drawn) {
   glDeleteSync(std::exchange(count_fences_[picture_], glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0)));
 }
 
-/// Runs a pass. @param by_last_picture  true if depths_ shows the last picture, false if it shows this
-/// picture.
+/// Runs a pass. @param by_last_picture  true if depths_ has the depth of the last picture, false if it has
+/// the depth of this picture.
 void GpuCulling::find(bool by_last_picture) {
   if (lists_.empty()) return;
   bind(kChunks, chunks_buffer_);

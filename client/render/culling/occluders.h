@@ -17,13 +17,13 @@ struct FarthestDepths {
   std::vector<float> depths;  ///< depths row by row, bottom row first
 };
 
-/// Tests on the CPU whether drawn geometry hides boxes. Pure.
+/// Tests on the CPU whether drawn geometry hides boxes.
 class Occluders {
  public:
-  /// @param step   the model's lattice step used for drawing.
+  /// @param step   the model's lattice step.
   /// @param drawn  depths of the picture; must outlive this object. Empty depths hide nothing.
   Occluders(const core::View& view, double step, const FarthestDepths& drawn);
-  /// Deleted, because drawn_ would refer to a destroyed object.
+  /// Deleted, because drawn_ would dangle.
   Occluders(const core::View& view, double step, const FarthestDepths&& drawn) = delete;
 
   /// Returns true only if the whole box is behind drawn geometry at every sample.
@@ -31,7 +31,8 @@ class Occluders {
 
  private:
   const FarthestDepths& drawn_;
-  const glm::dvec3 eye_, forward_, right_, up_;  ///< right_ and up_ in pixels at unit distance
+  /// right_ and up_ are scaled so that a dot product with them, divided by the distance, is in pixels.
+  const glm::dvec3 eye_, forward_, right_, up_;
   const glm::dvec2 size_px_;
   const double near_model_;
 };

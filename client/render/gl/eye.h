@@ -23,13 +23,13 @@ glm::mat3 viewRotation(const core::View& view) noexcept;
 
 /// A projection with reversed depth and without a far plane, given by the scale of x and y and the near
 /// distance. A point (x, y, z) of the view frame has the clip coordinates (scale.x * x, scale.y * y, near,
-/// -z). Depth is 1 at the near plane and falls to 0.
+/// -z). Depth is 1 at the near plane and approaches 0 with distance.
 struct Projection {
   glm::vec2 scale{1};
   float near_model = 0;
 };
 
-/// @param step  lattice step of the model; the near plane is at least at this distance.
+/// @param step  lattice step of the model; the near plane is at least this far from the eye.
 Projection reversedProjection(const core::View& view, double step) noexcept;
 
 }  // namespace lode::render

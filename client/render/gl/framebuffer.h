@@ -7,8 +7,8 @@
 
 namespace lode::render {
 
-/// Reads the colours of a framebuffer with one sample per pixel. Framebuffer 0 is the window, whose current
-/// read buffer is read.
+/// Reads the colours of a framebuffer with one sample per pixel. Framebuffer 0 is the window; its current
+/// read buffer is used.
 Image readFramebuffer(GLuint framebuffer, uint32_t width_px, uint32_t height_px);
 
 /// An off-screen render target with sRGB colour and reversed 32-bit float depth. A multisampled target also
@@ -32,8 +32,8 @@ class Framebuffer {
   void resolve() const;
   Image readPixels() const { return readFramebuffer(resolved(), width_px_, height_px_); }
   /// Copies the resolved picture to a framebuffer; 0 is the window. If the sizes differ, scales the picture
-  /// with linear filtering. The framebuffer stays bound for drawing and reading, because Mesa reads black
-  /// from a window that is bound for reading only after drawing.
+  /// with linear filtering. Leaves the framebuffer bound for drawing and for reading: if a window is bound
+  /// for reading only after it was drawn, Mesa reads black.
   void copyTo(GLuint framebuffer, uint32_t width_px, uint32_t height_px) const;
 
  private:

@@ -16,11 +16,11 @@ struct Image {
   const uint8_t* pixel(uint32_t x, uint32_t y) const& noexcept {
     return rgba.data() + (static_cast<size_t>(y) * width_px + x) * 4;
   }
-  const uint8_t* pixel(uint32_t x, uint32_t y) const&& = delete;  ///< deleted, because the pixel would
-                                                                  ///< outlive its image
+  /// Deleted, because the pointer would dangle.
+  const uint8_t* pixel(uint32_t x, uint32_t y) const&& = delete;
 };
 
-/// Writes a PNG (colour only, no alpha). The file gets its name only when it is complete.
+/// Writes a PNG (colour only, no alpha). The file appears under its name only when it is complete.
 /// @throws Error kIo.
 void writePng(const std::filesystem::path& path, const Image& image, OutputName name = OutputName::kTyped);
 

@@ -8,7 +8,7 @@ namespace lode::render {
 /// creates it, until the same thread destroys it.
 class OffscreenContext {
  public:
-  /// @throws Error kIo that names the missing part and the package to install.
+  /// @throws Error kIo that says what is missing and which package to install.
   OffscreenContext();
   ~OffscreenContext();
   OffscreenContext(const OffscreenContext&) = delete;

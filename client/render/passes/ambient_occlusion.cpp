@@ -7,17 +7,17 @@
 namespace lode::render {
 namespace {
 
-// The shaders follow in the order in which they run. The shaders read the depths of the picture, which are
-// reversed and have no far plane: depth is 1 at the near plane, 0 in the background, and affine on planar
-// surfaces.
+// The shaders below run in this order. They read the picture's depth, which is reversed and has no far plane:
+// it is 1 at the near plane, 0 in the background, and an affine function of x and y on a planar surface.
 
 enum OcclusionUniform { kOcclusionMiddle, kOcclusionRayStep, kOcclusionReach };
 enum BlurUniform { kBlurAlong };
 enum DarkeningUniform { kDarkeningSamples };
 
-/// Shader that halves the size of the depth. Takes every second pixel of every second row, and averages the
-/// pixel with opposite neighbours in pairs. A pair has the mean depth of the pixel if the surface is planar,
-/// even beside an edge. The mean also merges the two surfaces that a cross-fade dithers.
+/// Shader that halves the resolution of the depth. Takes every second pixel of every second row, and averages
+/// its depth with pairs of opposite neighbours. On a planar surface, the mean depth of such a pair equals the
+/// depth of the pixel. A pair with a different mean, as across an edge, is left out. Averaging also merges
+/// the two surfaces that a cross-fade dithers.
 const char* const kHalvingShader = R"glsl(
 layout(binding = 1) uniform sampler2DMS depths;
 out float depth;
@@ -46,8 +46,8 @@ void main() {
 }
 )glsl";
 
-/// Shader that computes the visible share of the sky. Lengths are relative to the reach, which grows in
-/// proportion to the distance from the eye, like a pixel's footprint.
+/// Shader that computes the share of the sky that is visible from a pixel's surface. Lengths are relative to
+/// the reach, the radius of the occlusion, which grows in proportion to the distance from the eye.
 const char* const kOcclusionShader = R"glsl(
 layout(binding = 2) uniform sampler2D depths;
 layout(location = 0) uniform vec2 middle_px;
@@ -109,8 +109,8 @@ void main() {
 }
 )glsl";
 
-/// Shader that blurs along one axis over the length of the 4 x 4 pattern. Pixels close to the plane of the
-/// middle pixel's surface have more weight.
+/// Shader that blurs along one axis, over the length of the 4 x 4 pattern of kOcclusionShader. A pixel has
+/// more weight if its depth is near the plane of the middle pixel's surface.
 const char* const kOcclusionBlurShader = R"glsl(
 layout(binding = 2) uniform sampler2D open_depths;
 layout(location = 0) uniform ivec2 along;
@@ -145,8 +145,8 @@ void main() {
 }
 )glsl";
 
-/// Shader that multiplies a pixel by the mean light of its samples. The light of a sample is interpolated
-/// from the half-size layer, where pixels of similar depth count.
+/// Shader that multiplies a pixel by the mean light of its samples. Interpolates the light of a sample from
+/// the pixels of the half-size layer, mostly from pixels of similar depth.
 const char* const kDarkeningShader = R"glsl(
 layout(binding = 1) uniform sampler2DMS depths;
 layout(binding = 2) uniform sampler2D open_depths;

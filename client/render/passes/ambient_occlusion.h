@@ -9,7 +9,7 @@
 namespace lode::render {
 
 /// Screen-space ambient occlusion. Darkens the creases and hollows that the depth of a drawn picture shows.
-/// The radius is relative to the picture's height, so that a model looks alike near and far. The result
+/// The radius is relative to the picture's height, so that a model looks the same near and far. The result
 /// depends on the depth alone: equal depths give equal bits. Create, use and destroy the object on the thread
 /// of its OpenGL context. Source: McGuire, Mara and Luebke, Scalable Ambient Obscurance, 2012.
 class AmbientOcclusion {

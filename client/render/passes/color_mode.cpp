@@ -19,8 +19,8 @@ constexpr std::array<glm::u8vec3, kTexelColourCount> kTexelLadder{
 constexpr std::array<const char*, kTexelColourCount> kTexelMeanings{
     "1/4 texel per pixel or less: blurred", "1/2", "1", "2", "4 or more", "no texture"};
 
-/// Colours that colour-blind people can distinguish too. Source: the colours of Okabe & Ito, Color Universal
-/// Design, 2008, lightened. The last four colours are mixtures of the first eight.
+/// Colours that colour-blind people can also tell apart. Source: lightened colours of Okabe & Ito, Color
+/// Universal Design, 2008. The last four colours are mixtures of the first eight.
 constexpr std::array<glm::u8vec3, 12> kLadder{{{240, 228, 66},
                                                {230, 159, 0},
                                                {213, 94, 0},
@@ -79,7 +79,7 @@ size_t errorBin(float error_rad, float threshold_rad) {
 
 glm::u8vec3 ladder(uint32_t step) { return kLadder[step % kLadder.size()]; }
 
-/// Derives the hue and lightness of a node's colour from the key and the instance.
+/// Derives a node's colour from the node's key and the number of the instance.
 glm::u8vec3 colourOfNode(NodeKey node, uint32_t instance) {
   const uint64_t hash = (node.value ^ instance * 0xbf58476d1ce4e5b9ull) * 0x9e3779b97f4a7c15ull;
   const double hue = static_cast<double>(hash >> 40) / (1 << 24);
@@ -123,7 +123,7 @@ glm::u8vec3 lodColour(const DrawItem& part, float /*threshold_rad*/, uint32_t /*
   return ladder(part.lod);
 }
 
-/// Describes the depths or LODs that are drawn, and marks the first and the last.
+/// Describes the drawn depths or LODs, one entry each, and marks the smallest and the largest.
 std::vector<LegendEntry> legendOfSteps(const std::set<uint32_t>& steps, const std::string& name,
                                        const char* first_mark, const char* last_mark) {
   std::vector<LegendEntry> legend;

@@ -13,8 +13,8 @@ namespace lode::render {
 /// A soft dark ellipse on level ground below an object.
 struct ContactShadow {
   glm::dvec3 middle{0};            ///< centre of the ellipse, on the ground
-  glm::dvec3 across{0}, along{0};  ///< horizontal half axes of the ellipse
-  float depth = 0;                 ///< share of the light that is missing at the centre, 0..1
+  glm::dvec3 across{0}, along{0};  ///< horizontal semi-axes of the ellipse
+  float depth = 0;                 ///< share of the light that the shadow removes at the centre, 0..1
 };
 
 /// Darkens ground that is already drawn. Draw the shadows before the objects on the ground. Create, use and

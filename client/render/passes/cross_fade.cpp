@@ -62,7 +62,7 @@ std::vector<CrossFade::Part> CrossFade::partsOf(const ShownCover& cover, double 
   return parts;
 }
 
-/// Sets live_ to the new cover. Parts that are in both covers keep their clocks.
+/// Sets live_ to the new cover. Parts that are in both covers keep their fade times.
 CrossFade::Change CrossFade::take(const ShownCover& cover, double now_s) {
   Change change;
   change.before = std::exchange(live_, partsOf(cover, now_s));
@@ -93,8 +93,8 @@ CrossFade::Change CrossFade::take(const ShownCover& cover, double now_s) {
   return change;
 }
 
-/// Starts the change of all regions. Regions that cannot fade come first, because they end the fades around
-/// them.
+/// Starts the change of all regions. Begins with the regions that cannot fade, because they end running fades
+/// that overlap them.
 void CrossFade::change(const ShownCover& cover, const core::ViewFrustum& frustum, double lattice_step,
                        double now_s) {
   const Change change = take(cover, now_s);
@@ -121,7 +121,7 @@ void CrossFade::change(const ShownCover& cover, const core::ViewFrustum& frustum
 bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const core::ViewFrustum& frustum,
                         double lattice_step) const {
   if (is_forgotten_ || region.leaving.empty() || region.arriving.empty()) return false;
-  // Do not fade between builds, because their surfaces may be far apart.
+  // Do not fade between two builds of the model, because their surfaces may be far apart.
   if (change.cut_before->build != cut_->build) return false;
   const auto fits = [&](const DrawItem& item) {
     const double distance_model = frustum.distanceTo(core::toModelBox(item.box, lattice_step));
@@ -131,8 +131,8 @@ bool CrossFade::mayFade(const Change& change, const ChangedRegion& region, const
          std::ranges::all_of(region.arriving, [&](uint32_t i) { return fits(live_[i].item); });
 }
 
-/// Adds the gaps of fading regions. A gap is the box of a node that a cut leaves out and that no other part
-/// of the cut covers.
+/// Adds the gaps of fading regions. A gap is the box of a node that a cut leaves out, if no shown part of the
+/// cut covers the node.
 void CrossFade::noteGaps(const Change& change, std::span<const ChangedRegion* const> regions,
                          double until_s) {
   const auto note = [&](const core::Cut* cut, bool is_before) {
@@ -153,7 +153,7 @@ void CrossFade::noteGaps(const Change& change, std::span<const ChangedRegion* co
   note(cut_.get(), false);
 }
 
-/// Ends fades at these nodes and wherever a leaving part overlaps them.
+/// Ends all fades in regions that overlap these nodes.
 /// @return the regions where fades ended, depth first.
 std::vector<NodeKey> CrossFade::endFadesAt(std::span<const NodeKey> nodes) {
   std::vector<NodeKey> ended;
@@ -182,8 +182,8 @@ void CrossFade::endFadesInSight(const core::ViewFrustum& frustum, double now_s) 
   endFadesAt(seen);
 }
 
-/// Lists items. The dither range of a live part reaches up to its progress. The range of a leaving part
-/// begins at the progress of the parts that replace it.
+/// Fills items_. The dither range of a part ends at the progress of its own fade. The range of a leaving part
+/// begins at the progress of the parts that replace it, the range of any other part at 0.
 void CrossFade::list(double now_s) {
   items_.clear();
   items_.reserve(live_.size() + leaving_.size());

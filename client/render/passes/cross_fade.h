@@ -16,12 +16,12 @@ namespace lode::render {
 
 /// Duration of a cross-fade in seconds.
 constexpr double kFadeS = 0.25;
-/// Largest error of parts that cross-fade, in pixels. Parts with a larger error switch at once, because two
-/// dithered surfaces that are so far apart would let the background show through.
+/// Largest error of parts that cross-fade, in pixels. Parts with a larger error switch at once, because the
+/// background would show through between two dithered surfaces that are far apart.
 constexpr float kLargestFadedStepPx = 4;
 
-/// A part that is drawn only on pixels whose dither value (0..1) lies in [from, to). The ranges of the parts
-/// that cover one region divide [0, 1) among them, so that each pixel shows exactly one surface.
+/// A part that is drawn only on pixels whose dither value (0..1) lies in [from, to). The ranges of all parts
+/// that cover the same region add up to [0, 1) without overlap, so that each pixel shows exactly one surface.
 struct FadedItem {
   DrawItem item;
   float from = 0, to = 1;
@@ -33,29 +33,31 @@ struct FadedItem {
 struct ShownCover {
   std::shared_ptr<const core::Cut> cut;
   std::span<const DrawItem> drawn;    ///< items of the cut, indexed as in core::partOf()
-  std::span<const uint32_t> numbers;  ///< numbers of the items that together cover the model
+  std::span<const uint32_t> numbers;  ///< indices of the items that together cover the model
   uint64_t serial = 0;                ///< serial of the cut; newer cuts have larger serials
 };
 
-/// Cross-fades from leaving to arriving parts by dithering. Each region fades on its own clock. A region
-/// switches at once if its error is large, or if its leaving or arriving parts do not cover everything that
-/// the camera sees of the region. Uses no OpenGL.
+/// Cross-fades from leaving to arriving parts by dithering. Each region starts its fade at its own time. A
+/// region switches at once if its error is large, or if its leaving or its arriving parts do not cover
+/// everything that the camera sees of the region. Uses no OpenGL.
 class CrossFade {
  public:
   /// Shows a cover and starts fades from the parts of the last frame, whose meshes must still be resident.
   /// If time.fades is false, shows the cover at once and ends running fades.
   void show(const ShownCover& cover, const core::View& view, double lattice_step, const DrawTime& time);
-  /// Ends all fades. The next show() starts no fade. Call forget() after a shown mesh was evicted.
+  /// Ends all fades. The next show() starts no fade. Call forget() after a mesh of the last frame was
+  /// evicted.
   void forget();
 
   /// Returns the cut of the last show(), or null if there is none.
   const std::shared_ptr<const core::Cut>& cut() const noexcept { return cut_; }
-  /// Returns the cover's items, then the leaving items, with their dither ranges at the last show().
+  /// Returns the cover's items, then the leaving items, with their dither ranges as of the last show().
   const std::vector<FadedItem>& items() const noexcept { return items_; }
   /// Returns the number of items() that belong to the cover.
   size_t coverCount() const noexcept { return live_.size(); }
   bool fading() const noexcept { return !leaving_.empty(); }
-  /// Returns the serial of the oldest cut that has a part which still fades out.
+  /// Returns the serial of the oldest cut with a part that is still fading out; the largest uint64_t if no
+  /// part fades out.
   uint64_t oldestSerial() const noexcept;
 
  private:

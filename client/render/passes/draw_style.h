@@ -12,10 +12,10 @@ struct DrawStyle {
   ColorMode show = ColorMode::kSurface;
   glm::dvec3 up{0};             ///< the model's up axis, towards the sky; 0 selects the view's up axis
   ShownInstance instance = {};  ///< instance to draw; its number selects the node colours
-  float exposure = 1;           ///< factor by which the light is multiplied; > 0
+  float exposure = 1;           ///< brightness factor of the light; > 0
   glm::vec3 background_top_srgb{0.30f, 0.34f, 0.39f};  ///< sRGB colour, 0..1
   glm::vec3 background_bottom_srgb{0.10f, 0.11f, 0.13f};
-  bool over = false;  ///< true draws over the target's content and depth, without a background
+  bool over = false;  ///< if true, draws over the target's colours and depth, without a background
 
   bool operator==(const DrawStyle&) const = default;
 };
@@ -23,7 +23,7 @@ struct DrawStyle {
 /// Time and method of drawing a frame.
 struct DrawTime {
   double now_s = 0;    ///< time of a monotonic clock
-  bool fades = false;  ///< true cross-fades to parts that differ from the parts of the last frame
+  bool fades = false;  ///< if true, cross-fades to parts that differ from the parts of the last frame
   OcclusionCulling occlusion_culling = OcclusionCulling::kOff;
 };
 

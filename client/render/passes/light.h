@@ -16,8 +16,8 @@ struct Light {
 /// @param up  the model's up axis in its own frame, not 0.
 Light lightFor(const core::View& view, const glm::dvec3& up) noexcept;
 
-/// Source of the GLSL functions lit() and toned(), which shade a surface. Put this source before the fragment
-/// shader of a mesh.
+/// GLSL code of the functions lit() and toned(), which shade a surface. Put this code before the code of a
+/// mesh's fragment shader.
 extern const char* const kLightShader;
 
 }  // namespace lode::render

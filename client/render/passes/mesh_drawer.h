@@ -14,9 +14,9 @@
 
 namespace lode::render {
 
-/// Shader programs that draw meshes, one per combination of features. Features are selected by compilation
-/// instead of branches, because a CPU renderer runs both sides of a branch for every pixel. Use the object on
-/// the thread of its OpenGL context.
+/// Shader programs that draw meshes, one per combination of features. Features are selected at compile time
+/// instead of by branches, because a CPU renderer runs both sides of a branch for every pixel. Use the object
+/// on the thread of its OpenGL context.
 class MeshPrograms {
  public:
   enum Part : uint8_t {
@@ -24,7 +24,7 @@ class MeshPrograms {
     kTextured = 2,  ///< samples textures
     kCutOut = 4,    ///< discards transparent pixels, for targets without multisampling
     kViews = 8,     ///< draws colour modes other than kSurface
-    kWire = 16,     ///< draws triangle edges by a geometry shader
+    kWire = 16,     ///< draws triangle edges, with a geometry shader
   };
 
   /// Links the programs for kSurface. @throws Error kInternal if the driver rejects a shader.
@@ -42,7 +42,7 @@ class MeshPrograms {
 struct DrawState {
   uint32_t flags;
   glm::u8vec4 tint;
-  uint32_t share;  ///< dither range: `from` and `to` in 256ths, 16 bits each
+  uint32_t share;  ///< dither range in 256ths: FadedItem::from in the low and `to` in the high 16 bits
 };
 
 /// Sets up the OpenGL state for draw calls of a model's meshes. Between begin() and end(), call use(), then

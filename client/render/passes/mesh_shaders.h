@@ -6,14 +6,15 @@ namespace lode::render {
 /// select the features. TEXTURED samples textures. FADING draws a dithered share of the pixels and prevents
 /// early depth tests. CUT_OUT discards transparent pixels. VIEWS draws colour modes other than kSurface. WIRE
 /// draws triangle edges.
-extern const char* const kCorner;        ///< macro that declares the variables that shader stages pass on
+/// Definition of the macro CORNER, the variables that one shader stage passes to the next.
+extern const char* const kCorner;
 extern const char* const kTintedCorner;  ///< variant of kCorner for programs with VIEWS
 extern const char* const kMeshVertexShader;
 extern const char* const kWireGeometryShader;  ///< geometry shader of programs with WIRE
 extern const char* const kWireShader;
 extern const char* const kMeshFragmentShader;
 
-/// Bits of DrawState::flags. The shaders contain the same numbers.
+/// Bits of DrawState::flags. The shaders hard-code the same values.
 constexpr unsigned kDrawHasNormals = 1, kDrawHasColour = 2, kDrawTinted = 4, kDrawTextured = 8,
                    kDrawUnlit = 16, kDrawNormals = 32, kDrawTexels = 64;
 

@@ -9,13 +9,13 @@
 
 namespace lode::render {
 
-/// Sort key for depth-first order: a node precedes its descendants, which precede the next node.
+/// Sort key for depth-first order, in which a node precedes its descendants.
 constexpr std::pair<uint64_t, int> depthFirst(NodeKey node) noexcept {
   return {node.value << 3 * (kMaxDepth - node.depth()), node.depth()};
 }
 
-/// A region of the model whose parts are replaced. The leaving and the arriving parts cover the same region,
-/// because all parts below the region's node belong to it.
+/// A region of the model in which arriving parts replace leaving parts: the region's node and everything
+/// below the node. The leaving parts and the arriving parts both cover the region.
 struct ChangedRegion {
   NodeKey node;
   std::vector<uint32_t> leaving, arriving;  ///< indices into the arguments of changedRegions()
@@ -23,8 +23,10 @@ struct ChangedRegion {
   bool operator==(const ChangedRegion&) const = default;
 };
 
-/// Groups the nodes that only the old cover has with the nodes that only the new cover has.
-/// @return regions in depth-first order. The node of a region is the shallowest of its nodes.
+/// Groups nodes into regions.
+/// @param leaving  nodes of the parts that only the old cover has.
+/// @param arriving  nodes of the parts that only the new cover has.
+/// @return regions in depth-first order. A region's node is the shallowest of the nodes in the region.
 std::vector<ChangedRegion> changedRegions(std::span<const NodeKey> leaving,
                                           std::span<const NodeKey> arriving);
 

@@ -49,7 +49,7 @@ std::vector<Covering> coverOf(const Cut& cut) {
 }
 
 /// Returns the regions in which two covers differ, depth first. The node of a region is the shallowest node
-/// that differs. No other part is below this node, so leaving and arriving parts cover the same region.
+/// that differs. No unchanged part lies below this node, so leaving and arriving parts cover the same region.
 std::vector<NodeKey> regionsThatDiffer(const std::vector<Covering>& before,
                                        const std::vector<Covering>& now) {
   std::vector<NodeKey> regions;
@@ -151,7 +151,7 @@ std::vector<T> mixed(const std::vector<T>& from, const std::vector<T>& to, const
   return both;
 }
 
-/// Returns the factor that converts pixels of one cut's view to pixels of the other cut's view.
+/// Returns the factor that converts pixels in the view of `from` to pixels in the view of `to`.
 float pixelRatio(const Cut& from, const Cut& to) {
   return static_cast<float>(focalPx(to.view) / focalPx(from.view));
 }

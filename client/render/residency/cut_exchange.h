@@ -17,20 +17,20 @@ struct InstancePart {
   uint32_t number = 0;  ///< number of the part, see core::partOf()
 };
 
-/// A step of the switch: parts of the newer cuts that are drawn together, as soon as all their meshes are
-/// resident.
+/// A step of the switch from older to newer cuts: parts of the newer cuts that are drawn from the moment when
+/// all their meshes are resident.
 struct ExchangeStep {
   std::vector<InstancePart> parts;
   uint32_t instance = 0;          ///< instance whose region switches
   std::optional<NodeKey> region;  ///< region that switches; empty for the first step, which has the fallbacks
-                                  ///< or all parts
+                                  ///< of the newer cuts, or all parts if there are no older cuts
 };
 
 /// Plans the switch from older to newer cuts of a model's instances. Regions switch one by one, each as soon
-/// as all its meshes are on the GPU. Visible regions come first, and larger errors before smaller errors,
-/// across instances. Meanwhile a mixed cut covers the model. In each region the mixed cut has either the
-/// newer or the older parts. The mixed cut has the fallbacks of both cuts, so that each of its holes is also
-/// a hole of one of the two cuts. Uses no OpenGL.
+/// as all its meshes are on the GPU. Visible regions come first, and regions with larger errors before
+/// regions with smaller errors, whatever their instance. Meanwhile a mixed cut covers the model. In each
+/// region the mixed cut has either the newer or the older parts. The mixed cut has the fallbacks of both
+/// cuts, so that each of its holes is also a hole of one of the two cuts. Uses no OpenGL.
 class CutExchange {
  public:
   using Cuts = std::vector<std::shared_ptr<const core::Cut>>;  ///< one cut per instance
@@ -40,9 +40,9 @@ class CutExchange {
   CutExchange(Cuts from, Cuts to);
 
   std::span<const ExchangeStep> steps() const noexcept { return steps_; }
-  /// Returns the cuts to draw after the first `steps` steps. An instance has its cut of `from` if none of its
-  /// steps is done, its cut of `to` if all its steps are done, else a mixed cut. An instance without progress
-  /// keeps its last mixed cut.
+  /// Returns the cuts to draw after the first `steps` steps. An instance draws its `from` cut if none of its
+  /// steps is done, its `to` cut if all its steps are done, and otherwise a mixed cut. If no step of an
+  /// instance was done since the last call, the instance keeps its mixed cut.
   Cuts after(size_t steps);
 
  private:

@@ -15,15 +15,15 @@ namespace lode::render {
 struct ShownInstance {
   uint32_t number = 0;          ///< number of the instance in the picture; selects the node colours
   std::string_view model = {};  ///< name of the model for legends; empty if the picture has one model
-  /// Number among the model's instances, from 1; 0 if the model has one instance.
+  /// Number among the model's instances, counted from 1; 0 if the model has only one instance.
   uint32_t nth = 0;
 
   bool operator==(const ShownInstance&) const = default;
 };
 
-/// Clusters of kClusterTriangles triangles of a mesh.
+/// The clusters of a mesh: runs of kClusterTriangles triangles.
 struct MeshClusters {
-  /// Boxes of the clusters; one box for the whole mesh if it has no cluster boxes.
+  /// Boxes of the clusters. If Mesh::cluster_boxes is empty, each cluster has the box of the whole mesh.
   std::vector<LatticeBox> boxes;
   /// Flags, indexed by instance and cluster: true if other geometry hid the cluster in the last frame.
   std::vector<std::vector<bool>> hidden;
@@ -41,9 +41,10 @@ struct DrawItem {
   uint32_t lod = 0;
   float error_rad = 0;  ///< projected error as an angle, in the view for which the cut was made
   float error_model = 0;
-  float threshold_rad = 0, complete_rad = 0;  ///< thresholds of the part as angles, see ShownThresholds
-  float age_s = 0;                            ///< time since the part entered the picture
-  ShownInstance instance = {};                ///< instance that drew the part last
+  /// The part's thresholds for ShownThresholds::drawn and ShownThresholds::complete, as angles.
+  float threshold_rad = 0, complete_rad = 0;
+  float age_s = 0;              ///< time since the part entered the picture
+  ShownInstance instance = {};  ///< instance that drew the part last
 };
 
 }  // namespace lode::render

@@ -8,9 +8,9 @@ namespace lode::render {
 namespace {
 
 constexpr uint64_t kMostPageBytes = 1u << 31;
-/// A new page has room for this number of meshes, so that less than an eighth of the page remains unused at
-/// its end. For this purpose a page grows up to kMostBytesForThem; drivers take long to create larger
-/// buffers.
+/// A new page has room for kMeshesOfPage meshes as large as the first one, so that less than an eighth of the
+/// page remains unused at its end. This rule makes a page no larger than kMostBytesForThem, because drivers
+/// take long to create larger buffers.
 constexpr uint64_t kMeshesOfPage = 8, kMostBytesForThem = 32u << 20;
 
 }  // namespace
@@ -74,7 +74,7 @@ bool GpuPages::addPage(uint32_t needed_bytes) {
   GlBuffer buffer = GlBuffer::create();
   glNamedBufferStorage(buffer.get(), bytes, nullptr, 0);
   if (glGetError() != GL_NO_ERROR) {
-    // The driver is out of memory: from now on, do not allocate more than before.
+    // The driver is out of memory. From now on, do not allocate more than the peak so far.
     budget_bytes_ = most_bytes_;
     return false;
   }

@@ -10,7 +10,7 @@
 
 namespace lode::render {
 
-/// Allocates ranges of a buffer by best fit; among equal fits, the lowest offset wins. release() joins
+/// Allocates ranges of a buffer by best fit; among equal fits, the smallest offset wins. release() joins
 /// neighbouring free ranges. Uses no OpenGL. Not thread safe.
 class BlockAllocator {
  public:

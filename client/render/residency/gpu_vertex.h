@@ -15,7 +15,7 @@ namespace lode::render {
 struct GpuVertex {
   uint32_t position_low;   ///< bits 0..31 of the position code
   uint32_t position_high;  ///< bits 32..62 of the position code
-  uint32_t normal;         ///< normal in signed 10:10:10:2 format, x lowest
+  uint32_t normal;         ///< normal in signed 10:10:10:2 format, x in the lowest bits
   glm::u8vec4 colour;      ///< sRGB colour and alpha
 };
 static_assert(sizeof(GpuVertex) == core::kDrawnVertexBytes);

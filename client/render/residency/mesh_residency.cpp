@@ -51,7 +51,7 @@ static_assert(sizeof(LatticeBox) == core::kDrawnClusterBytes);
 
 }  // namespace
 
-/// The rest of a frame's UploadBudget.
+/// Tracks how much of a frame's UploadBudget is left.
 struct MeshResidency::Allowance {
   UploadBudget budget;
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
@@ -102,8 +102,8 @@ uint64_t MeshResidency::uploadInRenderThread(const UploadBudget& budget) {
   return allowance.used_bytes;
 }
 
-/// Returns true if a much coarser cut waits, for example because the camera starts to move. The cut in
-/// progress is then obsolete.
+/// Returns true if a much coarser cut is waiting, for example because the camera has started to move. The cut
+/// in progress is then obsolete.
 bool MeshResidency::isOvertaken() const noexcept {
   return target_ && newest_ && newest_ != target_ && !has_room_alone_ &&
          thresholdRad(*newest_->all) >= kOvertaking * thresholdRad(*target_->all);
@@ -161,7 +161,7 @@ bool MeshResidency::pinned(const Entry& entry) const noexcept {
   return entry.used_by == drawn_serial_ || (target_ && entry.used_by == target_serial_);
 }
 
-/// Uploads until the target is resident. If a newer target waits, uploads only the next region.
+/// Uploads until the target is resident. If newer cuts are waiting, uploads only the next region.
 /// @return false if the allowance ended first or the target was rejected.
 bool MeshResidency::advance(Allowance& allowance) {
   const size_t steps = exchange_->steps().size();
@@ -192,9 +192,9 @@ bool MeshResidency::advanceStep(const ExchangeStep& step, Allowance& allowance) 
   return true;
 }
 
-/// Draws the target's resident regions, so that the meshes that these regions replace can be evicted. If
-/// there is no such region, evicts all other meshes. If this does not make enough room either, rejects the
-/// target.
+/// Makes room for the target. Draws the resident regions of the target, so that the meshes that they replace
+/// can be evicted. If no further region is resident, evicts all other meshes; if even this does not make
+/// enough room, rejects the target.
 void MeshResidency::makeRoom(Allowance& allowance) {
   if (steps_done_ > steps_drawn_) {
     switchToResidentSteps();
@@ -217,7 +217,7 @@ bool MeshResidency::uploadMesh(const Mesh& mesh, Entry& entry, Allowance& allowa
   return true;
 }
 
-/// Uploads the next piece of a mesh. @return bytes uploaded; 0 if the limit is below one element.
+/// Uploads the next piece of a mesh. @return bytes uploaded; 0 if the limit is too small for one element.
 uint32_t MeshResidency::uploadPiece(const Mesh& mesh, Entry& entry, uint32_t limit_bytes) {
   const GLuint buffer = pages_.buffer(entry.block.page);
   const auto vertices = static_cast<uint32_t>(mesh.positions.size());
@@ -244,8 +244,8 @@ uint32_t MeshResidency::uploadPiece(const Mesh& mesh, Entry& entry, uint32_t lim
   return uploadNext(std::span<const LatticeBox>(boxes), entry.clusters_done, limit_bytes, buffer, boxes_at);
 }
 
-/// Uploads the next elements of an array at buffer offset `at`. @return bytes uploaded; 0 if the limit is
-/// below one element.
+/// Uploads the next elements of an array, which begins at offset `at` of the buffer. @return bytes uploaded;
+/// 0 if the limit is too small for one element.
 template <typename Element>
 uint32_t MeshResidency::uploadNext(std::span<const Element> elements, uint32_t& done, uint32_t limit_bytes,
                                    GLuint buffer, uint64_t at) {
@@ -322,8 +322,8 @@ void MeshResidency::endExchange() {
   trimTo(options_.spare_bytes);
 }
 
-/// Draws the target. If the target is only partly resident, draws a mixture with the cuts that were drawn
-/// before.
+/// Sets the drawn cuts: the target if it is resident, otherwise mixtures of the target and the cuts that were
+/// drawn before.
 void MeshResidency::switchToResidentSteps() {
   CutExchange::Cuts cuts = exchange_->after(steps_done_);
   steps_drawn_ = steps_done_;

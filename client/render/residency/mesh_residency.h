@@ -23,8 +23,8 @@ struct ResidencyOptions {
   /// Limit of GPU memory for meshes that are kept but not drawn.
   uint64_t spare_bytes = uint64_t{128} << 20;
   uint32_t page_bytes = 32u << 20;    ///< default size of a GPU buffer
-  uint32_t staging_bytes = 4u << 20;  ///< limit of bytes of mesh uploads per frame
-  /// Limit of bytes of tile uploads per frame; at least kLeastTextureStagingBytes.
+  uint32_t staging_bytes = 4u << 20;  ///< largest number of bytes of mesh uploads per frame
+  /// Largest number of bytes of texture uploads per frame; at least kLeastTextureStagingBytes.
   uint32_t texture_staging_bytes = 4u << 20;
 };
 
@@ -32,7 +32,7 @@ struct ResidencyOptions {
 struct UploadBudget {
   uint32_t bytes = 4u << 20;
   double ms = 2.0;
-  bool wait = false;  ///< true ignores the limits and blocks until everything is resident
+  bool wait = false;  ///< if true, ignores the limits and blocks until everything is resident
 };
 
 /// Keeps meshes of a model on the GPU and decides which meshes each instance draws. A region of a newer cut
@@ -73,12 +73,13 @@ class MeshResidency {
   std::span<const DrawItem> drawn(size_t instance = 0) const noexcept;
   /// Returns the serial number of the drawn cuts, which grows with each change.
   uint64_t drawnSerial() const noexcept { return drawn_serial_; }
-  /// Returns the mixed cuts that the last upload made. A mixed cut may have the last reference to a mesh, so
-  /// release it on the thread that frees cuts, not on this thread.
+  /// Returns the mixed cuts that the last upload made. A mixed cut may hold the last reference to a mesh, so
+  /// release the cut on the thread that frees cuts, not on this thread.
   std::vector<std::shared_ptr<const core::Cut>> takeMixtures() { return std::exchange(mixtures_, {}); }
   static constexpr uint64_t kNone = std::numeric_limits<uint64_t>::max();
-  /// Keeps the meshes of all cuts that were drawn since a serial, as long as they fit, because cross-fades
-  /// may still show them. keptFrom() returns the oldest serial for which all meshes were kept.
+  /// Keeps the meshes of all cuts that were drawn with this serial or a larger one, as long as they fit,
+  /// because cross-fades may still show them. keptFrom() returns the smallest serial from which on all meshes
+  /// were kept.
   /// @param serial  an earlier drawnSerial(), or kNone.
   void keepFrom(uint64_t serial);
   uint64_t keptFrom() const noexcept { return kept_from_; }
@@ -138,7 +139,7 @@ class MeshResidency {
   std::shared_ptr<const core::ViewCuts> complete_;
   std::vector<DrawnInstance> instances_;
   std::optional<CutExchange> exchange_;  ///< plan of the switch to target_
-  /// Numbers of steps of exchange_ that are resident, and that are drawn.
+  /// Number of steps of exchange_ whose meshes are resident, and number of these steps that are drawn.
   size_t steps_done_ = 0, steps_drawn_ = 0;
   size_t next_in_step_ = 0;      ///< index of the next part in the current step
   bool has_room_alone_ = false;  ///< true if all other meshes were evicted for target_

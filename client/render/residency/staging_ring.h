@@ -11,7 +11,7 @@
 
 namespace lode::render {
 
-/// Memory for uploads that stays mapped: a ring of three segments, one per frame. The CPU writes one segment
+/// Permanently mapped memory for uploads: a ring of three segments, one per frame. The CPU writes one segment
 /// while the GPU still reads the others. Use the object on the thread of its OpenGL context.
 class StagingRing {
  public:

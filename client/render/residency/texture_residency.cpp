@@ -190,7 +190,8 @@ void TextureResidency::evictUnused() {
   }
 }
 
-/// Evicts all images and uploads them again, the largest first. This order leaves no gaps between cells.
+/// Evicts all images and queues the tiles of the cut for upload, the largest first. This order leaves no gaps
+/// between cells.
 void TextureResidency::repack() {
   for (const auto& [image, entry] : entries_)
     for (const core::TileKey& key : entry.keys) setPages(key, {});
@@ -281,8 +282,8 @@ void TextureResidency::copy(const TileImage& image, const TileCell& cell) {
                    glm::ivec2(image.size));
 }
 
-/// Grows the array. The old array exists until it is copied, so only arrays of at most half the limit are
-/// copied.
+/// Grows the array. While the old array is copied, both arrays take memory. An array that would exceed half
+/// the limit therefore gets the whole limit at once, so that only smaller arrays are ever copied.
 /// @return false if the driver is out of memory; the array then stays as it is.
 bool TextureResidency::growTo(uint32_t layers) {
   uint32_t wanted = std::min(most_layers_, std::max({layers, 2 * array_layers_, kFirstLayers}));

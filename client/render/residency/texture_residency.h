@@ -30,7 +30,8 @@ struct TileCell {
 
 /// Allocates squares in layers of kTilePx × kTilePx texels. Each layer is a quadtree: a free square splits
 /// into four, and four free squares join again (buddy allocation; Knowlton, A Fast Storage Allocator, 1965).
-/// Allocates the smallest free square that fits, in the lowest layer. Uses no OpenGL. Not thread safe.
+/// Allocates the smallest free square that fits; among equal squares, the one in the layer with the smallest
+/// index. Uses no OpenGL. Not thread safe.
 class TileCells {
  public:
   /// @param most_layers  largest number of layers to use.
@@ -40,13 +41,13 @@ class TileCells {
   std::optional<TileCell> allocate(glm::uvec2 size);
   /// @param cell  cell that allocate() returned.
   void release(const TileCell& cell);
-  /// Raises the limit of the number of layers.
+  /// Changes the limit of the number of layers.
   void allow(uint32_t most_layers) noexcept { most_layers_ = most_layers; }
   /// Returns the peak number of layers in use.
   uint32_t layers() const noexcept { return layers_; }
 
  private:
-  static constexpr uint32_t kOrders = 5;  // number of sizes of squares: 512, 256, 128, 64 and 32 texels
+  static constexpr uint32_t kOrders = 5;  // number of square sizes: 512, 256, 128, 64 and 32 texels
   static constexpr uint32_t edgeOf(uint32_t order) noexcept { return kTilePx >> order; }
   using Place = std::tuple<uint32_t, uint32_t, uint32_t>;  // layer, y, x
 
@@ -54,13 +55,14 @@ class TileCells {
   uint32_t layers_ = 0, most_layers_;
 };
 
-constexpr uint32_t kTileLayerBytes = kTilePx * kTilePx * 4;              ///< size of a layer of the array
-constexpr uint32_t kLeastTextureStagingBytes = kTileLayerBytes * 3 / 2;  ///< least size of the staging ring:
-                                                                         ///< room for a tile and its tail
+constexpr uint32_t kTileLayerBytes = kTilePx * kTilePx * 4;  ///< size of a layer of the array
+/// Smallest upload limit per frame: room for a tile and its tail, the coarser mip levels that the client
+/// computes (see client/core/textures/tile.h).
+constexpr uint32_t kLeastTextureStagingBytes = kTileLayerBytes * 3 / 2;
 
 /// Keeps texture tiles on the GPU. The tiles are in a texture array of a bounded number of layers; small
 /// tiles share a layer. The mesh shader finds the cell of a (texture, level, tile) in a table. Unlike a mesh,
-/// a tile is used as soon as it is resident, and a coarser tile replaces a missing tile. Images are
+/// a tile is used as soon as it is resident, and a coarser tile stands in for a missing tile. Images are
 /// identified by their shared_ptr, but the residency does not keep them alive. Use the object on the thread
 /// of its OpenGL context.
 class TextureResidency {
@@ -103,7 +105,7 @@ class TextureResidency {
  private:
   using Image = std::shared_ptr<const TileImage>;
   struct Entry {
-    std::vector<TileCell> cells;      ///< cell of the image, then the cells of the tail levels
+    std::vector<TileCell> cells;      ///< cell of the image, then cells of its coarser levels
     std::vector<core::TileKey> keys;  ///< tiles that share this image
   };
   using Entries = std::map<std::weak_ptr<const TileImage>, Entry, std::owner_less<>>;
