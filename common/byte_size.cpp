@@ -63,7 +63,7 @@ std::string describeBytes(uint64_t bytes) {
   constexpr std::array kUnits{"bytes", "KB", "MB", "GB", "TB"};
   double value = static_cast<double>(bytes);
   size_t unit = 0;
-  // 999.95 would print as 1000.0.
+  // A value of 999.95 would print as 1000.0.
   const auto isTooLong = [&] { return value >= (unit == 0 ? 1000 : 999.95); };
   for (; isTooLong() && unit + 1 < kUnits.size(); ++unit) value /= 1000;
   std::array<char, 32> text{};

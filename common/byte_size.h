@@ -14,7 +14,7 @@ uint64_t parseByteSize(std::string_view text);
 /// Formats a number of bytes for people: "1.5 MB".
 std::string describeBytes(uint64_t bytes);
 
-/// Formats a number of bytes as options take it, rounded up to three digits: "181MB".
+/// Formats a number of bytes in the syntax of options, rounded up to three significant digits: "181MB".
 std::string byteSizeAtLeast(uint64_t bytes);
 
 }  // namespace lode

@@ -8,7 +8,7 @@ namespace lode {
 
 enum class ErrorCode {
   kUsage,     ///< wrong use of a program or function: exit status 2
-  kInput,     ///< a file of the user is damaged or of the wrong kind
+  kInput,     ///< a user's file is damaged or of the wrong kind
   kIo,        ///< the operating system refused to open, read, write or rename, or the disk is full
   kFormat,    ///< a store, page, payload or frame is damaged
   kLimit,     ///< a length or count exceeds a named limit

@@ -12,9 +12,9 @@ namespace lode {
 constexpr int kLatticeBits = 21;                            ///< bits of a lattice coordinate
 constexpr uint32_t kMaxLattice = (1u << kLatticeBits) - 1;  ///< largest lattice coordinate
 
-/// A vertex position: three lattice coordinates in 63 bits, x lowest. Payloads preserve position codes
-/// exactly, so equal codes identify equal vertices everywhere: in the build's triangles, across nodes and in
-/// clients.
+/// A vertex position: three lattice coordinates in 63 bits, with x in the lowest bits. Payloads preserve
+/// position codes exactly, so equal codes identify equal vertices everywhere: in the build's triangles,
+/// across nodes and in clients.
 struct PositionCode {
   uint64_t value = 0;
   friend constexpr auto operator<=>(PositionCode, PositionCode) = default;
@@ -49,11 +49,13 @@ struct LatticeBox {
   }
 };
 
-/// Smallest and largest step. Beyond these, floats of lattice points could be subnormal or infinite.
+/// Smallest and largest step. Outside this range, the float coordinates of lattice points could be subnormal
+/// or infinite.
 constexpr double kMinStep = 0x1p-100, kMaxStep = 0x1p60;
 
 /// Returns true if a step is 4, 5, 6 or 7 times a power of two and lies between kMinStep and kMaxStep. The
-/// product of such a step and a lattice coordinate is exact in float, because it needs 3 + 21 bits.
+/// product of such a step and a lattice coordinate is exact in float, because it has at most 3 + 21
+/// significant bits.
 inline bool isLatticeStep(double step) noexcept {
   int exponent = 0;
   const double eighths = 8 * std::frexp(step, &exponent);
@@ -64,7 +66,7 @@ inline bool isLatticeStep(double step) noexcept {
 /// Coordinates in the model frame are step * lattice coordinates, which floats represent exactly.
 struct Lattice {
   glm::dvec3 origin{0};  ///< true coordinates of lattice point (0,0,0); a multiple of the step
-  double step = 1;       ///< distance of neighbouring lattice points in true units, see isLatticeStep()
+  double step = 1;       ///< distance between neighbouring lattice points in true units, see isLatticeStep()
 
   bool operator==(const Lattice&) const = default;
   /// Returns the nearest lattice point, computed in double and clamped to the grid. No other code

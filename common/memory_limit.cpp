@@ -26,7 +26,7 @@ uint64_t readLimit(const std::filesystem::path& file) {
   return problem == std::errc{} && end == text.data() + text.size() ? limit : kNoLimit;
 }
 
-/// Returns the least limit of a group and its ancestors up to the top of the tree.
+/// Returns the smallest limit of a group and its ancestors, up to the top of the tree.
 uint64_t leastLimit(const std::filesystem::path& top, std::string_view group,
                     std::span<const std::string_view> names) {
   uint64_t least = kNoLimit;

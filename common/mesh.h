@@ -27,8 +27,8 @@ constexpr double kTextureStep = 0x1p-16;
 /// Material of a face without a texture. The texnumber of such a face is -1 or out of range.
 constexpr uint16_t kNoMaterial = 0xffff;
 
-/// Attributes of one vertex. The scan of the input quantizes them once, on grids of the whole model. Fields
-/// of absent attributes have their default values, so that equal vertices compare equal.
+/// Attributes of one vertex. The build quantizes them once, when it scans the input, on grids that the whole
+/// model shares. Fields of absent attributes have their default values, so that equal vertices compare equal.
 struct VertexAttributes {
   uint16_t normal = 0;      ///< octahedral code of the normal, see common/codec/octahedral.h
   uint16_t material = 0;    ///< texture number (PLY texnumber), or kNoMaterial
@@ -39,10 +39,11 @@ struct VertexAttributes {
 };
 static_assert(sizeof(VertexAttributes) == 12);
 
-/// Number of triangles of a cluster; the last cluster of a mesh may have fewer.
+/// Number of triangles of a cluster, a run of neighbouring triangles that the renderer culls together. The
+/// last cluster of a mesh may have fewer.
 constexpr uint32_t kClusterTriangles = 128;
 
-/// Returns the number of clusters of a mesh.
+/// Returns the number of clusters of a mesh with this number of triangles.
 constexpr uint64_t clusterCount(uint64_t triangles) noexcept {
   return (triangles + kClusterTriangles - 1) / kClusterTriangles;
 }
@@ -54,7 +55,7 @@ struct Mesh {
   std::vector<PositionCode> positions;
   std::vector<VertexAttributes> vertex_attributes;  ///< attributes per vertex; empty if `attributes` is empty
   std::vector<glm::u32vec3> triangles;              ///< indices of vertices, counter-clockwise
-  /// Bounding boxes of the clusters. A cluster is a run of kClusterTriangles triangles. Empty unless the
+  /// Bounding boxes of the clusters: one box per kClusterTriangles consecutive triangles. Empty unless the
   /// triangles are sorted into clusters.
   std::vector<LatticeBox> cluster_boxes = {};
 

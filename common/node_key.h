@@ -23,8 +23,7 @@ struct NodeKey {
   constexpr NodeKey parent() const noexcept { return {value >> 3}; }
   constexpr NodeKey child(unsigned octant) const noexcept { return {value << 3 | octant}; }
   constexpr unsigned octant() const noexcept { return static_cast<unsigned>(value & 7); }
-  /// Returns the node's ancestor at a depth of at most depth(). The node counts as its own ancestor at
-  /// depth().
+  /// Returns the node's ancestor at a depth from 0 to depth(); the ancestor at depth() is the node itself.
   constexpr NodeKey ancestorAt(int at_depth) const noexcept { return {value >> 3 * (depth() - at_depth)}; }
   /// Returns true for the node itself and its descendants.
   constexpr bool contains(NodeKey other) const noexcept {

@@ -6,8 +6,8 @@
 namespace lode {
 namespace {
 
-/// Hashes a position so that lattice neighbours get distant values. Source: Appleby, MurmurHash3 (first half
-/// of the finalizer).
+/// Hashes a position so that neighbouring lattice points get values far apart. Source: Appleby, MurmurHash3
+/// (first half of the finalizer).
 size_t hashOf(PositionCode position) noexcept {
   const uint64_t mixed = (position.value ^ position.value >> 33) * 0xff51afd7ed558ccdULL;
   return mixed ^ mixed >> 33;

@@ -9,14 +9,15 @@
 
 namespace lode {
 
-/// Transfers the normals of a mesh to another mesh with the same triangles but other vertices. Draco decodes
-/// such meshes, because it reorders vertices and splits non-manifold vertices.
+/// Transfers the normals of a mesh to a mesh with the same triangles but different vertices. Draco's decoder
+/// returns such a mesh, because the encoder reorders vertices and splits non-manifold vertices.
 class CornerNormals {
  public:
   explicit CornerNormals(const Mesh& mesh);
 
-  /// Returns the normal code of each vertex, or nothing if equal triangles have different normals.
-  /// @param mesh  has the triangles of the original mesh, with equal positions and orientation.
+  /// Returns the normal code of each vertex of `mesh`, or nothing if the original mesh has equal triangles
+  /// with different normals.
+  /// @param mesh  a mesh with the triangles of the original mesh, in the same orientation.
   std::optional<std::vector<uint16_t>> ofVertices(const Mesh& mesh) const;
 
  private:
@@ -25,7 +26,7 @@ class CornerNormals {
     uint16_t normal = 0;
     bool is_taken = false, has_several = false;
   };
-  /// A corner of a triangle, at a position that has several normals.
+  /// The normal at one corner of a triangle, for positions that have several normals.
   struct OfCorner {
     PositionCode position, next, last;
     uint16_t normal = 0;

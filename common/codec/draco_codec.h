@@ -13,7 +13,7 @@ namespace lode {
 /// memory.
 struct PayloadExpectation {
   uint32_t triangles = 0;
-  uint32_t vertices = 0;    ///< number of decoded vertices, as the encoder counted them; a limit
+  uint32_t vertices = 0;    ///< largest number of decoded vertices; the encoder has counted them
   AttributeSet attributes;  ///< attributes of the model
   LatticeBox box;           ///< box of the node, which must contain all positions
 };
@@ -23,9 +23,10 @@ struct EncodedPayload {
   uint32_t vertices = 0;         ///< number of vertices after decoding
 };
 
-/// Origin of a mesh's triangles. kFile and kFarLod select a predictor that saves more bytes but decodes more
-/// slowly. The predictor suits triangles of a file, which are often regular, and far LODs, whose triangles
-/// mostly touch the node's border.
+/// Origin of a mesh's triangles, which selects the predictor of positions. kFile and kFarLod select a
+/// predictor that saves more bytes but decodes more slowly. It suits the triangles of a file, which are often
+/// regular, and those of far LODs (coarse LODs for nodes outside the picture), which mostly touch the node's
+/// border.
 enum class MeshSource { kFile, kSimplified, kFarLod };
 
 /// Encodes an LOD with Draco's edgebreaker, with float positions in the model frame. docs/store-format.md

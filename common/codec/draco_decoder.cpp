@@ -43,7 +43,7 @@ void checkHeader(std::span<const std::byte> bytes, const PayloadExpectation& exp
   if (vertices > expected.vertices)
     refuse("it declares " + std::to_string(vertices) + " vertices, but the hierarchy has " +
            std::to_string(expected.vertices));
-  // Refuse attributes with seams, because such an attribute needs a table of faces of its own.
+  // Refuse attributes with seams, because each such attribute would need a face table of its own.
   if (header.u8() != 0) refuse("it has attributes with seams");
   const uint32_t symbols = header.varint();
   if (symbols > faces || header.varint() > symbols)
@@ -124,7 +124,7 @@ uint32_t wholeSteps(float value, double step) {
   return static_cast<uint32_t>(steps);
 }
 
-// Reads positions from Draco's integers q. A decoder that uses Draco's floats gets the same positions,
+// Reads positions from the quantized integers q. A decoder that uses Draco's floats gets the same positions,
 // because origin + q * range / (2^bits - 1) is exact in float for all payloads of our encoder.
 void readPositions(const draco::Mesh& in, double step, const LatticeBox& box, Mesh& mesh) {
   const PointAttribute& attribute = *in.GetNamedAttribute(GeometryAttribute::POSITION);
@@ -207,10 +207,10 @@ void readTriangles(const draco::Mesh& in, Mesh& mesh) {
   }
 }
 
-/// Decodes a stream by GuardedDecoder. @return the bytes that follow the stream.
+/// Decodes a stream with GuardedDecoder. @return the bytes that follow the stream.
 std::span<const std::byte> decodeGuarded(std::span<const std::byte> bytes, const PayloadExpectation& expected,
                                          draco::Mesh& out) {
-  draco::DecoderOptions options;  // these options keep the quantized integers as integers
+  draco::DecoderOptions options;  // the options below keep Draco from converting quantized integers to floats
   for (const auto type :
        {GeometryAttribute::POSITION, GeometryAttribute::NORMAL, GeometryAttribute::TEX_COORD})
     options.SetAttributeBool(type, "skip_attribute_transform", true);

@@ -229,7 +229,7 @@ class TreeCheck {
   const NodeKey owner_;
   const bool is_root_page_;
   size_t parent_ = 0;
-  std::array<uint8_t, kMaxPageNodes> seen_{};  // child mask found so far, indexed by parent
+  std::array<uint8_t, kMaxPageNodes> seen_{};  // for each node, mask of its children found so far
 };
 
 }  // namespace

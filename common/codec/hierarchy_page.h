@@ -18,7 +18,7 @@ struct Lod {
   BlobRef payload;  ///< empty reference if the LOD has no triangles
   uint32_t triangles = 0;
   uint32_t vertices = 0;             ///< vertices of the decoded payload
-  uint32_t locked = 0;               ///< number of positions with locked vertices
+  uint32_t locked = 0;               ///< number of positions of locked vertices, which several leaves share
   float error_model = 0;             ///< largest distance from the original surface, in model units
   float appearance_error_model = 0;  ///< size of the lost colour, normal and texture detail, in model units
 

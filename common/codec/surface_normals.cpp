@@ -12,7 +12,7 @@ namespace {
 
 using draco_stream::refuse;
 
-constexpr int kNibbleBias = 8;  ///< offset that makes a difference from -8 to 7 a number of four bits
+constexpr int kNibbleBias = 8;  ///< offset that maps a difference from -8 to 7 to four unsigned bits
 
 glm::ivec2 fromCode(uint16_t code) noexcept { return {code & 255, code >> 8}; }
 
@@ -23,7 +23,7 @@ void putVarint(std::vector<std::byte>& out, uint32_t value) {
 
 constexpr int kMiddle = 127, kEnd = 2 * kMiddle;
 constexpr int64_t kLargestSum = 1 << 29;
-constexpr int kFar = kMiddle / 2;  ///< largest difference from a useful prediction
+constexpr int kFar = kMiddle / 2;  ///< largest difference between a normal and a useful prediction
 
 int64_t sumOf(glm::i64vec3 v) noexcept { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 

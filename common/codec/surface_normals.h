@@ -8,10 +8,10 @@
 
 namespace lode {
 
-/// Returns a triangle's normal. The normal's length is twice the area in square lattice steps. Exact.
+/// Returns the exact normal of a triangle. Its length is twice the triangle's area in square lattice steps.
 glm::i64vec3 areaNormal(PositionCode a, PositionCode b, PositionCode c) noexcept;
 
-/// Returns the octahedral code of a sum of areaNormal(), or the code of +z if the sum is zero. Uses no fused
+/// Returns the octahedral code of a sum of area normals, or the code of +z if the sum is zero. Uses no fused
 /// multiply-add, so that the code is the same on every machine.
 uint16_t normalOf(glm::i64vec3 sum) noexcept;
 
@@ -20,9 +20,10 @@ uint16_t normalOf(glm::i64vec3 sum) noexcept;
 std::vector<uint16_t> surfaceNormals(const Mesh& mesh);
 
 /// Encodes the list of normals that follows a payload without normals (docs/store-format.md). The list
-/// contains the normals that differ from surfaceNormals() of the decoded mesh. Normals differ at vertices on
+/// contains the normals that differ from surfaceNormals() of the decoded mesh. The two differ at vertices on
 /// a node's border, because some triangles around such a vertex belong to other nodes.
-/// @param surface, wanted  normal codes, one per vertex.
+/// @param surface  code of surfaceNormals() for each vertex.
+/// @param wanted   code of the normal to encode for each vertex.
 std::vector<std::byte> encodeOtherNormals(std::span<const uint16_t> surface,
                                           std::span<const uint16_t> wanted);
 
@@ -40,8 +41,8 @@ void giveNormals(Mesh& mesh, std::span<const std::byte> others);
 /// bitstream specification 2.2, prediction of geometric normals.
 uint16_t cheapNormal(uint16_t wanted, glm::i64vec3 sum) noexcept;
 
-/// Granularity of cheapNormal() in steps of octahedral codes. A step is about 0.7 degrees. Normals of LODs
-/// differ from the normals of the input by several degrees anyway.
+/// Granularity of cheapNormal() in units of octahedral coordinates. A unit is about 0.7 degrees. Normals of
+/// LODs differ from the normals of the input by several degrees anyway.
 constexpr int kCheapNormalSteps = 3;
 
 }  // namespace lode

@@ -12,7 +12,7 @@
 #include "common/codec/blob.h"
 #include "common/mesh.h"
 
-/// The textures of a model: the mapping from codes of vertices to texture coordinates, and references to the
+/// The textures of a model: the mapping from quantized to true texture coordinates, and references to the
 /// tiles of each image. A texture set is one blob of the store (docs/store-format.md). All functions are
 /// thread safe.
 namespace lode {
@@ -35,8 +35,9 @@ constexpr int32_t kMaxUvExponent = 40;               ///< largest absolute value
 
 /// One image as a chain of levels. Level l has max(1, ceil(size / 2^l)) texels along each axis. The coarsest
 /// level is the first level that fits one tile. A tile contains up to kTileInnerPx texels of its level along
-/// each axis, fewer at the right and bottom edges. A gutter of kTileGutterPx texels surrounds them; beyond
-/// the edges of a level, the gutter continues with the opposite edge.
+/// each axis, fewer at the right and bottom edges. A gutter of kTileGutterPx texels surrounds these texels
+/// and repeats the texels of neighbouring tiles; at the border of a level, it repeats texels from the
+/// opposite border.
 struct Texture {
   std::string name;            ///< name in the input; printable UTF-8
   uint32_t width = 0;          ///< texels of level 0 per row; 0 if the image was missing
@@ -62,14 +63,14 @@ uint32_t levelCount(const Texture& texture);
 glm::uvec2 levelSize(const Texture& texture, uint32_t level);
 uint32_t tilesAcross(const Texture& texture, uint32_t level);
 uint32_t tilesDown(const Texture& texture, uint32_t level);
-/// Returns the number of tiles of all levels, from width and height alone.
+/// Returns the number of tiles of all levels, computed from width and height alone.
 uint64_t tileCount(const Texture& texture);
 /// Returns the index in `tiles` of the tile in column x and row y (from the top) of a level.
 size_t tileIndex(const Texture& texture, uint32_t level, uint32_t x, uint32_t y);
 /// Returns the size of a tile in texels, without gutters.
 glm::uvec2 tileInnerSize(const Texture& texture, uint32_t level, uint32_t x, uint32_t y);
 
-/// Returns the distance of neighbouring codes in true texture coordinates.
+/// Returns the distance between neighbouring codes in true texture coordinates.
 double uvStep(const TextureSet& set);
 
 /// Returns the true texture coordinates of a vertex. v is 0 at the bottom of the image.

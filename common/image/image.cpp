@@ -8,8 +8,8 @@ namespace lode {
 namespace {
 
 constexpr int kLinearSteps = 65536;
-/// Linear light of each sRGB byte, in 16 bits (IEC 61966-2-1). The values are in a table because the bytes of
-/// stores depend on them, and the last bit of pow() differs between processors.
+/// Linear light of each sRGB byte, in 16 bits (IEC 61966-2-1). The values are in a table, because stores must
+/// have the same bytes on all machines, and the last bit of pow() differs between processors.
 constexpr std::array<uint16_t, 256> kLinear{
     0,     20,    40,    60,    80,    99,    119,   139,   159,   179,   199,   219,   241,   264,   288,
     313,   340,   367,   396,   427,   458,   491,   526,   562,   599,   637,   677,   718,   761,   805,
@@ -55,15 +55,14 @@ class SrgbTable {
 /// The texels of a row or column that one coarser texel covers, each with its covered share as weight.
 struct Cover {
   uint32_t first = 0, count = 0;
-  std::array<uint32_t, 3> weights{};  ///< the sum of the weights is the number of texels in the finer row or
-                                      ///< column
+  std::array<uint32_t, 3> weights{};  ///< their sum is the number of texels in the finer row
 };
 
 std::vector<Cover> coversOf(uint32_t from, uint32_t to) {
   std::vector<Cover> covers(to);
   for (uint64_t i = 0; i < to; ++i) {
-    const uint64_t begin = i * from, end = begin + from;  // positions in the finer row; one unit is 1 / `to`
-                                                          // of a texel
+    // Positions in the finer row or column, in units of 1 / `to` of a texel.
+    const uint64_t begin = i * from, end = begin + from;
     Cover& cover = covers[i];
     cover.first = static_cast<uint32_t>(begin / to);
     for (uint64_t j = cover.first; j * to < end; ++j)

@@ -22,7 +22,8 @@ struct Image {
 /// safe.
 Image halved(const Image& image);
 
-/// Returns a part of an image. The image repeats beyond its edges. Thread safe.
+/// Returns a part of an image that begins at texel `first`. The image repeats beyond its edges, so `first`
+/// may be negative. Thread safe.
 Image cutOut(const Image& image, glm::ivec2 first, glm::uvec2 size);
 
 /// Returns the linear light, 0 to 1, of an sRGB byte (IEC 61966-2-1).

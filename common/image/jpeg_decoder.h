@@ -20,8 +20,8 @@ struct JpegErrors {
   char message[JMSG_LENGTH_MAX]{};  ///< text of the error
   char warning[JMSG_LENGTH_MAX]{};  ///< text of the first warning, or empty
 
-  /// @param warnings_too  true treats warnings as errors, because libjpeg only warns of missing parts and
-  /// fills them with grey.
+  /// @param warnings_too  if true, warnings are errors: libjpeg only warns of missing parts and fills them
+  /// with grey.
   /// @return the value for the codec's field `err`; assign it before you create the codec.
   jpeg_error_mgr* install(bool warnings_too);
 };
@@ -35,7 +35,7 @@ constexpr int kMaxJpegScans = 64;
 class JpegDecoder {
  public:
   /// @param file  contents of the file; must outlive the decoder.
-  /// @param refuse_warnings  true refuses damage that libjpeg could repair.
+  /// @param refuse_warnings  if true, refuses damage that libjpeg could repair.
   JpegDecoder(std::span<const std::byte> file, bool refuse_warnings);
   ~JpegDecoder() { jpeg_destroy_decompress(&info_); }
   JpegDecoder(const JpegDecoder&) = delete;
@@ -49,8 +49,8 @@ class JpegDecoder {
   bool isCmyk() const noexcept {
     return info_.jpeg_color_space == JCS_CMYK || info_.jpeg_color_space == JCS_YCCK;
   }
-  /// Returns true if readTexels() needs two more bytes per texel and channel, for the coefficients of the
-  /// whole image.
+  /// Returns true if readTexels() needs two additional bytes per texel and channel, for the coefficients of
+  /// the whole image.
   bool hasSeveralScans() noexcept { return jpeg_has_multiple_scans(&info_) != FALSE; }
   /// Decodes the image; call once. @param texels  rows of size(); alpha becomes 255.
   /// @return false if the file is damaged; failure() says how.

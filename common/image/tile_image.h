@@ -13,13 +13,13 @@ namespace lode {
 struct TileImage {
   glm::uvec2 size{0};
   std::vector<glm::u8vec4> texels;
-  std::vector<TileImage> coarser;  ///< coarser levels, each half the size of the level before; decodeTile()
-                                   ///< leaves the list empty
+  /// Coarser levels, each half as wide and high as the previous one; decodeTile() leaves the list empty.
+  std::vector<TileImage> coarser;
 
   bool operator==(const TileImage&) const = default;
 };
 
-/// Returns true if the header of a tile's file allows texels that are not opaque.
+/// Returns true if the header of a tile's file says that texels may be transparent.
 bool tileMayBeClear(std::span<const std::byte> file) noexcept;
 
 /// Decodes a tile from an untrusted source. The first bytes of the file tell whether the tile is JPEG or

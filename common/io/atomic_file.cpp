@@ -47,7 +47,7 @@ void syncDirectory(const std::filesystem::path& directory) {
   if (file < 0) fail("open folder", directory, errno);
   const int error = ::fsync(file) == 0 ? 0 : errno;
   ::close(file);
-  // Some network file systems cannot sync a folder. The rename succeeded nevertheless.
+  // Ignore EINVAL: some network file systems cannot sync a folder, and the rename has succeeded.
   if (error != 0 && error != EINVAL) fail("sync folder", directory, error);
 }
 

@@ -22,8 +22,8 @@ bool writeAt(int file, uint64_t offset, std::span<const std::byte> bytes) noexce
 /// @return false, with errno set, on failure.
 bool append(int file, std::span<const std::byte> bytes) noexcept;
 
-/// Refuses a path where a folder, a pipe or a device is, because opening or reading it may block. Accepts a
-/// missing path. @param wanted  words for the error message, such as "a camera path".
+/// Refuses the path of a folder, a pipe or a device, because opening or reading it may fail or block. Accepts
+/// a missing path. @param wanted  words for the error message, such as "a camera path".
 /// @throws Error kIo.
 void refuseUnlessFile(const std::filesystem::path& path, const char* wanted);
 

@@ -9,20 +9,20 @@
 
 namespace lode {
 
-/// Returns true if a canonical path is a folder or below that folder.
+/// Returns true if a canonical path is `folder` itself or lies below it.
 bool isInside(const std::filesystem::path& path, const std::filesystem::path& folder);
 
 /// Returns true if a name begins with a dot.
 inline bool isHidden(std::string_view name) noexcept { return name.starts_with('.'); }
 
-/// Returns a name with ASCII letters in lower case.
+/// Returns a name with its ASCII letters converted to lower case.
 std::string lowerCase(std::string_view name);
 
 /// The regular files in a folder and its subfolders, by name and without regard to the case of ASCII letters.
 /// Skips hidden files and folders, links to folders, and links to files outside the folder. Searches at most
-/// kMaxEntries entries and kMaxDepth levels of subfolders, nearest folders first. A folder that would exceed
-/// the number of entries is not searched, nor is any folder after it, so that the result does not depend on
-/// the order in which the system lists a folder. Thread safe.
+/// kMaxEntries entries and kMaxDepth levels of subfolders, nearest folders first. If the entries of a folder
+/// would exceed kMaxEntries, neither this folder nor any later folder is searched, so that the result does
+/// not depend on the order in which the system lists a folder. Thread safe.
 class FolderIndex {
  public:
   static constexpr size_t kMaxEntries = 20'000, kMaxDepth = 4;
@@ -31,11 +31,11 @@ class FolderIndex {
   /// @param folder  canonical path. A folder that cannot be read counts as empty.
   explicit FolderIndex(const std::filesystem::path& folder);
 
-  /// Returns the files with a name, nearest folders first.
+  /// Returns the files with this name, nearest folders first.
   const Files& named(std::string_view name) const { return find(by_name_, lowerCase(name)); }
-  /// Returns the files with a name without extension, nearest folders first.
+  /// Returns the files with this name before the extension, nearest folders first.
   const Files& withStem(std::string_view stem) const { return find(by_stem_, lowerCase(stem)); }
-  /// Returns true if the folder has more entries than the search may read.
+  /// Returns true if the search stopped at kMaxEntries.
   bool isCut() const noexcept { return is_cut_; }
 
  private:

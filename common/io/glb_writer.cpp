@@ -30,7 +30,7 @@ constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kVertexBuffer = 34962, kIndexBuffer = 34963;
 constexpr uint64_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
 
-/// Smallest and largest lattice step for which all positions are exact floats. Both keep a margin.
+/// Smallest and largest lattice step for which all positions are exact floats, each with a margin.
 constexpr double kLeastStep = 0x1p-120, kLargestStep = 0x1p100;
 
 /// Converts an sRGB byte to linear light, 0 to 65535.
@@ -52,11 +52,11 @@ std::string toUri(const std::string& name) {
   return uri;
 }
 
-/// Describes the parts of the binary chunk. The caller writes the parts in the order in which it adds them
-/// here.
+/// Describes the parts of the binary chunk. The caller must write the parts in the order in which it adds
+/// them here.
 class Parts {
  public:
-  /// Adds a part. @return the number of the part's accessor.
+  /// Adds a part. @return the index of the part's accessor.
   size_t add(const char* type, int component, uint64_t count, uint64_t element_bytes, int target) {
     views_.push_back(
         {{"buffer", 0}, {"byteOffset", bytes_}, {"byteLength", count * element_bytes}, {"target", target}});
@@ -83,7 +83,7 @@ glm::vec3 positionOf(PositionCode code, const Lattice& lattice) {
   return glm::vec3(glm::dvec3(unpackPosition(code)) * lattice.step);
 }
 
-/// Adds the arrays of vertices. @return the number of each attribute's accessor.
+/// Adds the arrays of vertices. @return the index of each attribute's accessor.
 Json addVertices(Parts& parts, const Mesh& mesh, const Lattice& lattice) {
   const uint64_t count = mesh.positions.size();
   Json attributes;
@@ -109,8 +109,8 @@ Json addVertices(Parts& parts, const Mesh& mesh, const Lattice& lattice) {
   return attributes;
 }
 
-/// Returns false if alpha is 0 at all vertices. Nobody has filled such a channel, and a viewer that used it
-/// would show nothing.
+/// Returns true if the mesh has a usable alpha channel. A channel that is 0 at all vertices was never filled,
+/// and a viewer that used it would show nothing.
 bool hasAlpha(const Mesh& mesh) {
   return mesh.attributes.has(AttributeSet::kAlpha) &&
          std::ranges::any_of(mesh.vertex_attributes,

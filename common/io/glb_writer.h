@@ -12,8 +12,8 @@ namespace lode {
 /// lattice's origin is the node's translation, so both are exact. Colours are linear. Each material of the
 /// mesh becomes a primitive with a material that references the image file. The alpha mode is BLEND if
 /// vertices have alpha, else MASK if the image has alpha. The file keeps the axes of the model.
-/// @throws Error kIo; kLimit if the file would exceed 4 GB, or if the lattice's step exceeds the range of
-/// floats.
+/// @throws Error kIo; kLimit if the file would exceed 4 GB, or if the lattice step is too small or too large
+/// for exact floats.
 /// @see writeMesh().
 void writeGlb(const std::filesystem::path& path, const Mesh& mesh, const Lattice& lattice,
               const ImageFiles& images = {});

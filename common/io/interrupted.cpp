@@ -25,8 +25,8 @@ constexpr int kDeepestFolder = 8;
 std::array<std::atomic<const char*>, kMostUnfinished> unfinished;
 std::atomic<bool> is_ending = false;
 
-// The functions below run in a signal handler. These functions make only system calls; they do not allocate
-// memory and do not lock.
+// The functions from here to endInterrupted() run in a signal handler. They make only system calls, allocate
+// no memory and take no locks.
 
 void removeFolder(int in, const char* name, int depth) noexcept;
 
@@ -64,8 +64,8 @@ bool remove(const char* path) noexcept {
   return true;
 }
 
-/// Removes a file or a folder, then waits until the process ends. Another thread is ending the process and
-/// may have looked for the path before it existed.
+/// Removes a file or a folder, then waits until the process ends. Another thread is ending the process; it
+/// may have looked for the path before the path existed.
 [[noreturn]] void removeAndWait(const char* path) noexcept {
   remove(path);
   while (true) ::pause();
@@ -97,7 +97,7 @@ void endInterrupted(int signal, const char* message) noexcept {
   ::sigaction(signal, &action, nullptr);
   sigset_t only{};
   sigaddset(&only, signal);
-  ::pthread_sigmask(SIG_UNBLOCK, &only, nullptr);  // a handler blocks its own signal
+  ::pthread_sigmask(SIG_UNBLOCK, &only, nullptr);  // the signal is blocked while its handler runs
   ::raise(signal);
   ::_exit(128 + signal);
 }

@@ -16,7 +16,7 @@ void endCleanlyWhenInterrupted() noexcept;
 /// Removes every unfinished file and folder, prints a message on stderr and ends the process by the signal,
 /// as the sender of the signal expects. Does not wait for other threads. Any thread and any signal handler
 /// can call the function.
-/// @param message  text after the program's name; nullptr: a text that says whether files were removed.
+/// @param message  text after the program's name, or nullptr for a text that says whether output was removed.
 [[noreturn]] void endInterrupted(int signal, const char* message) noexcept;
 
 /// Blocks SIGINT, SIGTERM and SIGHUP in the calling thread during this object's lifetime. Create a file and

@@ -11,7 +11,7 @@
 
 namespace lode {
 
-/// The triangles of a mesh that have one material, in the mesh's order.
+/// Indices of the triangles of a mesh that have the same material, in the mesh's order.
 struct MaterialGroup {
   uint16_t material = 0;
   std::vector<uint32_t> triangles;

@@ -70,7 +70,8 @@ void writeVertices(TextFile& file, const Mesh& mesh, const Lattice& lattice, con
     }
 }
 
-/// Returns one corner of a face: v, v/vt, v//vn or v/vt/vn. All indices are the number of the vertex.
+/// Returns one corner of a face: v, v/vt, v//vn or v/vt/vn. All of these are the vertex's number, counted
+/// from 1.
 std::string corner(uint32_t vertex, AttributeSet attributes) {
   const std::string number = std::to_string(uint64_t{vertex} + 1);
   std::string text = number;

@@ -36,8 +36,8 @@ void refuseForeignLink(const std::filesystem::path& asked, const std::filesystem
                                   ", where everybody can place links: name another file");
 }
 
-/// Returns true if a new file may replace the file to which standard output goes. That file must be empty,
-/// and not opened for appending, because all text printed before or after the replacement is lost.
+/// Returns true if a new file may replace the file to which standard output goes. That file must be empty and
+/// not open for appending, because text printed before or after the replacement would be lost.
 bool mayReplaceStandardOutput(const std::filesystem::path& file) noexcept {
   const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
   return isStandardOutput(file) && flags != -1 && (flags & O_APPEND) == 0 &&
@@ -73,7 +73,8 @@ OutputTarget findOutput(const std::filesystem::path& asked) {
   if (asked.empty()) throw Error(ErrorCode::kUsage, "the output's name is empty: name a file to write");
   const std::filesystem::path file = followLinks(asked);
   struct stat status {};
-  // Look for pipes and devices under the asked name: the links in /proc/self/fd lead to no name.
+  // Look for pipes and devices under the asked name, because their links in /proc/self/fd do not lead to a
+  // path.
   const bool is_there = ::stat(asked.c_str(), &status) == 0;
   if (is_there && (S_ISFIFO(status.st_mode) || S_ISCHR(status.st_mode))) return {asked, true};
   if (is_there && S_ISDIR(status.st_mode)) refuse(asked, "a folder");
@@ -111,7 +112,7 @@ std::FILE* reportStream(const std::filesystem::path& output, bool as_json) {
 }
 
 void refuseFilesBesideStream(const std::filesystem::path& output) {
-  // For example --output /dev/stdout > a.ply.
+  // True, for example, for /dev/stdout if the shell redirects it to a.ply.
   const bool is_device_of_a_file = isStandardOutput(output) && !output.has_extension();
   if (is_device_of_a_file || findOutput(output).is_stream)
     throw Error(

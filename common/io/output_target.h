@@ -9,8 +9,8 @@ namespace lode {
 
 /// Origin of an output's name.
 enum class OutputName : uint8_t {
-  kTyped,   ///< name that the user has typed: see findOutput()
-  kDerived  ///< name that the program has derived: see findSideFile()
+  kTyped,   ///< name that the user typed: see findOutput()
+  kDerived  ///< name that the program derived from another: see findSideFile()
 };
 
 /// The output of a command after resolving links.
@@ -45,7 +45,7 @@ bool isStandardOutput(const std::filesystem::path& output) noexcept;
 /// writing. @throws Error kUsage if the output is stdout and the report is JSON.
 std::FILE* reportStream(const std::filesystem::path& output, bool as_json);
 
-/// Refuses an output beside which no image files can be written.
+/// Refuses an output if no image files can be written beside it.
 /// @throws Error kUsage if the output is a pipe or a device.
 void refuseFilesBesideStream(const std::filesystem::path& output);
 

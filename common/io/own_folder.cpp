@@ -39,7 +39,7 @@ bool isOwn(const struct stat& status) noexcept {
          (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
 }
 
-/// Removes slashes at the end, through which system calls would follow a link.
+/// Removes trailing slashes, because system calls follow a link if a slash follows its name.
 std::filesystem::path withoutSlash(const std::filesystem::path& path) {
   return path.has_filename() || !path.has_relative_path() ? path : path.parent_path();
 }

@@ -10,7 +10,7 @@ using namespace std::string_view_literals;
 
 struct Packing {
   std::string_view magic, name, unpack;
-  bool is_archive = false;  ///< `unpack FILE` extracts files; otherwise `unpack FILE` prints the content
+  bool is_archive = false;  ///< true if `unpack FILE` extracts files, false if it prints the content
 };
 
 constexpr std::array kPackings{
@@ -27,7 +27,7 @@ constexpr std::array kPackings{
 };
 constexpr size_t kTarMagicAt = 257;
 
-/// Returns the path as one word of a shell.
+/// Returns the path as one word of a shell command, quoted if necessary.
 std::string shellWord(const std::string& path) {
   constexpr std::string_view kSafe =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./,:@%=";
@@ -44,7 +44,8 @@ bool namesTar(const std::filesystem::path& path) {
   return path.stem().extension() == ".tar" || std::ranges::find(kShort, ending) != kShort.end();
 }
 
-/// Returns the file to unpack to: the path without the ending of the compression, as a .ply or .lode file.
+/// Returns the name for the unpacked file: the path without the ending of the compression, with .ply or .lode
+/// at the end.
 std::filesystem::path unpackedName(const std::filesystem::path& path) {
   std::filesystem::path name = path;
   const auto isModel = [](const std::filesystem::path& file) {

@@ -72,8 +72,8 @@ void writeVertices(AtomicFile& file, const Mesh& mesh, const Lattice& lattice, b
 
 int32_t texnumberOf(uint16_t material) { return material == kNoMaterial ? -1 : material; }
 
-// Writes the material of a face from one of its corners, because all wedges of a triangle have the same
-// material.
+// Writes the faces. Takes a face's material from its first corner, because all corners of a triangle have the
+// same material.
 void writeFaces(AtomicFile& file, const Mesh& mesh) {
   for (const glm::u32vec3 triangle : mesh.triangles) {
     LittleEndianRow row;

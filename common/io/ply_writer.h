@@ -9,7 +9,7 @@
 namespace lode {
 
 /// Writes a mesh as binary little-endian PLY in true coordinates (double if the lattice needs it, else
-/// float), with its attributes, as an AtomicFile.
+/// float), with its attributes, through an AtomicFile.
 /// @param textures  mapping of texture coordinates, and names of image files; the header lists each name in a
 /// comment TextureFile.
 /// @throws Error kIo. @see writeMesh().

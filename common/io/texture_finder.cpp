@@ -13,9 +13,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMaxTail = 8;  ///< limit of the components of a path's end that are looked up
+constexpr size_t kMaxTail = 8;  ///< largest number of components in an end of a path (see tailsOf())
 constexpr size_t kShownFiles = 3;
-constexpr size_t kShownBytes = 4096;  ///< limit of the bytes shown of a path
+constexpr size_t kShownBytes = 4096;  ///< largest number of bytes that a message shows of a path
 constexpr std::array<std::string_view, 9> kImageEndings{".png",  ".jpg", ".jpeg", ".webp", ".tif",
                                                         ".tiff", ".bmp", ".tga",  ".gif"};
 constexpr const char* kOutside =
@@ -47,7 +47,8 @@ std::vector<std::string> componentsOf(std::string_view name) {
   return components;
 }
 
-/// Returns the ends of a path, longest first. No end contains ".." or a hidden component.
+/// Returns the ends of a path, longest first: for a/b/c, these are a/b/c, b/c and c. No end contains ".." or
+/// a hidden component.
 std::vector<fs::path> tailsOf(const std::vector<std::string>& components) {
   std::vector<fs::path> tails;
   fs::path tail;

@@ -38,7 +38,7 @@ class PngWriter {
     if (!png_.info || !begin(size, has_alpha)) fail();
   }
 
-  /// @param row  texels, as many as the image is wide; their alpha is omitted if the file has no alpha.
+  /// @param row  one texel per column of the image. Omits their alpha if the file has no alpha.
   void write(std::span<const glm::u8vec4> row) {
     if (!tryToWrite(row.data())) fail();
   }
