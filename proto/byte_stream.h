@@ -33,7 +33,8 @@ class ByteStream {
   bool isPeerDoubted();
 
   /// @param error  must outlive the awaitable. Set to asio::error::eof if the peer closed its side, even
-  /// without TLS's close_notify. The length of a frame shows the reader whether data is missing.
+  /// without TLS's close_notify, because the length of a frame already tells the reader whether data is
+  /// missing.
   asio::awaitable<size_t> readSome(asio::mutable_buffer into, asio::error_code& error);
   /// Writes all parts. With TLS, one large part costs less than several small ones.
   asio::awaitable<void> write(std::span<const asio::const_buffer> parts, asio::error_code& error);

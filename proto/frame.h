@@ -8,8 +8,9 @@
 
 namespace lode::proto {
 
-/// Lists every message as X(number, name, struct in messages.h). The table in lodestream.fbs and the
-/// FrameType have the listed name. The numbers are part of the protocol: never change or reuse a number.
+/// Lists every message as X(number, name, struct in messages.h). The name is that of the table in
+/// lodestream.fbs and, after a k, of the FrameType. The numbers are part of the protocol: never change or
+/// reuse a number.
 #define LODE_MESSAGES(X)              \
   X(1, Hello, Hello)                  \
   X(2, Welcome, Welcome)              \
@@ -40,10 +41,10 @@ std::string_view frameName(uint8_t type) noexcept;
 /// Returns true if this version of the protocol has the frame type.
 bool isFrameType(uint8_t type) noexcept;
 
-constexpr uint8_t kFlagOptional = 1;  ///< flag of frames that a receiver skips if it does not know their type
+constexpr uint8_t kFlagOptional = 1;  ///< flag of frames that a receiver skips if it does not know the type
 
 /// Header of every frame, 12 bytes, little-endian: body length u32, type u8, flags u8, reserved u16 (zero),
-/// call id u32. An answer has the same call id as the answered frame.
+/// call id u32. An answer has the call id of the frame that it answers.
 struct FrameHeader {
   uint32_t body_bytes = 0;
   uint8_t type = 0;

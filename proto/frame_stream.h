@@ -24,7 +24,7 @@ struct Frame {
 class FrameStream {
  public:
   /// A function that read() calls before a body grows by `more_bytes`. If the function returns false, the
-  /// body must not grow.
+  /// body does not grow, and read() throws Error kLimit.
   using Room = std::function<bool(size_t more_bytes)>;
 
   /// @param read_ahead_bytes  size of the read buffer; longer bodies are read directly into the frame.
@@ -37,8 +37,8 @@ class FrameStream {
   /// @throws Error kLimit, kProtocol (invalid header), kNetwork (closed within a frame, or reset).
   asio::awaitable<bool> read(Frame& frame, uint32_t max_body_bytes = kMaxFrameBodyBytes);
 
-  /// Writes whole frames from several buffers in one system call without copying. The buffers must stay
-  /// valid until the awaitable completes.
+  /// Writes whole frames, gathered from several buffers. The buffers must stay valid until the awaitable
+  /// completes.
   /// @throws Error kNetwork.
   asio::awaitable<void> write(std::span<const asio::const_buffer> parts);
 

@@ -9,7 +9,7 @@ namespace lode::proto {
 constexpr uint32_t kProtocolVersion = 4;
 constexpr uint16_t kDefaultPort = 7400;
 constexpr uint32_t kMaxFrameBodyBytes = 256u << 10;  ///< size of any frame's body
-constexpr uint32_t kMaxHelloBodyBytes = 4u << 10;    ///< size of a body before Hello
+constexpr uint32_t kMaxHelloBodyBytes = 4u << 10;    ///< size of a frame's body before Hello is accepted
 constexpr uint32_t kMaxChunkBytes = 32u << 10;       ///< raw bytes of a Blob frame
 constexpr uint32_t kMaxRequestsPerFrame = 4096;      ///< number of entries of a Requests frame
 constexpr uint32_t kMaxOpenRequests = 16384;         ///< number of open requests of a session
@@ -20,7 +20,7 @@ constexpr uint32_t kMaxTokenBytes = 512;
 /// Bytes that the server may send before the first Credit.
 constexpr uint64_t kInitialWindowBytes = 64u << 10;
 constexpr uint64_t kFeatureClose = 1;  ///< feature bit of Hello and Welcome: the peer knows Close and Closed
-/// Queued answers above which either side stops reading from a connection (back-pressure).
+/// Size of queued answers above which either side stops reading from a connection (back-pressure).
 constexpr uint64_t kMaxQueuedAnswerBytes = 64u << 10;
 
 // Defaults of `lodestreamd serve`; each has an option.

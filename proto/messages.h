@@ -77,8 +77,8 @@ struct Requests {
   bool operator==(const Requests&) const = default;
 };
 
-/// Sets the total number of bytes in bodies of Blob frames that the server may send since the session's
-/// start.
+/// Sets the number of bytes in bodies of Blob frames that the server may send in total, counted from the
+/// start of the session.
 struct Credit {
   uint64_t granted_bytes = 0;
   bool operator==(const Credit&) const = default;

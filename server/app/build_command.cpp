@@ -117,7 +117,7 @@ void addResultOption(CLI::App& command, const ingest::ResultOption<Value>& optio
 void runBuild(const BuildArguments& arguments) {
   const ingest::BuildOptions& options = arguments.options;
   checkOutput(options);
-  std::signal(SIGPIPE, SIG_IGN);  // a build goes on even if the reader of its progress ends
+  std::signal(SIGPIPE, SIG_IGN);  // continue the build even if the reader of its progress exits
   const ingest::BuildReport report = buildUnlessInterrupted(arguments);
   for (const std::string& warning : report.warnings)
     std::fprintf(stderr, "lodestreamd: warning: %s\n", warning.c_str());

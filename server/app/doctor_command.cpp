@@ -117,15 +117,15 @@ class Sheet {
   std::string text_;
 };
 
-/// Returns the number of rows that were read. If the file ends too early, also returns the declared number.
+/// Returns the number of rows read: "90". If the file ends too early, adds the declared number: "90 of 100".
 std::string rowsInWords(const ingest::DoctorReport& report, uint64_t read, const char* element) {
   const ingest::PlyElement* declared = report.header ? report.header->find(element) : nullptr;
   const bool is_part = !report.is_readable && declared != nullptr && read < declared->count;
   return std::to_string(read) + (is_part ? " of " + std::to_string(declared->count) : "");
 }
 
-/// Returns a text that follows a texture's name: " (missing)", or the image's path if its name differs from
-/// the name in the PLY file.
+/// Returns the suffix printed after a texture's name: " (missing)", the image's path if the image has another
+/// name than in the PLY file, or nothing.
 std::string placeInWords(const std::filesystem::path& path, const std::string& name) {
   if (path.empty()) return " (missing)";
   return path.filename() == name ? "" : " (is " + path.string() + ")";

@@ -15,7 +15,7 @@ constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
 constexpr long kGraceNs = 500'000'000;  ///< time in which the work can end by itself
 constexpr long kSecondNs = 1'000'000'000;
 volatile std::sig_atomic_t received = 0;
-sem_t wake;  ///< posted by each signal, and when the Interruption ends
+sem_t wake;  ///< posted by each signal and by the destructor of Interruption
 
 void note(int signal) {
   received = signal;
@@ -26,7 +26,7 @@ void waitFor(sem_t& semaphore) noexcept {
   while (::sem_wait(&semaphore) != 0 && errno == EINTR) continue;
 }
 
-/// Waits for kGraceNs at most. @return whether the semaphore was posted.
+/// Waits for kGraceNs at most. @return true if the semaphore was posted.
 bool waitForGrace(sem_t& semaphore) noexcept {
   timespec until{};
   ::clock_gettime(CLOCK_REALTIME, &until);
@@ -48,7 +48,7 @@ Interruption::Interruption(const char* message, const char* hint)
   try {
     watcher_ = std::jthread([this] { endAfterGrace(); });
   } catch (const std::system_error&) {
-    // Without a further thread the work ends at its next check().
+    // Without the watching thread, a signal still ends the work at its next check().
   }
   struct sigaction action {};
   action.sa_handler = note;

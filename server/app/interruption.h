@@ -9,10 +9,10 @@
 
 namespace lode::app {
 
-/// Records SIGINT, SIGTERM and SIGHUP while the object exists. The running work can end at its next check()
-/// and remove its temporary files. If the work does not end within half a second, a thread ends the process
-/// by the signal, and removes all Unfinished files. Ignored signals stay ignored. Only one object can exist
-/// at a time.
+/// Records SIGINT, SIGTERM and SIGHUP while the object exists, so that the running work can end at its next
+/// check() and remove its temporary files. If the work does not end within half a second, a thread removes
+/// all Unfinished files and ends the process by the signal. Ignored signals stay ignored. Only one object can
+/// exist at a time.
 class Interruption {
  public:
   /// @param message  message of the error that check() throws.
@@ -34,7 +34,7 @@ class Interruption {
   const char* message_;
   const std::string forced_message_;
   std::array<struct sigaction, 3> before_{};
-  sem_t ended_{};  ///< posted when the object ends
+  sem_t ended_{};  ///< posted by the destructor
   std::jthread watcher_;
 };
 

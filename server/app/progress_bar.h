@@ -8,8 +8,8 @@
 
 namespace lode::app {
 
-/// Prints the progress of stages to a stream. One mode, for terminals, redraws a bar per stage with rate and
-/// time left. Other modes print a line every few seconds, or JSON lines {"stage":NAME,"fraction":0..1} for
+/// Prints the progress of stages to a stream. kBar redraws a bar per stage on a terminal, with rate and time
+/// left. kLines prints a line every few seconds. kJson prints JSON lines {"stage":NAME,"fraction":0..1} for
 /// programs. The start of a stage ends the previous stage. Not thread safe.
 class ProgressBar {
  public:
@@ -24,7 +24,7 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   /// Prints the progress of a stage if enough time has passed.
-  /// @param fraction  done part of the stage, 0 to 1. @param done  number of items done.
+  /// @param fraction  completed part of the stage, 0 to 1. @param done  number of items done.
   void update(std::string_view stage, double fraction, uint64_t done);
   /// Prints the current stage as done and ends its line, so that other text can follow.
   void finishStage();

@@ -28,7 +28,7 @@ struct SampleArguments {
 
 constexpr size_t kInstances = 120;
 constexpr size_t kColumns = 12;
-constexpr double kSpacing = 2.6;  // distance of models in model units; models are about two units wide
+constexpr double kSpacing = 2.6;  // distance between neighbouring models; models are about two units wide
 
 struct SampleModel {
   const char* name;

@@ -30,8 +30,8 @@ constexpr std::chrono::seconds kReloadPatience(2);
 
 volatile std::sig_atomic_t asked_to_reload = 0;
 
-/// Records SIGHUP until a Signals object exists. If a SIGHUP was recorded, this object reloads the files,
-/// because the server may have read them before the signal.
+/// Records SIGHUP until a Signals object exists. If a SIGHUP was recorded, the Signals object reloads the
+/// files, because the server may have read them before the signal.
 void noteReloads() {
   std::signal(SIGHUP, [](int) { asked_to_reload = 1; });
 }
@@ -54,7 +54,7 @@ class Signals {
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
 
-  /// Waits for the current reload. @return false if the reload takes longer than `patience`.
+  /// Waits for all running and queued reloads. @return false if they take longer than `patience`.
   bool reloadsEndWithin(std::chrono::seconds patience) {
     std::unique_lock lock(mutex_);
     return reload_ended_.wait_for(lock, patience, [this] { return reloads_open_ == 0; });
@@ -111,7 +111,7 @@ class Signals {
 
 void runServe(serve::ServeOptions options) {
   options.listening_socket = socketOfService();
-  std::signal(SIGPIPE, SIG_IGN);  // go on even if the reader of stdout ends
+  std::signal(SIGPIPE, SIG_IGN);  // go on even if the reader of stdout exits
   noteReloads();
   serve::Server server(std::move(options));
   Signals signals(server);
@@ -130,7 +130,8 @@ void runServe(serve::ServeOptions options) {
     std::_Exit(0);  // exit at once, because a reload that waits for a disk would block a normal exit
 }
 
-constexpr double kLeastSeconds = 0.001;  // least deadline; a deadline of 0 would end every connection at once
+// Smallest deadline; a deadline of 0 would end every connection at once.
+constexpr double kLeastSeconds = 0.001;
 
 /// Adds an option for a number of seconds, which may have fractions.
 void addSeconds(CLI::App& command, const std::string& name, std::chrono::milliseconds& value, double least,
