@@ -30,7 +30,8 @@ constexpr uint64_t kOtherDescriptors = 64;  ///< descriptors reserved for everyt
                                             ///< stores and refusals
 constexpr auto kMaintainEvery = std::chrono::milliseconds(100);
 constexpr const char* kOpenKey = "other users can read or change the private key; chmod it to 600";
-constexpr uint64_t kTrimBytes = 1u << 20;  ///< least number of freed bytes for a call of malloc_trim()
+/// Smallest number of freed bytes for which maintain() calls malloc_trim().
+constexpr uint64_t kTrimBytes = 1u << 20;
 
 /// Removes the folders of all configured paths from a message, because readers of the log must not see the
 /// machine's folders.
@@ -81,12 +82,14 @@ struct Server::State {
 
   MemoryReserve reserve;
   ServeOptions options;
-  const uint64_t open_files = raiseOpenFileLimit();  ///< the limit is raised before stores are opened
-  const std::shared_ptr<Log> log;                    ///< log that late reads share: see DiskReaders::join()
-  std::vector<SkippedStore> skipped;                 ///< stores that the start skipped
-  std::mutex reload_mutex;     ///< locked during a whole reload, which may wait for a disk
-  std::mutex published_mutex;  ///< guards published and workers; locked only briefly
-  Published published;         ///< written by the constructor and reload() only
+  /// Initialized here, because the limit must be raised before stores are opened.
+  const uint64_t open_files = raiseOpenFileLimit();
+  /// Shared with reads that may outlive the server: see DiskReaders::join().
+  const std::shared_ptr<Log> log;
+  std::vector<SkippedStore> skipped;  ///< stores that the constructor skipped
+  std::mutex reload_mutex;            ///< locked during a whole reload, which may wait for a disk
+  std::mutex published_mutex;         ///< guards published and workers; locked only briefly
+  Published published;                ///< written by the constructor and reload() only
   MemoryBudget budget;
   ByteRate rate;
   WrongTokens wrong_tokens;
@@ -102,7 +105,7 @@ struct Server::State {
   std::unique_ptr<Acceptor> acceptor;
   std::unique_ptr<HealthEndpoint> health;
   asio::steady_timer drain_timer{context}, maintain_timer{context};
-  uint64_t peak_bytes = 0;       ///< highest use of the budget since the last trim
+  uint64_t peak_bytes = 0;       ///< peak use of the budget since the last trim
   uint64_t last_used_bytes = 0;  ///< use of the budget at the last call of maintain()
   std::vector<std::unique_ptr<Worker>> workers;
   DiskReaders readers;
@@ -159,7 +162,7 @@ std::shared_ptr<asio::ssl::context> Server::State::openCertificate() {
   return openTls(options.tls_certificate, options.tls_key);
 }
 
-/// Returns --max-connections, or a lower limit if the limit of open files is too low.
+/// Returns --max-connections, or fewer connections if the limit of open files does not allow as many.
 uint32_t Server::State::possibleConnections() {
   const uint64_t others = kOtherDescriptors + Refusals::kMost + WrongTokens::kMostWaiting +
                           2 * published.served.catalog->models().size();
@@ -260,10 +263,10 @@ void Server::State::run() {
   for (auto& worker : workers) worker->join();
 }
 
-/// Runs every kMaintainEvery: ends late reads, refills the reserve, and returns freed memory to the system
-/// when the used part of the budget has fallen to half of its peak and no longer falls. Without this trim,
-/// malloc would keep nearly all memory that a flood of requests or answers needed. The trim waits until the
-/// used part no longer falls, because connections that still close free more memory.
+/// Runs every kMaintainEvery. Ends late reads, refills the reserve, and returns freed memory to the system
+/// once the used part of the budget has fallen below half of its peak and no longer falls. Without this trim,
+/// malloc would keep nearly all the memory that a flood of requests or answers needed. The trim waits while
+/// the used part still falls, because each connection that is still closing frees more memory.
 void Server::State::maintain() {
   readers.tick();
   if (reserve.refill() > 0)
@@ -312,12 +315,13 @@ void Server::State::reload() {
   log->write(LogKind::kServer, complete ? "reloaded" : "reloaded partly", {{"models", uint64_t{models}}});
 }
 
-/// Updates the gauges for a served set. Logs likely mistakes in the set: unknown models, expired tokens, an
-/// expired certificate.
+/// Updates the gauges for a new served set and certificate. Logs likely mistakes: tokens for unknown models,
+/// expired tokens, an expired certificate.
 void Server::State::inspect(const Published& now_served) {
   const auto& [served, tls] = now_served;
   models = served.catalog->models().size();
-  // Export a zero for each model, because Prometheus sees an increase only in a counter that it knows.
+  // Export a zero for each model, because Prometheus sees an increase only in a counter that it has read
+  // before.
   for (const auto& model : served.catalog->models()) metrics.ofThread(0).model(model->summary.name);
   warnOfUnknownModels(served);
   const auto now = std::chrono::system_clock::now();
@@ -351,7 +355,7 @@ void Server::State::halt() {
 
 void Server::State::stopNow() {
   if (stopping.exchange(true)) {
-    drain_timer.cancel();  // the timer's handler then runs as if the time were over
+    drain_timer.cancel();  // the timer's handler then runs at once
     return;
   }
   log->write(LogKind::kServer, "stopping");

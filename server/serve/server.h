@@ -21,24 +21,25 @@ struct ServeOptions {
   std::string listen = "127.0.0.1:7400";
   /// Open listening socket that replaces `listen`; the server owns the socket.
   std::optional<int> listening_socket;
-  std::string metrics;               ///< address of the port for metrics and health; empty: no such port
+  /// Address of the port for metrics and health, or empty for no such port.
+  std::string metrics;
   bool strict = false;               ///< refuse to start if a store in a folder cannot be opened
-  bool public_ok = false;            ///< allow addresses beyond loopback without tokens, and metrics there
+  bool public_ok = false;            ///< allow addresses beyond loopback without tokens, also for metrics
   bool insecure = false;             ///< allow addresses beyond loopback without TLS, and an open private key
-  std::filesystem::path token_file;  ///< file with the tokens; empty: clients need no token
+  std::filesystem::path token_file;  ///< file with the tokens; if empty, clients need no token
   std::filesystem::path tls_certificate, tls_key;  ///< PEM files; set both or neither
   bool proxy_protocol = false;  ///< expect a balancer's header at the start of a connection
-  unsigned threads = 0;         ///< number of threads; 0: one per core
+  unsigned threads = 0;         ///< number of threads, or 0 for one per core
   uint32_t max_connections = proto::kMaxConnections;
   /// Largest number of connections per client address. If not set, the limit is kMaxConnectionsPerAddress,
   /// and loopback has no limit.
   std::optional<uint32_t> max_connections_per_address;
-  uint64_t memory_budget_bytes = 0;  ///< memory for all connections; 0: defaultMemoryBudget()
+  uint64_t memory_budget_bytes = 0;  ///< memory for all connections, or 0 for defaultMemoryBudget()
   uint32_t max_open_requests = proto::kMaxOpenRequests;  ///< limit per connection
   uint32_t max_open_models = proto::kMaxOpenModels;      ///< limit per connection
   /// Limit per connection for answers that the client has not read yet.
   uint64_t max_queued_answer_bytes = proto::kMaxQueuedAnswerBytes;
-  uint64_t bytes_per_second = 0;  ///< rate limit for the blobs of all connections; 0: no limit
+  uint64_t bytes_per_second = 0;  ///< rate limit for the blobs of all connections together, or 0 for no limit
   uint64_t bytes_per_second_per_connection = 0;
   std::chrono::milliseconds handshake_deadline = proto::kHandshakeDeadline;
   std::chrono::milliseconds wrong_token_delay{50};  ///< delay of the answer to an address's first wrong token
@@ -56,8 +57,8 @@ struct ServeOptions {
 class Server {
  public:
   /// Opens the stores and listens. Unless `strict` is set, skips stores in folders that cannot be opened.
-  /// @throws Error kUsage (no store, two models of one name, an address beyond loopback that is not allowed),
-  /// kIo (a port in use, an unreadable file), kFormat (a damaged store).
+  /// @throws Error kUsage (no store, two models with the same name, an address beyond loopback that is not
+  /// allowed), kIo (a port in use, an unreadable file), kFormat (a damaged store).
   explicit Server(ServeOptions options);
   ~Server();
   Server(const Server&) = delete;
@@ -75,8 +76,8 @@ class Server {
   /// @throws Error kIo.
   void run();
 
-  /// Reads stores, tokens and certificate again, and returns when all are read. If one cannot be read, logs
-  /// the error and keeps its previous version. Thread safe.
+  /// Reads stores, tokens and certificate again, and returns when all of them are read. If one cannot be
+  /// read, logs the error and keeps its previous version. Thread safe.
   void reload();
 
   /// Stops the server: reports "not ready", closes the listener after the drain delay, then sends GoAway to

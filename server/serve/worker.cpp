@@ -108,7 +108,7 @@ void Worker::sweepNow(Clock::time_point now) {
 }
 
 /// Closes this thread's largest connections until the budget is relieved. Keeps all connections that use less
-/// memory than the server's average or less than half of kPoliteBytes.
+/// memory than the average connection of the server, or less than half of kPoliteBytes.
 void Worker::closeLargest() {
   const uint64_t mean = budget_.mean();
   std::vector<Connection*> largest;

@@ -34,7 +34,7 @@ class Worker {
   void halt() { context_.stop(); }
   void join();
 
-  /// Returns the number of connections, including connections that give() has queued.
+  /// Returns the number of connections, including those that give() has queued.
   uint32_t load() const noexcept { return load_.load(std::memory_order_relaxed); }
   /// Takes over a connection. If memory runs out, closes the connection and throws std::bad_alloc.
   void give(asio::ip::tcp::socket socket, Slot slot, MemoryAccount memory, std::string client);
@@ -50,7 +50,7 @@ class Worker {
   MemoryBudget& budget_;
   ConnectionLimits limits_;
   std::atomic<uint32_t> load_{0};
-  std::string draining_;  ///< reason of the drain; empty while not draining
+  std::string draining_;  ///< reason for the drain; empty while not draining
   ConnectionHost host_;
   asio::io_context context_{1};
   asio::executor_work_guard<asio::io_context::executor_type> guard_;

@@ -6,14 +6,13 @@
 
 namespace lode::serve {
 
-/// Memory that every connection can use while the budget has room, even if other connections use much.
+/// Memory that every connection can use while the budget has room, however much other connections use.
 constexpr uint64_t kPoliteBytes = 64u << 10;
-/// Limit for small connections. Only connections that use at most this much memory can use the last 1/16 of
-/// the budget.
+/// Largest memory of a small connection. The last 1/16 of the budget is reserved for small connections.
 constexpr uint64_t kModestBytes = 16u << 10;
-/// Divisor that limits connections above kPoliteBytes. Such a connection can use at most 1/64 of the free
-/// memory in the first 3/4 of the budget. The limit shrinks as connections use more memory. The last 1/4 of
-/// the budget is left to connections below kPoliteBytes.
+/// Divisor that limits a connection above kPoliteBytes. Such a connection can use at most 1/64 of what is
+/// still free of the first 3/4 of the budget, so its limit shrinks as all connections use more memory. The
+/// last 1/4 of the budget is left to connections below kPoliteBytes.
 constexpr uint64_t kLargeDivisor = 64;
 
 /// Returns an eighth of the memory that this process can use (memoryLimitBytes()).
@@ -30,7 +29,8 @@ class MemoryBudget {
   bool tight() const noexcept { return used() > limit_ / 16 * 12; }
   /// Returns true if open connections use more than 13/16 of the budget. The server then closes the largest
   /// connections until relieved() returns true. Connections that are closing do not count. The server admits
-  /// new connections up to 14/16 of the budget, so that the closed connections make room for new ones.
+  /// new connections up to 14/16 of the budget, which leaves room for new connections after it has closed
+  /// large ones.
   bool pressed() const noexcept { return staying() > limit_ / 16 * 13; }
   bool relieved() const noexcept { return staying() <= limit_ / 16 * 12; }
   /// Returns the average memory of a connection in bytes, including its base cost.
@@ -43,7 +43,7 @@ class MemoryBudget {
 
   uint64_t limit_;
   std::atomic<uint64_t> used_{0}, accounts_{0};
-  std::atomic<uint64_t> leaving_{0};  ///< memory of closing connections; a part of used_
+  std::atomic<uint64_t> leaving_{0};  ///< memory of closing connections, which used_ includes
 };
 
 /// Memory that one connection uses, charged to the budget. The destructor returns the memory to the budget.
@@ -60,7 +60,7 @@ class MemoryAccount {
   /// Charges bytes if the connection stays within its limits. @return false, without a charge, if the bytes
   /// would exceed a limit.
   bool tryTake(uint64_t bytes) noexcept;
-  /// Charges bytes without a check of the limits, for example for the Error that closes the connection.
+  /// Charges bytes without checking the limits, for example for the Error that closes the connection.
   void take(uint64_t bytes) noexcept;
   void give(uint64_t bytes) noexcept;
   /// Marks the connection as closing. The connection gets no more memory, and pressed() no longer counts its

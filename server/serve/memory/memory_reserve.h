@@ -17,7 +17,7 @@ class MemoryReserve {
   MemoryReserve(const MemoryReserve&) = delete;
   MemoryReserve& operator=(const MemoryReserve&) = delete;
 
-  /// Returns a block, which the caller frees by std::free(). Returns null if `bytes` exceeds the size of a
+  /// Returns a block, which the caller frees with std::free(). Returns null if `bytes` exceeds the size of a
   /// block, no block is left, or no reserve exists.
   static void* take(size_t bytes) noexcept;
 

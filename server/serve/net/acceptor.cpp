@@ -21,7 +21,8 @@ using asio::ip::tcp;
 
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);  ///< pause after a failed accept()
 constexpr auto kSweepEvery = std::chrono::milliseconds(100);
-/// Value of TCP_NOTSENT_LOWAT. The value is low because urgent blobs cannot overtake bytes in the kernel.
+/// Value of TCP_NOTSENT_LOWAT. The value is small, because an urgent blob cannot overtake bytes that are
+/// already in the kernel.
 constexpr int kNotSentLowBytes = 16 << 10;
 
 void tune(tcp::socket& socket) {
@@ -32,7 +33,7 @@ void tune(tcp::socket& socket) {
 }
 
 /// Returns a completion handler that clears the flag. If the coroutine ended with an exception, the handler
-/// rethrows the exception, which then leaves run().
+/// rethrows it, so that the context's run() throws it.
 auto ending(bool& running) {
   return [&running](const std::exception_ptr& thrown) {
     running = false;

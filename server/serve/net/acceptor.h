@@ -34,15 +34,16 @@ class ReserveDescriptor {
   ReserveDescriptor& operator=(const ReserveDescriptor&) = delete;
 
   void release() noexcept;
-  void acquire() noexcept;  ///< opens the spare descriptor again, unless the system has no descriptor left
+  void acquire() noexcept;  ///< opens the spare descriptor again if the system has a descriptor left
 
  private:
   int descriptor_ = -1;
 };
 
 struct AcceptorOptions {
-  bool count_addresses = true;    ///< true limits connections per address at accept(); false behind a
-                                  ///< balancer, whose header names the client's address later
+  /// If true, limits connections per address at accept(). False behind a balancer, because its header with
+  /// the client's address arrives later.
+  bool count_addresses = true;
   uint64_t connection_bytes = 0;  ///< memory charged to the budget per connection
 };
 
@@ -57,7 +58,7 @@ class Acceptor {
            MemoryBudget& budget, ThreadCounters& counters, Log& log, Handler handler);
 
   /// Starts to accept connections until close(). An error of one connection does not stop the acceptor. Call
-  /// open() again after the context's run() has thrown an exception.
+  /// open() again if the context's run() has thrown an exception.
   void open();
   void close();
   /// Sets the TLS context that encrypts refusals; null for connections without TLS.

@@ -17,10 +17,10 @@ class Admission;
 /// addresses unchanged.
 asio::ip::address plainAddress(const asio::ip::address& address);
 
-/// Returns a number for an IPv4 address, or for the /64 network of an IPv6 address.
+/// Returns a number that identifies an IPv4 address, or the /64 network of an IPv6 address.
 uint64_t addressKey(const asio::ip::address& address);
 
-/// A connection's slot in the limits of Admission. The destructor frees the slot.
+/// One connection's place within the limits of Admission. The destructor frees the place.
 class Slot {
  public:
   Slot(Slot&& other) noexcept;
@@ -30,7 +30,7 @@ class Slot {
   /// Counts the connection under an address. @return false if the address already has the maximum of
   /// connections.
   bool countUnder(const asio::ip::address& address);
-  /// Adds the connection to the load of the thread that serves the connection.
+  /// Counts the connection in `load`, the number of connections of a thread, until the slot is destroyed.
   void countIn(std::atomic<uint32_t>& load) noexcept;
 
  private:
@@ -54,8 +54,8 @@ class Admission {
   uint32_t count() const;
   uint32_t total() const noexcept { return total_; }
 
-  /// Calls `empty` once, as soon as no connection is left; at once if there is no connection now. Any thread
-  /// can make the call.
+  /// Calls `empty` once, as soon as no connection is left, which may be at once. The call comes from the
+  /// thread that frees the last slot.
   void whenEmpty(std::function<void()> empty);
 
  private:

@@ -7,15 +7,15 @@
 namespace lode::serve {
 
 /// Limits the bytes per second of one connection or of all connections. A sender calls take(), waits until
-/// the returned time, sends, and returns unsent bytes by give(). Several senders get their times in the order
-/// of their calls, so that they share the rate fairly. Thread safe.
+/// the returned time, sends, and returns unsent bytes with give(). Several senders get their times in the
+/// order of their calls, so that they share the rate fairly. Thread safe.
 class ByteRate {
  public:
   using Clock = std::chrono::steady_clock;
-  /// A sender that calls late by at most this time loses no part of its rate.
+  /// A sender loses no part of its rate if it calls take() late by at most this time.
   static constexpr std::chrono::milliseconds kGrace{20};
 
-  /// @param bytes_per_second  limit; 0: no limit, so that a sender never waits.
+  /// @param bytes_per_second  limit, or 0 for no limit; senders then never wait.
   explicit ByteRate(uint64_t bytes_per_second) noexcept;
 
   bool limited() const noexcept { return ns_per_byte_ > 0; }

@@ -154,8 +154,8 @@ asio::awaitable<void> Connection::read() {
   wakeWriter();
 }
 
-/// Refuses a client without a successful Hello if its address must wait because of wrong tokens. @return true
-/// if the client is refused.
+/// Refuses a client that has not sent a successful Hello, if WrongTokens blocks its address. @return true if
+/// the client is refused.
 bool Connection::refuseUnheard() {
   if (session_.greeted() || !host_.served.tokens) return false;
   asio::error_code ignored;
@@ -213,7 +213,8 @@ asio::awaitable<bool> Connection::greet() {
   }
 }
 
-/// Records a refusal, unless a deadline ended the connection and caused the failure.
+/// Records a refusal. Does nothing if the connection has already ended for another reason, such as a
+/// deadline.
 void Connection::turnAway(RefusalReason refused, EndReason ended, const std::string& why) {
   if (end_) return;
   host_.counters->refused[static_cast<size_t>(refused)].add();
@@ -221,7 +222,8 @@ void Connection::turnAway(RefusalReason refused, EndReason ended, const std::str
   why_ = why;
 }
 
-/// Frees the memory of a frame above kMaxKeptBodyBytes, and returns the freed memory to the budget.
+/// Frees the body of a frame if it is larger than kMaxKeptBodyBytes, and returns the memory charged for it to
+/// the budget.
 void Connection::releaseStorageOf(proto::Frame& frame) {
   if (frame.body.capacity() <= kMaxKeptBodyBytes) return;
   memory_.give(frame.body.capacity() - kMaxKeptBodyBytes);

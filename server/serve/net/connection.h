@@ -23,11 +23,11 @@
 
 namespace lode::serve {
 
-/// Buffer for one write: one full chunk, or several chunks of small blobs. While a connection sends, it
-/// borrows a buffer from the pool of its thread.
+/// Buffer for one write, with one full chunk or the chunks of several small blobs. A connection borrows a
+/// buffer from its thread's pool while it sends.
 struct ChunkBuffer {
-  /// Size of a buffer. The kernel splits a write whose segment exceeds 64 KiB with headers. A buffer of this
-  /// size stays in one segment and wakes the receiver once.
+  /// Size of a buffer. The kernel splits a write that exceeds 64 KiB, headers included, into several
+  /// segments. A buffer of this size fits in one segment, which wakes the receiver only once.
   static constexpr size_t kBytes = 60u << 10;
   std::unique_ptr<std::byte[]> bytes;  ///< kBytes long, or null
   size_t used = 0;
@@ -48,12 +48,12 @@ class Connection;
 /// State that the connections of one thread share. Must outlive the connections. Only that thread uses it.
 struct ConnectionHost {
   ServedSet served;
-  std::shared_ptr<asio::ssl::context> tls;  ///< TLS context for new connections; null: no TLS
+  std::shared_ptr<asio::ssl::context> tls;  ///< TLS context for new connections, or null for no TLS
   Log* log = nullptr;
   ThreadCounters* counters = nullptr;
   ByteRate* rate = nullptr;  ///< rate limit that all connections of the server share
   MemoryBudget* budget = nullptr;
-  WrongTokens* wrong_tokens = nullptr;  ///< delays that all threads share
+  WrongTokens* wrong_tokens = nullptr;  ///< delays of answers to wrong tokens, shared by all threads
   DiskReaders* readers = nullptr;       ///< threads for reads that wait for the disk
   BufferPool buffers;
   std::unordered_set<Connection*> connections;
@@ -62,7 +62,7 @@ struct ConnectionHost {
 struct ConnectionLimits {
   SessionLimits session;
   Clock::duration write = proto::kWriteDeadline;  ///< time in which the client must receive a write
-  uint64_t bytes_per_second = 0;                  ///< rate limit for blobs; 0: no limit
+  uint64_t bytes_per_second = 0;                  ///< rate limit for blobs, or 0 for no limit
   size_t queued_answer_bytes = proto::kMaxQueuedAnswerBytes;  ///< above this size of unsent answers, the
                                                               ///< connection reads no frame
   bool proxy_protocol = false;                                ///< expect a balancer's header at the start
@@ -92,7 +92,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   uint64_t heldBytes() const noexcept { return memory_.held(); }
 
  private:
-  /// A chunk that a reader thread reads from disk. Until then, the request of the chunk is parked.
+  /// A chunk that a thread of DiskReaders reads. The chunk's request is parked (not chosen for sending) until
+  /// the read ends.
   struct ColdRead {
     Chunk chunk;
     std::vector<std::byte> bytes;
@@ -126,22 +127,23 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   Slot slot_;
   MemoryAccount memory_;
-  MemoryAccount reading_;  ///< memory of chunks being read from disk; apart from memory_, because reads must
-                           ///< not limit requests
+  /// Memory of chunks being read from disk; separate from memory_, so that reads do not reduce the memory for
+  /// requests.
+  MemoryAccount reading_;
   ConnectionHost& host_;
   ConnectionLimits limits_;
   proto::FrameStream stream_;
   Session session_;
   std::vector<std::shared_ptr<ColdRead>> cold_;
   ByteRate rate_;
-  std::optional<Clock::time_point> turn_;  ///< time from which the rates allow the next write; empty if no
-                                           ///< time is reserved
+  /// Time at which the rate limits allow the next write; empty if no time is reserved.
+  std::optional<Clock::time_point> turn_;
   asio::steady_timer to_write_, to_read_;  ///< timers that are cancelled to wake a coroutine
   bool write_woken_ = false, read_woken_ = false;
   bool gone_ = false;          ///< the client has closed the connection, or the connection broke
   bool holds_answer_ = false;  ///< the writer waits until delayAnswer() has ended
-  bool slow_ = true;           ///< true while many unsent bytes may wait in the kernel
-  /// Time until which the client should close the connection; set when everything is sent.
+  bool slow_ = true;           ///< true if many unsent bytes may be waiting in the kernel
+  /// Time by which the client should have closed the connection; set when everything is sent.
   std::optional<Clock::time_point> linger_until_;
   std::optional<Clock::time_point> writing_since_;  ///< start of the current write; empty between writes
   std::optional<EndReason> end_;

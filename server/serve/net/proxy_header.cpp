@@ -144,7 +144,7 @@ asio::awaitable<std::optional<ProxyHeader>> readProxyHeader(tcp::socket& socket)
     }
     const size_t take = parsed ? parsed->bytes - taken : seen;
     socket.receive(asio::buffer(header.data() + taken, take), 0,
-                   error);  // the read cannot block, because the bytes were peeked before
+                   error);  // the read cannot block, because peeking has shown that the bytes are there
     if (error) throw broken("the connection broke in the balancer's header: " + error.message());
     if (parsed) co_return parsed;
   }

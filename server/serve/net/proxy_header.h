@@ -10,7 +10,7 @@
 
 namespace lode::serve {
 
-/// Limit of a header's length. Addresses have up to 232 bytes, and proxies add extensions about TLS.
+/// Largest length of a header. Addresses take up to 232 bytes, and proxies add extensions about TLS.
 constexpr size_t kMaxProxyHeaderBytes = 2048;
 
 /// Header of HAProxy's PROXY protocol, version 1 (a line of text) or 2 (binary). A balancer sends it before

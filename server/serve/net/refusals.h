@@ -13,9 +13,9 @@
 
 namespace lode::serve {
 
-/// Refused connections whose clients have not read the reason yet. The connections stay open for a while:
-/// closing a socket with unread bytes would reset the connection, and the client would lose the reason. Each
-/// refused connection needs a descriptor and little memory. Not thread safe.
+/// Refused connections that stay open until their clients have read the reason. They stay open for at most
+/// kLinger: closing a socket with unread bytes would reset the connection, and the client would lose the
+/// reason. Each refused connection needs a descriptor and little memory. Not thread safe.
 class Refusals {
  public:
   using Clock = std::chrono::steady_clock;
@@ -40,7 +40,7 @@ class Refusals {
 
  private:
   struct Lingering {
-    /// Stream of a connection with TLS. A coroutine sends the frame and closes the stream.
+    /// The connection. With TLS, a coroutine sends the frame and closes the stream.
     std::shared_ptr<proto::ByteStream> stream;
     Clock::time_point until;
   };

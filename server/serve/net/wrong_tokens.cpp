@@ -53,7 +53,7 @@ size_t WrongTokens::addresses() const {
 void WrongTokens::leave(uint64_t address) noexcept {
   const std::lock_guard lock(mutex_);
   --waiting_;
-  --records_.find(address)->second.waiting;  // an address that waits is never forgotten
+  --records_.find(address)->second.waiting;  // an address with waiting answers is never removed
 }
 
 /// If the table is full, removes all addresses that have sent no wrong token for kForget or, if there are

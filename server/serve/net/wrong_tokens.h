@@ -9,10 +9,10 @@
 
 namespace lode::serve {
 
-/// Delays the answers to wrong tokens. The delay doubles with each wrong token of an address; after kForget
-/// without a wrong token, the address counts as new. The number of waiting answers and the number of
-/// remembered addresses are limited. While too many answers wait, blocks() returns true for every address
-/// whose delay has not passed. This object must outlive its Wait objects. Thread safe.
+/// Delays the answers to wrong tokens. The delay doubles with each wrong token from an address; after kForget
+/// without a wrong token, the address counts as new. The numbers of waiting answers and of remembered
+/// addresses are limited. While too many answers wait, blocks() returns true for every address whose delay
+/// has not passed. This object must outlive its Wait objects. Thread safe.
 class WrongTokens {
  public:
   using Clock = std::chrono::steady_clock;

@@ -114,7 +114,7 @@ class DescriptorSink : public spdlog::sinks::base_sink<spdlog::details::null_mut
   uint64_t unreported_ = 0;
 };
 
-/// Blocks SIGPIPE, which would end the process. After the reader has gone, write() then returns EPIPE.
+/// Blocks SIGPIPE, which would end the process. If the reader has gone, write() then fails with EPIPE.
 void blockSigpipe() {
   sigset_t pipe;
   sigemptyset(&pipe);

@@ -31,7 +31,8 @@ constexpr size_t kLogKinds = 8;
 /// Returns the kind's name in the log: "connection", "refused" and so on.
 std::string_view logKindName(LogKind kind) noexcept;
 
-/// Limits each kind of line by a token bucket: kBurst lines at once, then kPerSecond. Not thread safe.
+/// Limits each kind of line with a token bucket: kBurst lines at once, then kPerSecond lines per second. Not
+/// thread safe.
 class LogLimit {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -70,7 +71,7 @@ std::string logLine(bool json, std::chrono::system_clock::time_point time, LogKi
                     std::string_view message, std::span<const LogField> fields);
 
 /// Writes lines to a file, terminal, pipe or socket. Never blocks, even if the reader of a pipe or socket is
-/// gone or has stopped to read. Leaves the descriptor's flags unchanged because other processes share them.
+/// gone or has stopped reading. Leaves the descriptor's flags unchanged because other processes share them.
 /// Not thread safe. The calling thread must block SIGPIPE.
 class LogSink {
  public:
@@ -92,13 +93,13 @@ class LogSink {
   bool is_socket_ = false;
 };
 
-/// Returns an exception's message for operators. Replaces the message of std::bad_alloc, which is no
-/// sentence, by another text. The returned text is valid as long as the exception.
+/// Returns an exception's message for operators. Replaces the message of std::bad_alloc, which is not a
+/// sentence, with a readable one. The returned text is valid as long as the exception.
 std::string_view reasonOf(const std::exception& error) noexcept;
 
 struct LogOptions {
   bool json = false;
-  int descriptor = 2;         ///< descriptor to which the log writes; the caller owns it; stderr by default
+  int descriptor = 2;         ///< descriptor to which the log writes; owned by the caller; stderr by default
   size_t queue_lines = 1024;  ///< largest number of lines that wait for the descriptor; a full queue drops
                               ///< its oldest line
   std::function<std::chrono::steady_clock::time_point()> clock = std::chrono::steady_clock::now;

@@ -32,14 +32,14 @@ MetricFamily number(const char* name, const char* help, MetricType type, uint64_
   return family;
 }
 
-/// Returns the sum over the threads of the counter that `counter` selects.
+/// Adds up one counter over all threads; `counter` selects the counter.
 uint64_t sum(Threads threads, const auto& counter) {
   uint64_t total = 0;
   for (const auto& thread : threads) total += counter(*thread).read();
   return total;
 }
 
-/// Creates a family with a counter for each value of a label; the label has `count` values.
+/// Creates a family with one counter for each of the `count` values of a label.
 MetricFamily labelledCounters(const char* name, const char* help, const char* label, size_t count,
                               Threads threads, const auto& name_of, const auto& counter) {
   MetricFamily family{name, help, MetricType::Counter, {}};

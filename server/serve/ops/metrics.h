@@ -14,7 +14,8 @@
 
 namespace lode::serve {
 
-/// A counter that one thread increments and any thread reads, without locks or locked instructions.
+/// A counter that one thread increments and any thread reads, without locks or atomic read-modify-write
+/// instructions.
 class Counter {
  public:
   void add(uint64_t more = 1) noexcept {
@@ -51,7 +52,7 @@ class LatencyCounter {
 };
 
 /// Reason for refusing a connection. The first four reasons apply at accept(), the others later. Behind a
-/// balancer, kAddress also applies later.
+/// balancer, kAddress applies only after the balancer's header has arrived.
 enum class RefusalReason : uint8_t {
   kConnections,  ///< --max-connections is reached
   kAddress,      ///< --max-connections-per-address is reached
@@ -96,8 +97,8 @@ class ThreadCounters {
   std::array<Counter, kRequestClasses> requests;
   /// Time from a request to its first chunk, without the time in `held`.
   std::array<LatencyCounter, kRequestClasses> queue;
-  std::array<LatencyCounter, kRequestClasses> held;  ///< time before the first chunk in which the
-                                                     ///< client could not receive a chunk
+  /// Time from a request to its first chunk during which the client could not receive a chunk.
+  std::array<LatencyCounter, kRequestClasses> held;
   std::array<LatencyCounter, kRequestClasses> send;  ///< time from a request to its last chunk
 
   /// Returns the counters of a model. The reference stays valid. Call model() once per Open, because it locks

@@ -21,8 +21,8 @@ namespace lode::serve {
 
 namespace {
 
-/// Largest size of a blob that the serving thread itself verifies, if the blob is in the page cache.
-/// Verifying such a blob takes about 50 µs.
+/// Largest size of a blob that the serving thread verifies itself if the blob is in the page cache. Verifying
+/// such a blob takes about 50 µs.
 constexpr uint32_t kMaxCheckedHotBytes = 256u << 10;
 
 // A note on a blob contains the blob's Trust (2 bits), the generation of the file for which the note is valid
@@ -45,8 +45,8 @@ struct stat statusOf(int descriptor) {
 }
 
 /// Returns the flags for preadv2() that avoid waiting for the disk. File systems in memory reject RWF_NOWAIT,
-/// but reads from them never wait. Other file systems that reject RWF_NOWAIT, such as network and FUSE file
-/// systems, can wait in any call, also in fstat(); for them, returns nothing.
+/// but reads from them never wait. Any call, even fstat(), may wait on other file systems that reject
+/// RWF_NOWAIT, such as network and FUSE file systems; for these, returns nothing.
 std::optional<int> flagsForHot(int descriptor) noexcept {
   struct statfs system {};
   const bool in_memory =
@@ -224,7 +224,7 @@ ReadResult BlobReader::bad(const BlobRange& range, uint32_t generation, std::str
   return ReadResult::kDamaged;
 }
 
-/// Reports the errno of a read.
+/// Reports the errno of a failed read.
 ReadResult BlobReader::unreadable() const noexcept {
   noteUnreadable(std::strerror(errno));
   return ReadResult::kUnreadable;

@@ -21,10 +21,11 @@ namespace lode::serve {
 /// Result of a read.
 enum class ReadResult {
   kDone,
-  kCold,        ///< the blob is not in the page cache, or is too large to verify quickly; call readCold()
-  kDamaged,     ///< the blob's checksum does not match, or the file was truncated
-  kUnreadable,  ///< the operating system reported an error, or the read was late; a later read may succeed
-  kNoMemory,    ///< memory ran out; a later read may succeed
+  kCold,     ///< the blob is not in the page cache, or is too large to verify quickly; call readCold()
+  kDamaged,  ///< the blob's checksum does not match, or the file was truncated
+  /// The operating system reported an error, or the read took too long; a later read may succeed.
+  kUnreadable,
+  kNoMemory,  ///< memory ran out; a later read may succeed
 };
 
 struct BlobRange {
@@ -50,10 +51,9 @@ struct BlobReaderOptions {
   /// place, when the file cannot be read, and when it can be read again. Any thread can call the function,
   /// also after the server's end: see DiskReaders::join().
   std::function<void(StoreFault, std::string_view)> report = [](StoreFault, std::string_view) {};
-  /// If false, all reads are cold, as for a file on a network or FUSE file system.
+  /// If false, readHot() always returns kCold, as for a file on a network or FUSE file system.
   bool hot_reads = true;
-  /// A function that reads like lode::readAt(), and sets errno on failure. The function can wait for the
-  /// disk.
+  /// A function that reads like lode::readAt() and sets errno on failure. The function may wait for the disk.
   std::function<std::optional<size_t>(int file, uint64_t offset, std::span<std::byte> bytes)> read = readAt;
 };
 
@@ -103,8 +103,9 @@ class BlobReader {
 
   store::Reader reader_;
   BlobReaderOptions options_;
-  std::optional<int> hot_flags_;  ///< flags of preadv2 for reads that do not wait; absent if the file system
-                                  ///< always can wait, so that all reads are cold
+  /// Flags of preadv2() for reads that do not wait; empty if any read from the file system may wait, so that
+  /// readHot() always returns kCold.
+  std::optional<int> hot_flags_;
   std::unique_ptr<std::atomic<uint32_t>[]> notes_;
   mutable std::atomic<uint32_t> generation_{0};  ///< incremented when the file changes
   mutable std::atomic<int64_t> checked_ns_{0};   ///< time of the last check of the file

@@ -25,8 +25,8 @@ bool areTheSame(const fs::path& a, const fs::path& b) {
   return a == b || fs::equivalent(a, b, ignored);
 }
 
-/// Returns the store files. Replaces each folder by the stores in the folder.
-/// @param allow_empty  true accepts folders without a store.
+/// Returns the store files. Replaces each folder with the stores in it.
+/// @param allow_empty  if true, accepts folders without a store.
 std::vector<fs::path> storeFiles(std::span<const fs::path> stores, bool allow_empty) {
   std::vector<fs::path> files;
   for (const fs::path& path : stores) {
@@ -91,7 +91,8 @@ std::string withoutFolder(std::string message, const fs::path& file) {
   return message;
 }
 
-/// Reports that a store cannot be opened and adds the store to `skipped`. @param then  consequence.
+/// Reports that a store cannot be opened and adds the store to `skipped`. @param then  consequence, for the
+/// report.
 void skip(const fs::path& file, const Error& error, const char* then, const BlobReaderOptions& options,
           std::vector<SkippedStore>& skipped) {
   SkippedStore store{file.stem().string(), withoutFolder(error.what(), file)};
@@ -152,7 +153,7 @@ std::shared_ptr<const Catalog> reopenCatalog(const Catalog& before, std::span<co
     if (!model || !isUnchanged(*model, file)) try {
         model = openModel(file, options);
       } catch (const Error& error) {
-        // Fail if the options name this path, for example a missing folder.
+        // Fail if the command line names this path, for example a missing folder.
         if (!model && std::ranges::find(stores, file) != stores.end()) throw;
         skip(file, error, model ? "its previous build stays" : kNotServed, options, skipped);
       }

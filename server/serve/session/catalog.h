@@ -18,11 +18,12 @@ namespace lode::serve {
 class BlobReader;
 struct ModelCounters;
 
-/// A served model: its summary, the sizes of its blobs, and their reader. Immutable except for the reader's
-/// notes. A replaced model exists until the last connection closes the model.
+/// A served model: its summary, the sizes of its blobs, and their reader. Immutable, except that the reader
+/// notes which blobs it has verified. A replaced model exists until the last connection closes the model.
 struct Model {
   ModelSummary summary;
-  std::vector<uint32_t> blob_bytes;  ///< size of each blob, by number; 0 if there is no blob with this number
+  /// Size of each blob, indexed by the blob's number; 0 if there is no blob with this number.
+  std::vector<uint32_t> blob_bytes;
   /// Number of the root's coarsest payload; 0 if the model has no triangles.
   uint32_t coarsest_blob = 0;
   std::shared_ptr<const BlobReader> blobs;  ///< null in tests of sessions, which read no blobs
@@ -36,7 +37,7 @@ struct Model {
 struct OpenedModel {
   std::shared_ptr<const Model> model;
   Digest announced;                   ///< latest build that Opened or ModelReplaced announced to the client
-  ModelCounters* counters = nullptr;  ///< counters of the model; null counts nothing
+  ModelCounters* counters = nullptr;  ///< counters of the model, or null to count nothing
 };
 
 /// The models that a server serves, by name. Immutable; a reload replaces the whole catalog, and connections
@@ -59,14 +60,13 @@ class Catalog {
 /// A store that a catalog skips because it cannot be opened.
 struct SkippedStore {
   std::string model;  ///< name of the model; after a reload its previous build can still be served
-  std::string why;    ///< contains no folder
+  std::string why;    ///< reason, without names of folders
 };
 
 /// Opens stores for a catalog.
 /// @param stores   .lode files, and folders of .lode files.
-/// @param skipped  receives the stores in folders that cannot be opened, which are also reported; null: such
-/// a
-///                 store is an error.
+/// @param skipped  receives each store in a folder that cannot be opened; the store is also reported. If
+/// null, such a store is an error.
 /// @throws Error kUsage (no store, two models of one name), kIo, kFormat (a damaged store) if a file in
 /// `stores` or every store cannot be opened.
 std::shared_ptr<const Catalog> openCatalog(std::span<const std::filesystem::path> stores,
@@ -74,7 +74,7 @@ std::shared_ptr<const Catalog> openCatalog(std::span<const std::filesystem::path
                                            std::vector<SkippedStore>* skipped = nullptr);
 
 /// Opens the stores again for a reload. Unchanged stores stay open. If a store cannot be opened, reports the
-/// error and keeps the model with the same name in `before`, if any. Folders can be empty.
+/// error and keeps the model with the same name in `before`, if any. Folders may be empty.
 /// @param skipped  receives the stores that cannot be opened.
 /// @throws the errors of openCatalog(), and Error kIo if a path in `stores` is missing and belongs to no
 /// model in `before`, such as a folder.

@@ -32,7 +32,7 @@ struct OpenRequest {
   bool parked = false;  ///< the request waits for the disk; first() skips parked requests
   uint64_t serial = 0;  ///< number that distinguishes requests with the same id
   std::chrono::steady_clock::time_point asked;
-  /// Total time under backpressure, up to the arrival of the request.
+  /// The session's total time under backpressure when the request arrived.
   std::chrono::steady_clock::duration held_before{};
 };
 

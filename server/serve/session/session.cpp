@@ -11,11 +11,11 @@ using proto::WireError;
 
 namespace {
 
-/// If the memory is used up, the session refuses requests one by one, as long as its queued answers take at
-/// most this many bytes.
+/// If the memory is used up, the session refuses requests one by one while its queued answers are smaller
+/// than this. Above this size, a refusal that exceeds the memory limits closes the connection.
 constexpr size_t kRefusedAnswerBytes = 4u << 10;
 
-/// Exception that a handler of a frame throws. The session answers with an Error that closes the connection.
+/// Exception that the handler of a frame throws. The session then sends an Error that closes the connection.
 struct Refusal {
   WireError code;
   std::string why;
@@ -295,7 +295,7 @@ void Session::endRequest(OpenRequest& request) {
   host_.memory->give(kRequestBytes);
 }
 
-/// Returns the rest of the most urgent blob.
+/// Returns all unsent bytes of the most urgent blob as one chunk.
 std::optional<Chunk> Session::next() {
   Chunk chunk;
   if (!unasked_.empty() && !unasked_.front().parked) {

@@ -34,15 +34,15 @@ struct SessionHost {
   /// Models and tokens; the owner calls servedSetChanged() after replacing them.
   const ServedSet* served = nullptr;
   MemoryAccount* memory = nullptr;     ///< account for open requests, open models and queued answers
-  ThreadCounters* counters = nullptr;  ///< counters of the thread; null counts nothing
+  ThreadCounters* counters = nullptr;  ///< counters of the thread, or null to count nothing
 };
 
 /// Memory charged for an open model and the two blobs that follow Opened.
 constexpr uint64_t kOpenModelBytes = 256;
 
-/// Least size of a chunk, unless the rest of the blob is shorter. The session sends a chunk only if the
-/// window has room for this size. Otherwise a window that opens in small steps would cause tiny chunks (silly
-/// window syndrome, RFC 1122, 4.2.3.4).
+/// Smallest size of a chunk, unless the rest of the blob is shorter. The session sends a chunk only if the
+/// window has room for this size. Otherwise, a window that opens in small steps would cause tiny chunks
+/// (silly window syndrome, RFC 1122, 4.2.3.4).
 constexpr uint32_t kMinChunkBytes = 4096;
 
 /// Measures the total time under backpressure.
@@ -99,13 +99,13 @@ class Session {
   /// Queues an Error that closes the connection, for input that is not a frame.
   void refuse(proto::WireError code, const std::string& why, uint32_t call = 0);
   /// Queues GoAway and a Ping; before Hello, queues only GoAway. The session is finished when no request is
-  /// open and the Pong has arrived, or stopWaitingForPong() has returned true instead of the Pong. Requests
-  /// that the client sent before the Pong are still served.
+  /// open and either the Pong has arrived or stopWaitingForPong() has returned true. Requests that the client
+  /// sent before the Pong are still served.
   void drain(const std::string& reason, Clock::time_point now);
   /// Stops waiting for the Pong if kHearDeadline has passed. @return true if this call stopped the wait.
   bool stopWaitingForPong(Clock::time_point now) noexcept;
-  /// Handles a new served set. Queues ModelReplaced for handles whose model has a new build, and ends the
-  /// session if its token is no longer valid.
+  /// Handles a change of SessionHost::served. Queues ModelReplaced for handles whose model has a new build,
+  /// and ends the session if its token is no longer valid.
   void servedSetChanged();
   /// Ends the session if its token has expired.
   void checkExpiry(std::chrono::system_clock::time_point now);
@@ -116,8 +116,8 @@ class Session {
   size_t controlBytes() const noexcept { return control_.size(); }
 
   /// Begins the next chunk of the most urgent request, if the window has room and no control frame is queued.
-  /// End the chunk by finishChunk(), abandonChunk(), parkChunk() or failChunk() before you begin another
-  /// chunk.
+  /// End the chunk with finishChunk(), abandonChunk(), parkChunk() or failChunk() before you begin another
+  /// one.
   /// @param max_bytes  maximum size of the chunk.
   std::optional<Chunk> beginChunk(uint32_t max_bytes = proto::kMaxChunkBytes);
   /// Counts the chunk as sent. @return false if the request of the chunk has ended, so that the caller must
@@ -127,7 +127,8 @@ class Session {
   void abandonChunk() noexcept { under_way_.reset(); }
   /// Undoes beginChunk() and skips the request until unpark().
   void parkChunk();
-  /// Ends the effect of parkChunk(). @return false if the request has ended.
+  /// Undoes parkChunk(), so that beginChunk() can choose the request again. @return false if the request has
+  /// ended.
   bool unpark(const Chunk& chunk);
   /// Ends the chunk's request with an Error because the blob cannot be read.
   void failChunk(proto::WireError code, const std::string& why);
@@ -202,8 +203,10 @@ class Session {
   bool greeted_ = false, closing_ = false, draining_ = false, unauthorized_ = false;
   std::optional<Clock::time_point> pong_deadline_;  ///< set while the session waits for the Pong after GoAway
   std::string token_, refusal_;
-  std::shared_ptr<const TokenFile> tokens_;  ///< tokens at the time of Hello; own grant_
-  const TokenGrant* grant_ = nullptr;        ///< rights of the client's token; null allows all models
+  /// Token file in which authorize() last looked up the token; owns grant_.
+  std::shared_ptr<const TokenFile> tokens_;
+  /// Rights of the client's token; null allows all models.
+  const TokenGrant* grant_ = nullptr;
   proto::Bytes control_;
   std::map<uint32_t, OpenedModel> opened_;  ///< open models by handle
   uint32_t last_handle_ = 0;

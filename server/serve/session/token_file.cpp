@@ -22,7 +22,7 @@ namespace lode::serve {
 
 namespace {
 
-/// Mark that some editors write at the start of a file.
+/// Byte order mark of UTF-8, which some editors write at the start of a file.
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 [[noreturn]] void refuse(size_t line, const std::string& what) {

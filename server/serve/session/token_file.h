@@ -20,7 +20,8 @@ struct TokenGrant {
   bool all_models = false;
   std::vector<std::string> models;  ///< sorted names of the models that a client with the token can list and
                                     ///< open; unused with all_models
-  /// Time at which the token expires. Seconds reach the year 9999; nanoseconds would overflow before.
+  /// Time at which the token expires, in seconds, because nanoseconds would overflow long before the year
+  /// 9999.
   std::optional<std::chrono::sys_seconds> expires;
 
   bool allows(std::string_view model) const noexcept;
@@ -44,8 +45,8 @@ class TokenFile {
   /// Reads a token file. @throws Error as parse() does, and kIo.
   static TokenFile read(const std::filesystem::path& path);
 
-  /// Finds the rights of a token. Always compares all tokens, so that the duration tells nothing about the
-  /// tokens.
+  /// Finds the rights of a token. Always compares all tokens, so that the duration of the search reveals
+  /// nothing about them.
   /// @return the rights, valid as long as this object, or null if the token is unknown or has expired.
   const TokenGrant* find(std::string_view token, std::chrono::system_clock::time_point now) const;
 
