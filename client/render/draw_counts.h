@@ -5,12 +5,12 @@
 
 namespace lode::render {
 
-/// Estimated exponent k: a frame's work is proportional to 1 / threshold^k. The true exponent lies between 1
-/// and 2, depending on how flat the model is.
+/// Estimated exponent k: if the error threshold of a frame's parts is raised, the work falls in proportion to
+/// 1 / threshold^k. The true exponent lies between 1 and 2, depending on how flat the model is.
 constexpr double kFallOfWork = 1.5;
 
-/// Mean of the thresholds of a frame's parts: the frame would take the same work if all parts had the mean as
-/// their threshold (see kFallOfWork).
+/// Mean of the error thresholds of a frame's parts (core::CutPart::threshold_px). The frame would take the
+/// same work if each part had this mean as its threshold (see kFallOfWork).
 class MeanThreshold {
  public:
   void add(uint64_t triangles, double threshold_px) noexcept;
@@ -35,13 +35,13 @@ struct ShownThresholds {
   ShownThresholds& operator+=(const ShownThresholds& more) noexcept;
 };
 
-/// Tells how much coarser a frame is than the user requested. The user requests the finest threshold; a
-/// larger threshold draws fewer triangles.
+/// Tells how much coarser a frame is than the user requested: the frame rate control raises the error
+/// threshold while the camera moves.
 struct Coarsening {
   /// The means of ShownThresholds divided by the requested threshold, at least 1.
   double drawn = 1, complete = 1;
   double pixel_share = 0;  ///< share of the frame's work that depends on pixels rather than on triangles
-  double scale = 1;        ///< scale of the picture's width and height
+  double scale = 1;        ///< width and height of the picture relative to full resolution
 };
 
 /// Returns the coarsening of a frame; nothing if the frame shows no part. @param finest_px  the threshold

@@ -10,7 +10,7 @@
 
 namespace lode::render {
 
-/// Measures the GPU time of frames by timer queries. The results arrive a few frames later. Only wait()
+/// Measures the GPU time of frames with timer queries. The results arrive a few frames later. Only wait()
 /// blocks. Use the object on the thread of its OpenGL context.
 class FrameTimer {
  public:

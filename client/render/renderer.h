@@ -24,9 +24,9 @@
 
 namespace lode::render {
 
-/// Draws the cuts of one model, as one instance or several. Create, use and destroy the object on the thread
-/// of its OpenGL 4.5 context. The renderer relies on no OpenGL state, but changes the bound framebuffer,
-/// program and vertex array, and the depth and polygon state.
+/// Draws the cuts (core::Cut) of one model, as one instance or several. Create, use and destroy the object on
+/// the thread of its OpenGL 4.5 context. The renderer relies on no OpenGL state, but changes the bound
+/// framebuffer, program and vertex array, and the depth and polygon state.
 class Renderer {
  public:
   /// @param lattice_step  the model's lattice step, see isLatticeStep().
@@ -99,10 +99,11 @@ class Renderer {
   /// State of one instance.
   struct DrawnInstance {
     CrossFade fade;
-    uint64_t shown_serial = 0;      ///< serial of the cut in the last picture; 0 if it was not drawn
+    /// Serial of the cut in the last picture; 0 if the instance was not drawn.
+    uint64_t shown_serial = 0;
     std::vector<SeenCluster> seen;  ///< clusters in the view; unused with culling on the GPU
-    /// One flag per cluster of `seen`: true if drawInstance() drew the cluster. A mesh that fades in and out
-    /// at the same time is in `seen` twice.
+    /// One flag per element of `seen`: true if drawInstance() drew the cluster. A cluster of a mesh that
+    /// fades in and out at the same time is in `seen` twice.
     std::vector<bool> is_drawn;
     std::vector<SeenPart> parts;          ///< parts in the view, for culling on the GPU
     uint32_t number = 0;                  ///< index that GpuCulling::add() returned

@@ -12,20 +12,19 @@ namespace lode::render {
 /// A part of a cut (core::CutPart) that may be visible.
 struct SeenPart {
   const DrawItem* item = nullptr;
-  uint32_t state = 0;  ///< index of the part's draw state in the caller's array
+  uint32_t state = 0;  ///< index of the part's DrawState in the caller's array
   bool fades = false;
 };
 
 /// A cluster of a part that may be visible.
 struct SeenCluster {
   SeenPart part;
-  uint32_t number = 0;  ///< index in part.item->clusters
+  uint32_t number = 0;  ///< index of the cluster within the part's mesh
 
   uint32_t firstTriangle() const noexcept { return number * kClusterTriangles; }
   uint32_t triangles() const noexcept;
   const LatticeBox& box() const noexcept { return part.item->clusters->boxes[number]; }
-  /// Returns a reference to the flag that tells whether other geometry hid the cluster when the instance was
-  /// last drawn.
+  /// Returns a reference to a flag: true if other geometry hid the cluster when the instance was last drawn.
   std::vector<bool>::reference hidden(size_t instance) const;
 };
 

@@ -82,7 +82,7 @@ class GpuCulling {
   };
   /// Camera of an instance in the layout of the shader.
   struct Camera {
-    glm::ivec4 eye_high;  ///< high part of SplitEye; w is 1 if the depths can hide clusters
+    glm::ivec4 eye_high;  ///< high part of SplitEye; w is 1 if there are depths that can hide clusters
     glm::vec4 eye_low;    ///< low part of SplitEye
     /// View axes. The w components of the three vectors hold scale x, scale y and the near distance in
     /// lattice steps.
@@ -116,7 +116,7 @@ class GpuCulling {
   DepthPyramid depths_;
   uint64_t most_readable_bytes_;
   std::vector<Listed> listed_;
-  std::vector<CameraPair> cameras_;  ///< cameras by instance
+  std::vector<CameraPair> cameras_;  ///< cameras, indexed by instance
   std::vector<Chunk> chunks_;
   std::vector<Group> groups_;
   std::vector<List> lists_;

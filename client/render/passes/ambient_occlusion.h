@@ -18,8 +18,8 @@ class AmbientOcclusion {
   AmbientOcclusion();
 
   /// Darkens a picture. Call darken() once, after drawing all models and before resolving the picture. Skips
-  /// background samples. Does nothing unless `show` is kSurface, because the colours of other modes have a
-  /// meaning. Changes the bound framebuffer, program, vertex array and textures, and the depth state.
+  /// background samples. Does nothing unless `show` is kSurface, because colours stand for values in the
+  /// other modes. Changes the bound framebuffer, program, vertex array and textures, and the depth state.
   /// @param picture  multisampled framebuffer with the drawn models.
   void darken(const Framebuffer& picture, double fov_y_rad, ColorMode show);
 

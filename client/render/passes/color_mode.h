@@ -47,10 +47,10 @@ struct ColorModeTraits {
   std::string_view explanation = "";  ///< description of a mode without a legend; empty for other modes
   unsigned draw_flags = 0;            ///< bits of DrawState::flags that the mode sets
   bool shows_time = false;  ///< true if the colours change with time while the picture stays the same
-  /// Returns the sRGB colour of a part; null if the mode does not draw each part in one colour.
+  /// Function that returns the sRGB colour of a part; null if the mode does not draw each part in one colour.
   /// @param threshold_rad  the cut's threshold as an angle. @param instance  ShownInstance::number.
   glm::u8vec3 (*colour)(const DrawItem& part, float threshold_rad, uint32_t instance) = nullptr;
-  /// Returns the legend for the drawn parts; null if the mode has no legend.
+  /// Function that returns the legend for the drawn parts; null if the mode has no legend.
   /// @param threshold_px  the picture's threshold.
   std::vector<LegendEntry> (*legend)(std::span<const DrawItem> drawn, float threshold_px) = nullptr;
 };
@@ -70,8 +70,9 @@ glm::u8vec3 colourOf(ColorMode show, const DrawItem& part, float threshold_rad, 
 /// @param threshold_px  the picture's threshold.
 std::vector<LegendEntry> legendOf(ColorMode show, std::span<const DrawItem> drawn, float threshold_px);
 
-/// sRGB colours of kTexels. The first five are for 1/4 or less, 1/2, 1, 2, and 4 or more texels per pixel;
-/// values between these are interpolated. The last colour is for surfaces without a texture.
+/// Number of sRGB colours of ColorMode::kTexels. The first five are for 1/4 or less, 1/2, 1, 2, and 4 or more
+/// texels per pixel; colours between these are interpolated. The last colour is for surfaces without a
+/// texture.
 constexpr size_t kTexelColourCount = 6;
 const std::array<glm::u8vec3, kTexelColourCount>& texelColours() noexcept;
 

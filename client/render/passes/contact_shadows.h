@@ -23,8 +23,8 @@ class ContactShadows {
  public:
   ContactShadows();
 
-  /// Draws all shadows in one pass. Overlapping shadows multiply. @param shadows  shadows in the view's model
-  /// frame.
+  /// Draws all shadows in one pass. Where shadows overlap, the shares of light that they leave are
+  /// multiplied. @param shadows  shadows in the view's model frame.
   void draw(std::span<const ContactShadow> shadows, const core::View& view, const Framebuffer& target);
 
  private:

@@ -29,7 +29,7 @@ struct FadedItem {
   bool whole() const noexcept { return from <= 0 && to >= 1; }
 };
 
-/// The parts that one frame shows.
+/// The parts that one frame shows: a cut, and a choice of its parts and fallbacks.
 struct ShownCover {
   std::shared_ptr<const core::Cut> cut;
   std::span<const DrawItem> drawn;    ///< items of the cut, indexed as in core::partOf()
@@ -65,7 +65,7 @@ class CrossFade {
 
   struct Part {
     DrawItem item;
-    const Mesh* mesh = nullptr;               ///< address that identifies the mesh; never dereferenced
+    const Mesh* mesh = nullptr;               ///< address that identifies the mesh; not dereferenced
     double since_s = 0;                       ///< time when the part was first shown
     double arrived_s = kLongAgo, left_s = 0;  ///< start times of fading in and fading out
     uint64_t serial = 0;                      ///< serial of the last cut with this part

@@ -24,8 +24,8 @@ struct ChangedRegion {
 };
 
 /// Groups nodes into regions.
-/// @param leaving  nodes of the parts that only the old cover has.
-/// @param arriving  nodes of the parts that only the new cover has.
+/// @param leaving  nodes of the parts that were shown and no longer are.
+/// @param arriving  nodes of the parts that are newly shown.
 /// @return regions in depth-first order. A region's node is the shallowest of the nodes in the region.
 std::vector<ChangedRegion> changedRegions(std::span<const NodeKey> leaving,
                                           std::span<const NodeKey> arriving);

@@ -17,8 +17,8 @@ struct InstancePart {
   uint32_t number = 0;  ///< number of the part, see core::partOf()
 };
 
-/// A step of the switch from older to newer cuts: parts of the newer cuts that are drawn from the moment when
-/// all their meshes are resident.
+/// A step of the switch from older to newer cuts: parts of the newer cuts that appear together, once all
+/// their meshes are resident.
 struct ExchangeStep {
   std::vector<InstancePart> parts;
   uint32_t instance = 0;          ///< instance whose region switches
@@ -30,7 +30,8 @@ struct ExchangeStep {
 /// as all its meshes are on the GPU. Visible regions come first, and regions with larger errors before
 /// regions with smaller errors, whatever their instance. Meanwhile a mixed cut covers the model. In each
 /// region the mixed cut has either the newer or the older parts. The mixed cut has the fallbacks of both
-/// cuts, so that each of its holes is also a hole of one of the two cuts. Uses no OpenGL.
+/// cuts, so that it shows a hole (a visible place that nothing covers) only where one of the two cuts would.
+/// Uses no OpenGL.
 class CutExchange {
  public:
   using Cuts = std::vector<std::shared_ptr<const core::Cut>>;  ///< one cut per instance

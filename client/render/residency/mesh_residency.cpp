@@ -199,7 +199,7 @@ void MeshResidency::makeRoom(Allowance& allowance) {
   if (steps_done_ > steps_drawn_) {
     switchToResidentSteps();
   } else if (!has_room_alone_ && makeRoomForTargetAlone()) {
-    allowance.budget.wait = true;  // nothing is drawn until the whole target is resident
+    allowance.budget.wait = true;  // wait, because nothing can be drawn until the whole target is resident
   } else {
     reject();
   }

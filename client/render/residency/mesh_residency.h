@@ -23,8 +23,8 @@ struct ResidencyOptions {
   /// Limit of GPU memory for meshes that are kept but not drawn.
   uint64_t spare_bytes = uint64_t{128} << 20;
   uint32_t page_bytes = 32u << 20;    ///< default size of a GPU buffer
-  uint32_t staging_bytes = 4u << 20;  ///< largest number of bytes of mesh uploads per frame
-  /// Largest number of bytes of texture uploads per frame; at least kLeastTextureStagingBytes.
+  uint32_t staging_bytes = 4u << 20;  ///< largest size of the mesh uploads of a frame
+  /// Largest size of the texture uploads of a frame; at least kLeastTextureStagingBytes.
   uint32_t texture_staging_bytes = 4u << 20;
 };
 
@@ -35,11 +35,11 @@ struct UploadBudget {
   bool wait = false;  ///< if true, ignores the limits and blocks until everything is resident
 };
 
-/// Keeps meshes of a model on the GPU and decides which meshes each instance draws. A region of a newer cut
-/// is drawn when all its meshes are resident. Until then the region's old parts are drawn, so that slow
-/// uploads leave no holes, even if the camera moves. A cut of another build replaces the drawn cut as a
-/// whole. Meshes are identified by their shared_ptr, but the residency does not keep them alive. Use the
-/// object on the thread of its OpenGL context.
+/// Keeps meshes of a model's cuts (core::Cut) on the GPU and decides which meshes each instance draws. A
+/// region of a newer cut is drawn when all its meshes are resident. Until then the region's old parts are
+/// drawn, so that slow uploads leave no holes, even if the camera moves. A cut of another build replaces the
+/// drawn cut as a whole. Meshes are identified by their shared_ptr, but the residency does not keep them
+/// alive. Use the object on the thread of its OpenGL context.
 class MeshResidency {
  public:
   /// @throws Error kIo if there is no memory for the staging ring.
@@ -60,7 +60,7 @@ class MeshResidency {
 
   /// Returns true if the newest cuts are drawn.
   bool upToDate() const noexcept { return newest_ == complete_; }
-  /// Returns true if the newest cuts do not fit into the budget. Then the previous cuts are still drawn.
+  /// Returns true if the newest cuts do not fit into the budget, so that the previous cuts are still drawn.
   bool overBudget() const noexcept { return rejected_ != nullptr && rejected_ == newest_; }
   const std::shared_ptr<const core::ViewCuts>& newest() const noexcept { return newest_; }
   /// Returns the cuts that were drawn before the cuts in progress. If no cuts are in progress, returns the

@@ -103,9 +103,9 @@ void TextureResidency::setBudget(uint64_t bytes) {
 }
 
 /// Builds the table. The table begins with one header per texture: width, height, number of levels including
-/// the tail, and index of the texture's level list. The level lists and entries of all textures follow. A
-/// level list has the index of each level's first entry. Each tile and each tail level has an entry, which
-/// pageOf() encodes; the entry of a missing tile is 0.
+/// the tail (see client/core/textures/tile.h), and index of the texture's level list. The level lists and
+/// entries of all textures follow. A level list has the index of each level's first entry. Each tile and each
+/// tail level has an entry, which pageOf() encodes; the entry of a missing tile is 0.
 void TextureResidency::takeSet(std::shared_ptr<const TextureSet> set) {
   set_ = std::move(set);
   entries_.clear();
@@ -255,8 +255,8 @@ bool TextureResidency::upload(const core::ResidentTile& tile) {
   return true;
 }
 
-/// Allocates cells. @return a cell for the image and a cell per tail level, or no cells if not all of them
-/// fit.
+/// Allocates cells. @return a cell for the image and one for each of its coarser levels, or no cells if not
+/// all of them fit.
 std::vector<TileCell> TextureResidency::allocate(const TileImage& image) {
   std::vector<TileCell> cells;
   for (size_t i = 0; i <= image.coarser.size(); ++i) {
