@@ -45,7 +45,7 @@ std::string_view checkText(std::string_view text, uint32_t limit, const char* wh
   return text;
 }
 
-/// Makes a text for people valid: cuts it to kMaxStringBytes and replaces unprintable characters by '?'.
+/// Makes a text for people valid: cuts it to kMaxStringBytes and replaces unprintable characters with '?'.
 std::string sanitized(std::string_view text) {
   std::string out(text.substr(0, kMaxStringBytes));
   // If the cut is inside a character, remove the whole character: the continuation bytes here, the lead byte

@@ -26,7 +26,7 @@ class CornerNormals {
     uint16_t normal = 0;
     bool is_taken = false, has_several = false;
   };
-  /// The normal at one corner of a triangle, for positions that have several normals.
+  /// A corner of a triangle, with its normal. Used only at positions that have several normals.
   struct OfCorner {
     PositionCode position, next, last;
     uint16_t normal = 0;

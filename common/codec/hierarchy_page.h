@@ -29,7 +29,7 @@ struct Lod {
 
 struct Node {
   NodeKey key;
-  LatticeBox box;          ///< tight box of all LODs and the children's boxes; empty without triangles
+  LatticeBox box;          ///< smallest box around all LODs and the children's boxes; empty without triangles
   uint8_t child_mask = 0;  ///< bit o is set if child(o) exists; a leaf has no bit set
   std::vector<Lod> lods;   ///< at least one LOD, finest first; errors never decrease
   /// Number of far LODs, which are the last of `lods`. Far LODs are coarser than sourceLod(); clients use

@@ -78,9 +78,9 @@ inline glm::dvec2 trueTextureCoordinates(const TextureSet& set, const VertexAttr
   return set.uv_origin + glm::dvec2(vertex.texture) * uvStep(set);
 }
 
-/// Format of a tile, which is an unchanged image file.
+/// File format of a tile. A tile is a complete image file.
 enum class TileKind : uint8_t { kJpeg, kWebp };
-/// Returns the format that the first bytes of the file show; nothing if they show no known format.
+/// Detects the format from the first bytes of a tile. Returns nothing if they match no known format.
 std::optional<TileKind> tileKind(std::span<const std::byte> tile) noexcept;
 
 /// Encodes a set. @throws Error kLimit or kFormat if decodeTextureSet() would refuse the result.

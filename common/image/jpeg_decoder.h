@@ -43,7 +43,7 @@ class JpegDecoder {
 
   /// @return false if the file is damaged; failure() says how.
   bool readHeader();
-  // Call these functions after readHeader().
+  // Call the functions below after readHeader().
   glm::uvec2 size() const noexcept { return {info_.image_width, info_.image_height}; }
   /// Returns true for CMYK colours, which readTexels() does not convert.
   bool isCmyk() const noexcept {

@@ -17,8 +17,9 @@ namespace lode {
 /// writes. Not thread safe. All functions throw Error kIo with the file's name.
 class AtomicFile {
  public:
-  /// @param temporary  name of the temporary file, on the file system of `path`. Overwrites an existing file
-  /// of this name. A signal does not remove the file. By default AtomicFile chooses a new name beside `path`.
+  /// @param temporary  name of the temporary file, on the file system of `path`. An existing file of this
+  /// name is overwritten, and signals do not remove the temporary file. By default AtomicFile chooses a new
+  /// name beside `path`.
   /// @throws Error kIo, and the errors of findOutput() or findSideFile().
   explicit AtomicFile(std::filesystem::path path, std::filesystem::path temporary = {},
                       OutputName name = OutputName::kTyped);

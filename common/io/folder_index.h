@@ -18,11 +18,11 @@ inline bool isHidden(std::string_view name) noexcept { return name.starts_with('
 /// Returns a name with its ASCII letters converted to lower case.
 std::string lowerCase(std::string_view name);
 
-/// The regular files in a folder and its subfolders, by name and without regard to the case of ASCII letters.
-/// Skips hidden files and folders, links to folders, and links to files outside the folder. Searches at most
-/// kMaxEntries entries and kMaxDepth levels of subfolders, nearest folders first. If the entries of a folder
-/// would exceed kMaxEntries, neither this folder nor any later folder is searched, so that the result does
-/// not depend on the order in which the system lists a folder. Thread safe.
+/// Index of the regular files in a folder and its subfolders by name, without regard to the case of ASCII
+/// letters. Skips hidden files and folders, links to folders, and links to files outside the folder. Searches
+/// at most kMaxEntries entries and kMaxDepth levels of subfolders, nearest folders first. If the entries of a
+/// folder would exceed kMaxEntries, neither this folder nor any later folder is searched, so that the result
+/// does not depend on the order in which the system lists a folder. Thread safe.
 class FolderIndex {
  public:
   static constexpr size_t kMaxEntries = 20'000, kMaxDepth = 4;

@@ -8,14 +8,14 @@
 
 namespace lode {
 
-/// Installs handlers for SIGINT, SIGTERM and SIGHUP. The handlers remove every unfinished file and folder,
-/// print a line on stderr and end the process. A signal that is ignored or already has a handler stays as it
-/// is.
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP. The handlers remove every file and folder that is marked
+/// as Unfinished, print a line on stderr and end the process. A signal that is ignored or already has a
+/// handler stays as it is.
 void endCleanlyWhenInterrupted() noexcept;
 
-/// Removes every unfinished file and folder, prints a message on stderr and ends the process by the signal,
-/// as the sender of the signal expects. Does not wait for other threads. Any thread and any signal handler
-/// can call the function.
+/// Removes every file and folder that is marked as Unfinished, prints a message on stderr and ends the
+/// process by the signal, as the sender of the signal expects. Does not wait for other threads. Any thread
+/// and any signal handler can call the function.
 /// @param message  text after the program's name, or nullptr for a text that says whether output was removed.
 [[noreturn]] void endInterrupted(int signal, const char* message) noexcept;
 

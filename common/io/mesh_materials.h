@@ -17,7 +17,8 @@ struct MaterialGroup {
   std::vector<uint32_t> triangles;
 };
 
-/// Groups triangles by material, in ascending order. A mesh without materials forms one group of material 0.
+/// Groups triangles by material, in ascending order of materials. A mesh without materials forms one group of
+/// material 0.
 std::vector<MaterialGroup> groupByMaterial(const Mesh& mesh);
 
 /// Returns the name of a material's image, or an empty string if the material has no image.

@@ -42,7 +42,7 @@ std::string fileEnding(const std::filesystem::path& path);
 bool isStandardOutput(const std::filesystem::path& output) noexcept;
 
 /// Returns the stream for a command's report: stdout, or stderr if the output is stdout. Call it before
-/// writing. @throws Error kUsage if the output is stdout and the report is JSON.
+/// writing the output. @throws Error kUsage if the output is stdout and the report is JSON.
 std::FILE* reportStream(const std::filesystem::path& output, bool as_json);
 
 /// Refuses an output if no image files can be written beside it.

@@ -19,8 +19,8 @@ struct TextureFile {
 /// the PLY file is a link, the folder of the link's target. Never returns a file outside these folders, and
 /// follows no link out of them. Takes the first of these that exists:
 /// 1. the file at the path in the PLY file,
-/// 2. the file at the longest end of that path that exists (the path may have slashes or backslashes): for
-///    `C:\scan\maps\a.png` for example maps/a.png, or else a.png,
+/// 2. the file at the longest existing end of that path, which may have slashes or backslashes: for
+///    `C:\scan\maps\a.png`, maps/a.png if it exists, else a.png,
 /// 3. the only file with the path's last component as its name in a subfolder (see FolderIndex), or else the
 ///    only such file whose name differs only in the case of letters.
 /// Lists a folder at most once, at the first image that needs it. Not thread safe.

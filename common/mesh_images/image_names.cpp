@@ -7,8 +7,8 @@
 namespace lode {
 namespace {
 
-/// Returns the last part of a name without its ending, at most 100 bytes long. Replaces characters that some
-/// file systems reject.
+/// Returns the last component of a path without its extension, cut to 100 bytes. Replaces characters that
+/// some file systems reject.
 std::string baseName(const std::string& name) {
   std::string base = name.substr(name.find_last_of("/\\") + 1);
   if (const size_t dot = base.rfind('.'); dot != std::string::npos && dot > 0) base.resize(dot);

@@ -23,10 +23,11 @@ struct ServeOptions {
   std::optional<int> listening_socket;
   /// Address of the port for metrics and health, or empty for no such port.
   std::string metrics;
-  bool strict = false;               ///< refuse to start if a store in a folder cannot be opened
-  bool public_ok = false;            ///< allow addresses beyond loopback without tokens, also for metrics
-  bool insecure = false;             ///< allow addresses beyond loopback without TLS, and an open private key
-  std::filesystem::path token_file;  ///< file with the tokens; if empty, clients need no token
+  bool strict = false;     ///< refuse to start if a store in a folder cannot be opened
+  bool public_ok = false;  ///< allow addresses beyond loopback without tokens, also for metrics
+  /// Allow addresses beyond loopback without TLS, and a private key that others can read.
+  bool insecure = false;
+  std::filesystem::path token_file;                ///< file with the tokens; if empty, clients need no token
   std::filesystem::path tls_certificate, tls_key;  ///< PEM files; set both or neither
   bool proxy_protocol = false;  ///< expect a balancer's header at the start of a connection
   unsigned threads = 0;         ///< number of threads, or 0 for one per core

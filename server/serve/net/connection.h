@@ -61,11 +61,11 @@ struct ConnectionHost {
 
 struct ConnectionLimits {
   SessionLimits session;
-  Clock::duration write = proto::kWriteDeadline;  ///< time in which the client must receive a write
+  Clock::duration write = proto::kWriteDeadline;  ///< longest time that a write may take
   uint64_t bytes_per_second = 0;                  ///< rate limit for blobs, or 0 for no limit
-  size_t queued_answer_bytes = proto::kMaxQueuedAnswerBytes;  ///< above this size of unsent answers, the
-                                                              ///< connection reads no frame
-  bool proxy_protocol = false;                                ///< expect a balancer's header at the start
+  /// Size of unsent answers above which the connection reads no further frame.
+  size_t queued_answer_bytes = proto::kMaxQueuedAnswerBytes;
+  bool proxy_protocol = false;  ///< expect a balancer's header at the start
 };
 
 /// Memory charged for an idle connection.

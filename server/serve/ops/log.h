@@ -22,7 +22,7 @@ enum class LogKind : uint8_t {
   kRefused,          ///< a connection was refused; the line states the reason
   kUnauthorized,     ///< a token is unknown or has expired
   kProtocolMistake,  ///< a client broke a rule of the protocol
-  kDamagedStore,     ///< a blob does not match its checksum, or a store file changed
+  kDamagedStore,     ///< a blob does not match its checksum, or a store file changed in place
   kUnreadableStore,  ///< the operating system cannot read a store, or can read it again
   kSystem,           ///< the operating system refused a read, an accept or memory
 };
@@ -31,8 +31,8 @@ constexpr size_t kLogKinds = 8;
 /// Returns the kind's name in the log: "connection", "refused" and so on.
 std::string_view logKindName(LogKind kind) noexcept;
 
-/// Limits each kind of line with a token bucket: kBurst lines at once, then kPerSecond lines per second. Not
-/// thread safe.
+/// Limits each kind of line with a token bucket: kBurst lines at once, then kPerSecond lines per second.
+/// Lines above the limit are left out. Not thread safe.
 class LogLimit {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -66,7 +66,7 @@ constexpr size_t kMaxLogLineBytes = 4096;
 
 /// Formats a line with its newline: "2026-11-22T03:18:12.123Z refused: the message (name=value, ...)", or, as
 /// JSON, one object with the keys time, kind, message and the names of the fields. Replaces unprintable bytes
-/// by '?'. Thread safe.
+/// with '?'. Thread safe.
 std::string logLine(bool json, std::chrono::system_clock::time_point time, LogKind kind,
                     std::string_view message, std::span<const LogField> fields);
 

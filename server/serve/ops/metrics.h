@@ -73,7 +73,7 @@ enum class EndReason : uint8_t {
   kTls,          ///< the handshake failed
   kMistake,      ///< the client broke a rule of the protocol
   kHandshake,    ///< the client sent no Hello before the deadline
-  kIdle,         ///< the client sent no frame before the deadline
+  kIdle,         ///< the client sent no frame within the idle deadline
   kStalled,      ///< the client received no bytes before the write deadline
   kMemory,       ///< the memory budget ran short and the connection was one of the largest
   kStopping,

@@ -83,7 +83,7 @@ std::shared_ptr<const Model> openModel(const fs::path& file, const BlobReaderOpt
   return model;
 }
 
-/// Replaces the path by the file name, because logs must not name folders.
+/// Replaces the path with the file name, because logs must not name folders.
 std::string withoutFolder(std::string message, const fs::path& file) {
   const std::string path = file.string();
   if (const size_t at = message.find(path); at != std::string::npos)
