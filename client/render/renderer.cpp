@@ -37,8 +37,8 @@ vec3 toLinear(vec3 srgb) {
 }
 
 void main() {
-  // Add noise of half a colour step, to hide the bands of a slow gradient. Source: Jimenez, Next Generation
-  // Post-Processing in Call of Duty: Advanced Warfare, 2014 (interleaved gradient noise).
+  // Add noise of up to half a colour step, to hide the bands of a shallow gradient. Source: Jimenez, Next
+  // Generation Post-Processing in Call of Duty: Advanced Warfare, 2014 (interleaved gradient noise).
   float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
   vec3 srgb = mix(bottom_srgb, top_srgb, height);
   if (bottom_srgb != top_srgb) srgb += noise / 255.0;

@@ -10,29 +10,33 @@ namespace lode::render {
 const char* const kFindShader = LODE_CHUNKS R"glsl(
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) readonly buffer Page { uint page[]; };
-layout(std430, binding = 3) buffer Found { uvec2 found[]; };  // a bit per cluster; by pass, then by chunk
+// One bit per cluster; indexed by pass, then by chunk.
+layout(std430, binding = 3) buffer Found { uvec2 found[]; };
 layout(binding = 1) uniform sampler2D depths;
 
 struct Camera {
-  ivec4 eye_high;  // in lattice steps; w is 1 if the depths can hide boxes
-  vec4 eye_low, right, up, behind;  // the w of right, up and behind are scale x, scale y and the near
-                                    // distance in steps
+  ivec4 eye_high;  // in lattice steps; w is 1 if there are depths that can hide boxes
+  // The w components of right, up and behind hold scale x, scale y and the near distance in lattice steps.
+  vec4 eye_low, right, up, behind;
 };
 struct CameraPair { Camera now, before; };
 layout(std430, binding = 4) readonly buffer Cameras { CameraPair cameras[]; };  // indexed by instance
 
-// Pass 1 uses the depths of this picture, pass 0 the depths of the last picture.
+// Number of the pass. Pass 0 tests against the depths of the last picture, pass 1 against those of this
+// picture.
 layout(location = 0) uniform uint pass;
 layout(location = 1) uniform uint chunks_of_pass;
 layout(location = 2) uniform uint first_chunk;
-layout(location = 3) uniform bool has_boxes;  // true if this shader can read the boxes of the page
+// True if the page is small enough for this shader to read its boxes.
+layout(location = 3) uniform bool has_boxes;
 layout(location = 4) uniform vec2 depth_size_px;
 
 const float kSlack = 1e-5;       // error of float coordinates, relative to the distance
 const float kSlackPx = 1.0;      // rasterization exceeds a box by at most this distance
 const float kDepthSlack = 1e-4;  // relative error of a drawn depth
-const float kLeastNearness = 1e-2;  // least distance along the view, relative to a box's distance and size;
-                                    // float errors of nearer boxes are too large
+// Smallest distance along the view direction, relative to the distance and size of a box; nearer boxes have
+// too large float errors and count as visible.
+const float kLeastNearness = 1e-2;
 const float kSquarePx = 8.0;
 
 shared uint bits[2];
@@ -54,7 +58,7 @@ bool isInPicture(Camera camera, Box box) {
   return true;
 }
 
-/// Returns true only if the whole box is behind the depths; see Occluders.
+/// Returns true only if the whole box is behind the drawn depths; see Occluders.
 bool isHidden(Camera camera, Box box) {
   vec3 forward = -camera.behind.xyz;
   float nearest = dot(box.middle, forward) - dot(box.half_size, abs(forward));
@@ -142,7 +146,7 @@ uint next(uvec2 bits, uint from, bool is_found) {
   return high != 0u ? 32u + uint(findLSB(high)) : 64u;
 }
 
-/// Writes one command for each run of consecutive clusters.
+/// Writes one draw command for each run of consecutive clusters whose bits are set.
 void list(uvec2 bits, Chunk chunk, uint command) {
   uint drawn = 0u;
   for (uint first = next(bits, 0u, true); first < 64u;) {

@@ -51,15 +51,18 @@ void main() {
 const char* const kOcclusionShader = R"glsl(
 layout(binding = 2) uniform sampler2D depths;
 layout(location = 0) uniform vec2 middle_px;
-layout(location = 1) uniform float ray_step;  // distance between neighbouring pixels' rays at distance 1
+// Distance between the rays of neighbouring pixels, at distance 1 from the eye.
+layout(location = 1) uniform float ray_step;
 layout(location = 2) uniform float reach_px;
 out vec2 open_depth;  // visible share of the sky, and depth
 
 const int kTaps = 12;
 const float kTurn = 6.28318531;
 const mat2 kGoldenTurn = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
-const float kOneSurface = 0.02;  // above this relative bend of the depth, the normal is unknown
-const float kBias = 0.02;  // geometry that rises less than this does not count; relative to the reach
+// Bend of the depth, relative to the depth, above which the normal is unknown.
+const float kOneSurface = 0.02;
+// Height above the surface, relative to the reach, up to which geometry hides nothing.
+const float kBias = 0.02;
 const float kSoftening = 0.02, kStrength = 3.0;
 
 float depthAt(ivec2 pixel) {
@@ -69,8 +72,8 @@ float depthAt(ivec2 pixel) {
 
 vec2 rayThrough(vec2 pixel) { return (pixel + 0.25 - middle_px) * ray_step; }
 
-/// Returns the change of depth per pixel, and its bend. Uses the two pixels on the side with the smaller
-/// bend.
+/// Returns the change of depth per pixel and the bend, which is the second difference of the depth. Uses the
+/// two pixels on the side with the smaller bend.
 vec2 slopeAndBend(ivec2 pixel, ivec2 along, float depth) {
   float after = depthAt(pixel + along), after_next = depthAt(pixel + 2 * along);
   float before = depthAt(pixel - along), before_last = depthAt(pixel - 2 * along);
@@ -90,8 +93,8 @@ void main() {
   vec2 change = vec2(across.x, up.x) / ray_step;
   vec3 normal = normalize(vec3(-change, depth - dot(change, point.xy)));
 
-  // Rotate the taps by one of 16 angles. Any 4 x 4 pixels contain each angle once, and the blur averages
-  // them.
+  // Rotate the taps by one of 16 angles. Every block of 4 x 4 pixels contains each angle once, and the blur
+  // averages over such a block.
   int turn = 4 * (pixel.x + pixel.y & 3) + (pixel.x + 2 * pixel.y & 3);
   float angle = kTurn / 16.0 * float(turn), start = (float(turn) + 0.5) / 16.0;
   vec2 direction = vec2(cos(angle), sin(angle));
@@ -116,7 +119,7 @@ layout(binding = 2) uniform sampler2D open_depths;
 layout(location = 0) uniform ivec2 along;
 out vec2 open_depth;
 
-const int kReach = 2;  // half of the 4 x 4 pattern
+const int kReach = 2;  // half the side of the 4 x 4 pattern
 const float kOneSurface = 0.02;  // relative depth difference within a surface
 
 vec2 at(int step) {
@@ -170,7 +173,7 @@ void main() {
     count += 1.0;
   }
   float light = sum / count;
-  if (!(light < 0.998)) discard;  // skip factors of about 1, which would only round the colours
+  if (!(light < 0.998)) discard;  // skip factors near 1, which would change the colours by rounding only
   factor = vec4(vec3(light), 1.0);
 }
 )glsl";

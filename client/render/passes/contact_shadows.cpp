@@ -13,7 +13,7 @@ enum ShadowUniform : GLint { kShadowRotation, kShadowProjection };
 enum ShadowAttribute : GLuint { kMiddle, kAcross, kAlong };
 
 const char* const kVertexShader = R"glsl(
-layout(location = 0) in vec4 middle_depth;  // centre relative to the eye; w is the depth of the shadow
+layout(location = 0) in vec4 middle_depth;  // centre relative to the eye; w is ContactShadow::depth
 layout(location = 1) in vec3 across;
 layout(location = 2) in vec3 along;
 layout(location = 0) uniform mat3 view_rotation;

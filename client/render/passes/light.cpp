@@ -35,7 +35,7 @@ vec3 lit(vec3 paint, vec3 n, vec3 to_eye) {
 }
 
 /// Compresses colours above the shoulder to values below 1, so that sunlit white keeps its shading (tone
-/// mapping). Scales all three channels alike, so that the hue stays.
+/// mapping). Scales all three channels by the same factor, so that the hue stays the same.
 vec3 toned(vec3 colour) {
   float most = max(colour.r, max(colour.g, colour.b)), room = 1.0 - kShoulder;
   if (most <= kShoulder) return colour;

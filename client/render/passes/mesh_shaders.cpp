@@ -21,7 +21,8 @@ layout(location = 1) uniform vec3 eye_low;
 layout(location = 2) uniform float lattice_step;
 layout(location = 3) uniform mat3 view_rotation;
 layout(location = 4) uniform vec3 projection;  // scale x, scale y and near distance
-layout(location = 5) uniform vec3 uv_frame;    // origin, and step per code
+// Origin of texture coordinates, and size of a step of the quantized coordinates.
+layout(location = 5) uniform vec3 uv_frame;
 
 invariant gl_Position;
 out Corner { CORNER };
@@ -34,7 +35,7 @@ void main() {
   ivec3 position = ivec3(position_code.x & 0x1fffffu,
                          position_code.x >> 21 | (position_code.y & 0x3ffu) << 11,
                          position_code.y >> 10 & 0x1fffffu);
-  // The integer difference is exact and the same for every node, so that shared boundaries stay closed.
+  // The integer difference is exact, so that nodes draw a shared vertex at the same place and no gap opens.
   vec3 relative = (vec3(position - eye_high) - eye_low) * lattice_step;
   position_view = view_rotation * relative;
   normal_view = view_rotation * normal.xyz;
@@ -62,7 +63,7 @@ out vec4 pixel;
 
 layout(location = 3) uniform mat3 view_rotation;
 #ifdef VIEWS
-// Colours of 1/4 to 4 texels per pixel, then the colour of surfaces without a texture.
+// Colours for 1/4, 1/2, 1, 2 and 4 texels per pixel, then the colour for surfaces without a texture.
 layout(location = 10) uniform vec3 texel_colours[6];
 #endif
 
@@ -75,7 +76,8 @@ layout(std430, binding = 0) readonly buffer TileTable { uint table[]; };
 const uint kHeadWords = 4u, kTilePx = 512u, kInnerPx = 508u, kGutterPx = 2u, kCellPx = 32u;
 const float kMostTaps = 8.0;
 
-/// Samples a level. `at` is the position in the image, 0..1 from the image's top left corner.
+/// Samples one level of a texture. `at` is the position in the image, from (0, 0) in the top left corner to
+/// (1, 1).
 /// @return false if the tile is not resident.
 bool sampleLevel(uint level, vec2 at, out vec4 texel) {
   uint head = material * kHeadWords;
@@ -91,7 +93,8 @@ bool sampleLevel(uint level, vec2 at, out vec4 texel) {
   return true;
 }
 
-/// Samples the finest resident level at or above `wanted`, blended with the next coarser level.
+/// Samples level floor(wanted) and blends it with the next coarser level. If that level is not resident,
+/// samples the finest coarser level that is.
 /// @return false if no level is resident.
 bool samplePoint(vec2 at, float wanted, uint levels, out vec4 texel) {
   uint finest = uint(wanted), level = finest;
@@ -132,7 +135,7 @@ bool sampleTexture(out vec4 texel) {
 }
 
 #ifdef VIEWS
-/// Returns the colour that stands for the number of finest texels along a pixel's side.
+/// Returns the colour for the number of texels of the finest level along a pixel's side.
 vec3 texelColour() {
   vec2 across = dFdx(uv), down = dFdy(uv);
   if (material >= texture_count || table[material * kHeadWords + 2u] == 0u) return texel_colours[5];
@@ -145,9 +148,10 @@ vec3 texelColour() {
 #endif
 #endif
 
-/// Returns the vertex normal, flipped to the visible side, because both sides are lit. If vertex normals
-/// point to opposite sides, they would cancel each other. Then each normal is flipped before mixing: the
-/// products of its components do not depend on its sign, and interpolated they give the sum of (n . facet) n.
+/// Returns the vertex normal, flipped to the visible side, because both sides are lit. Normals that point to
+/// opposite sides would cancel each other when interpolated. In that case, returns the sum of (n . facet) n
+/// over the vertex normals n, in which the sign of n does not matter. The interpolated products of the
+/// components of n give this sum.
 vec3 shownNormal(vec3 facet) {
   float agreement = dot(normal_view, normal_view) / max(dot(normal_squares, vec3(1.0)), 1e-6);
   vec3 mixed = normal_view * (dot(normal_view, facet) < 0.0 ? -1.0 : 1.0);
@@ -156,10 +160,9 @@ vec3 shownNormal(vec3 facet) {
   return normalize(mix(normalize(turned + 1e-4 * facet), mixed, smoothstep(0.25, 0.5, agreement)));
 }
 
-/// Returns true if the pixel's dither value is in the range of the draw call. The value depends on the pixel
-/// only, so that adjacent ranges neither overlap nor leave gaps.
-/// Source: Jimenez, Next Generation Post-Processing in Call of Duty: Advanced Warfare, 2014 (interleaved
-/// gradient noise).
+/// Returns true if the pixel's dither value is in the range of the draw call. The dither value depends only
+/// on the pixel's position, so that adjacent ranges neither overlap nor leave gaps. Source: Jimenez, Next
+/// Generation Post-Processing in Call of Duty: Advanced Warfare, 2014 (interleaved gradient noise).
 bool isShared() {
   float noise = fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))));
   uint place = min(uint(noise * 256.0), 255u);
@@ -241,12 +244,12 @@ const char* const kWireShader = R"glsl(
 in vec3 shares;
 
 const float kLinePx = 1.1;
-const float kCrowdedPx = 3.0, kRoomyPx = 8.0;  // lines fade in as the triangle grows from the first size to
-                                               // the second
+// Sizes of a triangle at which its lines begin to appear and are fully drawn.
+const float kCrowdedPx = 3.0, kRoomyPx = 8.0;
 const float kCrowded = 0.55, kBetween = 0.25;
 
-/// Returns the brightness of the pixel, which is high on lines and low on faces. In triangles that are too
-/// small for lines, the lines fade into the surface.
+/// Returns the brightness of the pixel: high on lines and low between them. Lines fade out in triangles that
+/// are too small for them.
 float wire() {
   vec3 across = dFdx(shares), down = dFdy(shares);
   vec3 heights_px = inversesqrt(max(across * across + down * down, 1e-12));
