@@ -119,6 +119,7 @@ void Model::requireRoomFor(const Lod& first) const {
 void Model::startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
   const KnownNode* node = hierarchy_.find(use.mesh.node);
   if (use.kind == BlobKind::kMesh && node == nullptr) return;  // the page of the node was evicted
+  if (undecoded_bytes_ > transit_budget_bytes_) return;        // it may be requested again
   if (!decoding_.try_emplace(toDecoding(blob, use), Work{blob}).second) return;
   undecoded_bytes_ += blob.bytes;
   DecodeJob job;

@@ -64,7 +64,10 @@ class Model {
   /// Returns true if the blob may be requested: it is not being decoded, lost or postponed.
   bool wants(const Request& request) const;
 
-  /// Stores a blob or queues it for decoding. @param bytes  bytes that match the blob's digest.
+  /// Stores a blob or queues it for decoding. While undecodedBytes() exceeds transitBudgetBytes(), drops
+  /// meshes and tiles instead, and they may be requested again. More bytes than the budget can arrive if
+  /// cancelled requests complete, or if several nodes share a payload. @param bytes  bytes that match the
+  /// blob's digest.
   /// @throws Error kFormat or kLimit for an invalid page or texture set, and kLimit if the root's coarsest
   /// LOD exceeds the memory budget by more than kMaxFirstLodExcessBytes.
   void take(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);

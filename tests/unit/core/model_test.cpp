@@ -1,5 +1,8 @@
 #include "client/core/model.h"
 
+#include <algorithm>
+#include <optional>
+
 #include <gtest/gtest.h>
 
 #include "tests/unit/core/scripted_server.h"
@@ -41,6 +44,28 @@ TEST(Model, limitsDecodeJobsToTheirMemoryShare) {
   EXPECT_EQ(finished, taken);
   EXPECT_GT(rounds, 1u);
   EXPECT_EQ(model.undecodedBytes() + model.decodingBytes(), 0u);
+}
+
+TEST(Model, keepsNoMoreUndecodedBytesThanTheirShareAndOneBlob) {
+  const SyntheticModel synthetic({.seed = 3, .payload_bytes_a_triangle = 100});
+  const ScriptedServer server(synthetic);
+  constexpr uint64_t kBudgetBytes = 1u << 20, kShareBytes = kBudgetBytes / kTransitBudgetShare;
+  Model model(server.summary(), kBudgetBytes);
+  model.take(server.summary().root_page, {BlobKind::kRootPage, {kRootKey, 0}},
+             encodePage(synthetic.rootPage()));
+  uint64_t offered_bytes = 0, largest_bytes = 0;
+  std::optional<Request> last;
+  for (const auto& [key, node] : synthetic.nodes())
+    for (uint32_t lod = 0; lod < node.lods.size() && key.depth() <= 2; ++lod) {
+      last = {node.lods[lod].payload, {BlobKind::kMesh, {key, lod}}};
+      model.take(last->blob, last->use, Bytes(10));
+      offered_bytes += last->blob.bytes;
+      largest_bytes = std::max<uint64_t>(largest_bytes, last->blob.bytes);
+    }
+  ASSERT_GT(offered_bytes, 2 * (kShareBytes + largest_bytes));
+  EXPECT_GT(model.undecodedBytes(), kShareBytes);
+  EXPECT_LE(model.undecodedBytes(), kShareBytes + largest_bytes);
+  EXPECT_TRUE(model.wants(*last)) << "it may be requested again";
 }
 
 TEST(Model, refusesACoarsestLodThatTakesFarMoreThanTheBudget) {
