@@ -79,12 +79,23 @@ void Engine::handle(ModelsListed) {
 
 void Engine::handle(BlobArrived event) {
   queries_.arrived(event.blob);
-  if (options_.has_cache) arrivals_.push_back({event.blob, event.bytes});
+  if (options_.has_cache) keepArrival(event.blob, event.bytes);
   const bool was_root_page = event.use.kind == BlobKind::kRootPage;
   deliver(event.blob, event.use, std::move(event.bytes));
   if (!was_root_page || !connection_.session() || !connection_.session()->givesFirstBlobs()) return;
   if (const auto coarsest = model_->firstRequest())
     connection_.session()->expectUnasked(coarsest->blob, coarsest->use);
+}
+
+void Engine::keepArrival(const BlobRef& blob, const std::vector<std::byte>& bytes) {
+  if (arrival_bytes_ + bytes.size() > kMaxArrivalBytes) return;
+  arrival_bytes_ += bytes.size();
+  arrivals_.push_back({blob, bytes});
+}
+
+std::vector<Engine::Arrival> Engine::takeArrivals() {
+  arrival_bytes_ = 0;
+  return std::exchange(arrivals_, {});
 }
 
 void Engine::deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {
@@ -195,7 +206,7 @@ void Engine::renewRequests() {
     held_back_ = waiting_bytes > budget_bytes && model_->undecodedBytes() > budget_bytes / 2;
     if (waiting_bytes > budget_bytes && !(requests.empty() && model_->decoding() == 0)) return false;
     if (request.request_class == proto::RequestClass::kPrefetch) prefetcher_.asked(request);
-    if (!options_.has_cache || queries_.isMissing(request)) requests.push_back(request);
+    if (!options_.has_cache || queries_.isMissing(request, budget_bytes)) requests.push_back(request);
     return requests.size() < kMaxRequestsAtOnce;
   };
   if (const auto first = model_->firstRequest()) ask(*first);

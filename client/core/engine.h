@@ -27,6 +27,8 @@
 namespace lode::core {
 
 constexpr uint64_t kDefaultMemoryBudgetBytes = 1ull << 30;
+/// Largest total size of the arrivals that wait for takeArrivals(). Further blobs are not cached.
+constexpr uint64_t kMaxArrivalBytes = 16ull << 20;
 
 struct EngineOptions {
   SessionOptions session;
@@ -181,8 +183,9 @@ class Engine {
     BlobRef blob;
     std::vector<std::byte> bytes;
   };
-  /// Returns blobs received from the server, for the caller to cache; none if has_cache is false.
-  std::vector<Arrival> takeArrivals() { return std::exchange(arrivals_, {}); }
+  /// Returns blobs received from the server, for the caller to cache, at most kMaxArrivalBytes at once; none
+  /// if has_cache is false.
+  std::vector<Arrival> takeArrivals();
   /// Returns true if the engine is offline and has nothing left to do: the cache has answered all queries,
   /// and no blob waits to be decoded.
   bool exhausted() const noexcept;
@@ -213,6 +216,7 @@ class Engine {
   void handle(RequestCancelled event);
   void handle(ServerLeaving event);
   void handle(ModelChanged event);
+  void keepArrival(const BlobRef& blob, const std::vector<std::byte>& bytes);
   void deliver(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes);
   void renewRequests();
   Waiting waiting() const noexcept;
@@ -221,6 +225,7 @@ class Engine {
   Connection connection_;
   CacheQueries queries_;
   std::vector<Arrival> arrivals_;
+  uint64_t arrival_bytes_ = 0;  // total size of arrivals_
   uint64_t cache_bytes_ = 0;
   std::optional<Model> model_;
   ViewGroup group_;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -19,9 +21,11 @@ constexpr size_t kMaxRememberedMisses = 65536;
 class CacheQueries {
  public:
   /// Returns true if the cache has reported that it lacks the blob. Otherwise returns false and queues a
-  /// query, unless a query for the blob is open or kMaxCacheQueries are unanswered; in the latter case, call
-  /// again later.
-  bool isMissing(const Request& request);
+  /// query, unless a query for the blob is open or there is no room for another query; in the latter case,
+  /// call again after the next finish().
+  /// @param most_bytes  limit for the total size of the blobs of unanswered queries, because the cache may
+  ///                    have them all; a single blob may be larger.
+  bool isMissing(const Request& request, uint64_t most_bytes);
   /// Returns the blobs to look up in the cache, and clears the queue. The caller answers each with finish().
   std::vector<BlobRef> take() { return std::exchange(new_, {}); }
   /// Records the cache's answer. @return the use that was passed to isMissing(); nothing if no query for the
@@ -35,7 +39,12 @@ class CacheQueries {
   bool idle() const noexcept { return asked_.empty(); }
 
  private:
-  std::map<Digest, BlobUse> asked_;
+  struct Query {
+    BlobUse use;
+    uint32_t bytes = 0;  // size of the blob
+  };
+  std::map<Digest, Query> asked_;
+  uint64_t asked_bytes_ = 0;  // total size of the blobs in asked_
   std::vector<BlobRef> new_;
   std::set<Digest> misses_;
 };

@@ -29,15 +29,17 @@ class CachedEngine : public testing::Test {
     return again;
   }
 
-  static View near() {
+  static View near(const glm::dvec3& forward = View().forward) {
     View view;
     view.eye_model = glm::dvec3(SyntheticModel::boxSide() / 2);
+    view.forward = forward;
     return view;
   }
 
   /// Steps an engine until it has settled or makes no progress.
-  void run(Engine& engine) {
-    engine.setView(near(), 1);
+  void run(Engine& engine, const View& view = near()) {
+    engine.setView(view, 1);
+    engine.step(kStart);
     for (int steps = 0; steps < 5000 && !engine.settled() && !engine.exhausted(); ++steps) {
       if (engine.wantsConnection(kStart)) {
         server_.accept();
@@ -56,15 +58,17 @@ class CachedEngine : public testing::Test {
       for (const DecodeJob& job : engine.takeDecodeJobs())
         engine.finishDecode({job.blob, job.use, model_.mesh(job.use.mesh), nullptr, nullptr, ""});
       engine.step(kStart);
+      server_.receive(engine.takeOutgoing());
+      if (!takes_arrivals_) continue;
       for (Engine::Arrival& arrival : engine.takeArrivals())
         cache_[arrival.blob.digest] = std::move(arrival.bytes);
-      server_.receive(engine.takeOutgoing());
     }
   }
 
   std::map<Digest, Bytes> cache_;
   std::vector<BlobRef> queries_;  ///< unanswered
   bool answers_late_ = false;     ///< answers a few at a time, in random order
+  bool takes_arrivals_ = true;
   std::mt19937 random_{5};
   SyntheticModel model_{{7, 4}};
   ScriptedServer server_{model_};
@@ -145,6 +149,20 @@ TEST_F(CachedEngine, showsCachedBlobsOffline) {
   EXPECT_FALSE(part.settled());
   ASSERT_TRUE(part.cut());
   EXPECT_EQ(part.cut()->parts.size(), 1u);
+}
+
+TEST_F(CachedEngine, keepsNoMoreArrivalsThanTheLimit) {
+  model_ = SyntheticModel({.seed = 33, .payload_bytes_a_triangle = 2500});
+  server_ = ScriptedServer(model_);
+  takes_arrivals_ = false;
+  Engine engine(options());
+  for (const glm::dvec3& forward : {glm::dvec3(0, 0, -1), {1, 0, 0}, {0, 0, 1}, {-1, 0, 0}})
+    run(engine, near(forward));
+  ASSERT_GT(engine.counts().received_bytes, kMaxArrivalBytes * 5 / 4);
+  uint64_t bytes = 0;
+  for (const Engine::Arrival& arrival : engine.takeArrivals()) bytes += arrival.bytes.size();
+  EXPECT_GT(bytes, kMaxArrivalBytes / 2);
+  EXPECT_LE(bytes, kMaxArrivalBytes);
 }
 
 TEST_F(CachedEngine, opensAnotherBuildOfTheServerDespiteACachedSummary) {
