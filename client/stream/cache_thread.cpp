@@ -1,5 +1,7 @@
 #include "client/stream/cache_thread.h"
 
+#include <algorithm>
+#include <span>
 #include <utility>
 
 #include "common/start_thread.h"
@@ -23,9 +25,16 @@ CacheThread::~CacheThread() {
 
 void CacheThread::find(const std::vector<BlobRef>& blobs) {
   if (blobs.empty()) return;
-  const std::lock_guard lock(mutex_);
-  asked_.insert(asked_.end(), blobs.begin(), blobs.end());
-  work_.notify_one();
+  bool is_full = false;
+  {
+    const std::lock_guard lock(mutex_);
+    const size_t fitting = std::min(blobs.size(), kMaxWaitingLookups - asked_.size());
+    asked_.insert(asked_.end(), blobs.begin(), blobs.begin() + static_cast<ptrdiff_t>(fitting));
+    for (const BlobRef& blob : std::span(blobs).subspan(fitting)) answers_.push_back({blob, std::nullopt});
+    is_full = fitting < blobs.size();
+    work_.notify_one();
+  }
+  if (is_full) wake_();
 }
 
 void CacheThread::keep(const BlobRef& blob, std::vector<std::byte> bytes) {
