@@ -4,13 +4,13 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <map>
 #include <string>
 #include <utility>
 
 #include <asio/io_context.hpp>
 #include <nlohmann/json.hpp>
 
+#include "client/loadtest/recorded_requests.h"
 #include "client/loadtest/request_watch.h"
 #include "client/net/exchange.h"
 #include "client/net/tcp_transport.h"
@@ -61,13 +61,7 @@ class Recorder {
 
   const std::string& gap() const { return engine_.failure(); }
 
-  std::vector<TracedRequest> take() {
-    for (TracedRequest& traced : requests_)
-      if (const auto job = jobs_.find(traced.request.blob.digest); job != jobs_.end())
-        traced.decode = job->second;
-    std::ranges::stable_sort(requests_, {}, &TracedRequest::t_s);
-    return std::move(requests_);
-  }
+  std::vector<TracedRequest> take() { return recorded_.take(); }
 
  private:
   /// The engine's connection, for net::exchange(). Shows the bytes of both directions to overheard_.
@@ -113,9 +107,7 @@ class Recorder {
       throw Error(ErrorCode::kNetwork, engine_.trouble(), engine_.troubleRemedy());
     for (core::DecodeJob& job : engine_.takeDecodeJobs()) {
       engine_.finishDecode(core::runDecodeJob(job));
-      const Digest name = digestOf(job.bytes);
-      job.bytes = {};
-      jobs_.emplace(name, std::move(job));
+      recorded_.addJob(std::move(job));
     }
     if (!engine_.failure().empty() && engine_.settled() && !engine_.cut())
       throw Error(ErrorCode::kNetwork, where_ + ": " + engine_.failure());
@@ -129,14 +121,9 @@ class Recorder {
   const std::string where_;
   const net::Address server_;
   double t_s_ = 0;
-  std::vector<TracedRequest> requests_;
-  OverheardRequests overheard_{[this](const core::Request& request, double t_s) {
-    if (requests_.size() >= kMaxTracedRequests)
-      throw Error(ErrorCode::kLimit, "the path requests more than " + std::to_string(kMaxTracedRequests) +
-                                         " blobs: record a shorter path");
-    requests_.push_back({t_s, request, {}});
-  }};
-  std::map<Digest, core::DecodeJob> jobs_;
+  RecordedRequests recorded_;
+  OverheardRequests overheard_{
+      [this](const core::Request& request, double t_s) { recorded_.add(request, t_s); }};
   core::Engine engine_;
   asio::io_context io_{1};
   net::TcpTransport transport_;

@@ -40,17 +40,34 @@ RequestClock::Requests addLost(RequestClock::Requests& lost, RequestClock::Reque
 void OverheardRequests::sent(std::span<const std::byte> frames, double now) {
   forEachFrame(frames, [&](proto::FrameType type, std::span<const std::byte> body) {
     if (type != proto::FrameType::kRequests) return;
-    for (const proto::RequestChange& change : proto::decode<proto::Requests>(body).changes)
-      if (change.action == proto::RequestAction::kAdd) requests_[change.request] = {change, now, {}};
+    for (const proto::RequestChange& change : proto::decode<proto::Requests>(body).changes) note(change, now);
   });
+}
+
+void OverheardRequests::note(const proto::RequestChange& change, double now) {
+  if (change.action == proto::RequestAction::kAdd) requests_[change.request] = {change, now, {}, false};
+  if (change.action != proto::RequestAction::kCancel) return;
+  const auto found = requests_.find(change.request);
+  if (found == requests_.end() || std::exchange(found->second.is_cancelled, true)) return;
+  cancelled_bytes_ += found->second.bytes.size();
+  limitCancelledBytes(change.request);
+}
+
+void OverheardRequests::forget(uint32_t number) {
+  const auto ended = requests_.extract(number);
+  if (ended && ended.mapped().is_cancelled) cancelled_bytes_ -= ended.mapped().bytes.size();
+}
+
+void OverheardRequests::limitCancelledBytes(uint32_t number) {
+  if (cancelled_bytes_ > core::kMaxCancelledBytes) forget(number);
 }
 
 void OverheardRequests::received(std::span<const std::byte> bytes) {
   input_.insert(input_.end(), bytes.begin(), bytes.end());
   const size_t taken = forEachFrame(input_, [&](proto::FrameType type, std::span<const std::byte> body) {
     if (type == proto::FrameType::kBlob) takeChunk(proto::decodeBlobChunk(body));
-    if (type == proto::FrameType::kCancelled) requests_.erase(proto::decode<proto::Cancelled>(body).request);
-    if (type == proto::FrameType::kError) requests_.erase(proto::decode<proto::ErrorMessage>(body).request);
+    if (type == proto::FrameType::kCancelled) forget(proto::decode<proto::Cancelled>(body).request);
+    if (type == proto::FrameType::kError) forget(proto::decode<proto::ErrorMessage>(body).request);
   });
   input_.erase(input_.begin(), input_.begin() + static_cast<ptrdiff_t>(taken));
 }
@@ -60,10 +77,14 @@ void OverheardRequests::takeChunk(const proto::BlobChunk& chunk) {
   if (found == requests_.end()) return;  // the blob was not requested
   Request& request = found->second;
   request.bytes.insert(request.bytes.end(), chunk.bytes.begin(), chunk.bytes.end());
-  if (request.bytes.size() < chunk.header.total_bytes) return;
+  if (request.is_cancelled) cancelled_bytes_ += chunk.bytes.size();
+  if (request.bytes.size() < chunk.header.total_bytes) {
+    if (request.is_cancelled) limitCancelledBytes(chunk.header.request);
+    return;
+  }
   const BlobRef blob{request.asked.blob, chunk.header.total_bytes, digestOf(request.bytes)};
   tell_({blob, {}, request.asked.request_class, request.asked.priority_px}, request.asked_at);
-  requests_.erase(found);
+  forget(chunk.header.request);
 }
 
 }  // namespace lode::app

@@ -78,7 +78,8 @@ class OverheardRequests {
   /// Notes the requests in complete frames that the client sends. @param now  time of any clock.
   void sent(std::span<const std::byte> frames, double now);
   /// Notes bytes that the client has received, which may end inside a frame. Forgets requests that end
-  /// without their blob.
+  /// without their blob. Like core::Session, also forgets cancelled requests of which more than
+  /// core::kMaxCancelledBytes have arrived.
   void received(std::span<const std::byte> bytes);
 
  private:
@@ -86,11 +87,16 @@ class OverheardRequests {
     proto::RequestChange asked;
     double asked_at = 0;
     std::vector<std::byte> bytes;
+    bool is_cancelled = false;
   };
+  void note(const proto::RequestChange& change, double now);
   void takeChunk(const proto::BlobChunk& chunk);
+  void forget(uint32_t number);
+  void limitCancelledBytes(uint32_t number);
 
   Tell tell_;
-  std::map<uint32_t, Request> requests_;
+  std::map<uint32_t, Request> requests_;  // by request number
+  uint64_t cancelled_bytes_ = 0;          // number of bytes kept for cancelled requests
   std::vector<std::byte> input_;
 };
 

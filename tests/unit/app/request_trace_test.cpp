@@ -1,9 +1,12 @@
 #include "client/loadtest/request_trace.h"
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "client/loadtest/recorded_requests.h"
 #include "common/error.h"
 
 namespace lode::app {
@@ -50,6 +53,52 @@ TEST(RequestTraceFile, readsBackAWrittenTrace) {
   }
   EXPECT_EQ(read.requests[1].decode->step, 0.25);
   EXPECT_EQ(read.requests[1].decode->expected.box.max, glm::uvec3(4, 5, 6));
+}
+
+template <typename Action>
+void expectTooMany(const Action& action) {
+  try {
+    action();
+    FAIL() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kLimit);
+    EXPECT_NE(std::string(error.what()).find("the path requests more than 3 blobs"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(RecordedRequests, areRefusedAboveTheLimit) {
+  RecordedRequests recorded(3);
+  for (uint32_t number = 1; number <= 3; ++number) recorded.add({{number, 10, {}}, {}}, 0);
+  expectTooMany([&] { recorded.add({{4, 10, {}}, {}}, 0); });
+  EXPECT_EQ(recorded.take().size(), 3u);
+}
+
+TEST(RecordedRequests, areRefusedWithMoreBlobsToDecodeThanTheLimit) {
+  RecordedRequests recorded(3);
+  const auto addJob = [&](std::byte content) {
+    core::DecodeJob job;
+    job.bytes = {content};
+    recorded.addJob(std::move(job));
+  };
+  for (const unsigned content : {1, 2, 3, 1}) addJob(std::byte(content));
+  expectTooMany([&] { addJob(std::byte{4}); });
+}
+
+TEST(RecordedRequests, areGivenInOrderOfTimeWithTheirJobs) {
+  RecordedRequests recorded;
+  core::DecodeJob job;
+  job.bytes = {std::byte{9}};
+  const Digest name = digestOf(job.bytes);
+  recorded.add({{1, 1, name}, {}}, 0.5);
+  recorded.add({{2, 10, {}}, {}}, 0.25);
+  recorded.addJob(std::move(job));
+  const std::vector<TracedRequest> requests = recorded.take();
+  ASSERT_EQ(requests.size(), 2u);
+  EXPECT_EQ(requests[0].request.blob.number, 2u);
+  EXPECT_FALSE(requests[0].decode);
+  ASSERT_TRUE(requests[1].decode);
+  EXPECT_TRUE(requests[1].decode->bytes.empty());
 }
 
 TEST(RequestTraceFile, refusesAnInvalidTraceAndNamesThePlace) {

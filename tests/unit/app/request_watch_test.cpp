@@ -1,8 +1,11 @@
 #include "client/loadtest/request_watch.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "proto/limits.h"
 
 namespace lode::app {
 namespace {
@@ -104,6 +107,13 @@ class OverheardRequestsTest : public testing::Test {
         now);
   }
 
+  void cancel(uint32_t request) {
+    overheard_.sent(
+        proto::encode(proto::Requests{1, {{RequestAction::kCancel, RequestClass::kMargin, request, 0, 0}}},
+                      3),
+        0);
+  }
+
   struct Told {
     core::Request request;
     double asked_at;
@@ -125,6 +135,28 @@ TEST_F(OverheardRequestsTest, reportsARequestWhenItsBlobIsComplete) {
   EXPECT_EQ(told_[0].request.request_class, RequestClass::kMargin);
   EXPECT_EQ(told_[0].request.priority_px, 2.5f);
   EXPECT_EQ(told_[0].asked_at, 1.5);
+}
+
+/// The server sends all but the last byte of each cancelled request, and then the last bytes.
+TEST_F(OverheardRequestsTest, keepsFewBytesOfCancelledRequestsThatNeverEnd) {
+  constexpr uint32_t kBlobBytes = 1u << 20, kBlobs = core::kMaxCancelledBytes / kBlobBytes + 3;
+  const std::vector<std::byte> blob(kBlobBytes, std::byte{7});
+  const auto send = [&](uint32_t request, uint32_t from, uint32_t to) {
+    for (uint32_t at = from; at < to; at += proto::kMaxChunkBytes)
+      overheard_.received(blobFrame(request, blob, at, std::min(proto::kMaxChunkBytes, to - at)));
+  };
+  for (uint32_t request = 1; request <= kBlobs; ++request) {
+    ask(request, request, 0);
+    if (request % 2 == 0) cancel(request);
+    send(request, 0, kBlobBytes - 1);
+    if (request % 2 != 0) cancel(request);
+  }
+  for (uint32_t request = 1; request <= kBlobs; ++request) send(request, kBlobBytes - 1, kBlobBytes);
+  EXPECT_EQ(told_.size(), core::kMaxCancelledBytes / kBlobBytes);
+  ask(kBlobs + 1, 20, 0);
+  cancel(kBlobs + 1);
+  send(kBlobs + 1, 0, kBlobBytes);
+  EXPECT_EQ(told_.back().request.blob.number, 20u) << "ended requests count no longer";
 }
 
 TEST_F(OverheardRequestsTest, readsFramesSplitAnywhere) {
