@@ -125,6 +125,19 @@ TEST_F(HierarchyTest, forgetsPagesThatAreNotInUseTheLeastRecentlyUsedFirst) {
   EXPECT_EQ(hierarchy.bytes(), withRoot().bytes());
 }
 
+TEST_F(HierarchyTest, forgetsLostBlobsAboveTheLimit) {
+  const uint32_t first = model_.nodes().at(kRootKey).lods.back().payload.number;
+  constexpr uint32_t kOthers = 1u << 30;  // blobs of no node
+  for (const bool is_above : {false, true}) {
+    Hierarchy hierarchy(model_.nodes().size());
+    hierarchy.lose(first);
+    for (uint32_t other = 1; other < kMaxLostBlobs + is_above; ++other) hierarchy.lose(kOthers + other);
+    hierarchy.addRootPage(model_.rootPage());
+    const KnownNode& root = *hierarchy.root();
+    EXPECT_EQ(root.isLost(static_cast<uint32_t>(root.lods.size()) - 1), !is_above);
+  }
+}
+
 TEST_F(HierarchyTest, acceptsAForgottenPageAgain) {
   Hierarchy hierarchy = model_.hierarchy();
   hierarchy.use({}, 0);

@@ -289,6 +289,21 @@ TEST_F(TexturedEngine, showsTheModelUntexturedIfTheSetIsUnavailable) {
   EXPECT_EQ(engine_->cut()->lost_tiles, 1u) << "it counts as one";
 }
 
+TEST_F(TexturedEngine, remembersLostBlobsOnlyIfTheyAreTilesOfTheSet) {
+  TextureStream textures(refOf(kSet), 1ull << 30);
+  for (uint32_t blob = 1; blob < kFirstTile + tiles(); ++blob)
+    if (blob != kSet) textures.lose(blob);
+  textures.takeSet(blobs_.at(kSet));
+  const TextureFootprint footprint{{}, {{.texture = 0, .texels_per_model = 600.0f / 4096}}};
+  const TexturedPart part{&footprint, 4000, true};
+  textures.refine({&part, 1}, near_, 1);
+  EXPECT_EQ(textures.lostCount(), 0u) << "before the set, any number of blobs could be lost";
+  EXPECT_EQ(textures.missing().size(), tiles());
+  textures.lose(kFirstTile);
+  textures.refine({&part, 1}, near_, 1);
+  EXPECT_EQ(textures.lostCount(), 1u);
+}
+
 TEST_F(TexturedEngine, givesUpOnAnInvalidSet) {
   blobs_[kSet] = Bytes(40, std::byte{7});
   open();

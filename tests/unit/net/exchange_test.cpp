@@ -82,6 +82,21 @@ TEST_F(ExchangeTest, continuesWhenTheServerReads) {
   EXPECT_GE(end.receivedBytes(), 2 * kMuchBytes);
 }
 
+TEST_F(ExchangeTest, readsNoMoreThanTheLimitBeforeTheCallerTakesIt) {
+  size_t written = 0;
+  for (int idle_rounds = 0; idle_rounds < 10 && written < kMuchBytes;) {
+    asio::error_code would_block;
+    const size_t count = peer_.write_some(asio::buffer(some_), would_block);
+    written += count;
+    loop_.restart();
+    idle_rounds = count + loop_.poll() == 0 ? idle_rounds + 1 : 0;
+  }
+  EXPECT_LT(written, kMuchBytes);
+  const size_t received = transport_.takeReceived().size();
+  EXPECT_GE(received, kMaxReceivedBytes);
+  EXPECT_LT(received, kMaxReceivedBytes + (1u << 20));
+}
+
 /// Never takes input, however many answers the caller takes.
 struct BusyEnd {
   bool connected() const { return true; }

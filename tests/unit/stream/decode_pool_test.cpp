@@ -1,5 +1,6 @@
 #include "client/stream/decode_pool.h"
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <future>
@@ -62,6 +63,24 @@ TEST(DecodePool, takesMoreJobsThanMayWait) {
   DecodePool pool(2, [&] { results.wake(); });
   pool.add(jobs(kMaxWaitingJobs + 100));
   EXPECT_EQ(results.waitFor(pool, kMaxWaitingJobs + 100).size(), kMaxWaitingJobs + 100);
+}
+
+TEST(DecodePool, queuesNoMoreJobsThanTheLimit) {
+  constexpr size_t kMost = kMaxWaitingJobs + 1;  // the pool's thread has taken the first job
+  std::promise<void> released;
+  std::atomic<size_t> wakes{0}, added{0};
+  DecodePool pool(1, [&] {
+    if (wakes++ == 0) released.get_future().wait();
+  });
+  std::thread adder([&] {
+    for (; added < 2 * kMost; ++added) pool.add(jobs(1));
+  });
+  while (added < kMost) std::this_thread::yield();
+  for (int turn = 0; turn < 1000; ++turn) std::this_thread::yield();  // time in which it could add more
+  EXPECT_EQ(added, kMost);
+  released.set_value();
+  adder.join();
+  EXPECT_EQ(added, 2 * kMost);
 }
 
 TEST(DecodePool, dropsWaitingJobsWhenItEnds) {
