@@ -204,16 +204,15 @@ bool Connection::startFetching(const Chunk& chunk) {
   auto cold = std::make_shared<ColdRead>(ColdRead{chunk, {}});
   cold_.push_back(cold);
   if (chunk.opened->counters != nullptr) chunk.opened->counters->cold_reads.add();
-  host_.readers->read(
-      chunk.opened->model->blobs, rangeOf(chunk),
-      [self = shared_from_this(), cold](ReadResult result, std::vector<std::byte>& bytes) {
-        // If an earlier call failed to post, it has already moved the bytes.
-        if (cold->bytes.empty()) cold->bytes = std::move(bytes);
-        asio::post(self->stream_.bytes().executor(), [self, cold, result] {
-          cold->result = result;
-          self->endFetching(cold);
-        });
-      });
+  host_.readers->read(chunk.opened->model->blobs, rangeOf(chunk),
+                      [self = shared_from_this(), cold](ReadResult result, std::vector<std::byte>& bytes) {
+                        // If an earlier call failed to post, it has already moved the bytes.
+                        if (cold->bytes.empty()) cold->bytes = std::move(bytes);
+                        asio::post(self->stream_.bytes().executor(), [self, cold, result] {
+                          cold->result = result;
+                          self->endFetching(cold);
+                        });
+                      });
   return true;
 }
 
