@@ -157,7 +157,7 @@ void GyroidGrid::addOfTetrahedron(const glm::ivec3& cube, const std::array<int, 
                                   std::vector<Triangle>& to) const {
   std::array<int, 4> in{}, out{};
   size_t ins = 0, outs = 0;
-  bool turned = false;  // true if moving the inside corners to the front reverses the orientation
+  bool turned = false;  // true if sorting the inside corners first reverses the orientation
   for (const int corner : corners) {
     if ((signs >> corner & 1) != 0) {
       in[ins++] = corner;

@@ -49,8 +49,9 @@ class LodInput {
   float offSteps() const noexcept { return off_steps_.value_or(0); }
   /// Open edges, each a pair of positions, except open edges on the node's borders.
   const std::vector<glm::u32vec2>& boundaries() const noexcept { return boundaries_; }
-  /// Number of references: first those passed to the constructor, then the boundary edges that are their own
-  /// reference.
+  /// Number of edges of the original mesh that boundary edges are measured against. Edges passed to the
+  /// constructor have the smaller numbers. Boundary edges without such a reference follow, each of which is
+  /// measured against itself.
   uint32_t referenceCount() const noexcept {
     return static_cast<uint32_t>(references_.boundaries.size()) + own_;
   }

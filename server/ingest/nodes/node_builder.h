@@ -106,8 +106,8 @@ class NodeBuilder {
   void addLod(BuiltNode& built, const FinishedLod& lod);
   void addLod(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, LodError error);
   /// Returns the error of an LOD in lattice steps: the LOD's deviation, combined with the lattice's rounding
-  /// as an independent error. The result is at least the gap of the LOD's boundaries and the error of the
-  /// next finer LOD, as I2 and I3 of docs/architecture.md demand.
+  /// as an independent error. The result is never less than the distance of the LOD's boundary edges from
+  /// the original ones, nor less than the error of the next finer LOD (I2 and I3 of docs/architecture.md).
   LodError errorOf(const BuiltNode& built, const FinishedLod& lod) const;
   LodError errorOf(const Lod& lod) const noexcept;
 

@@ -28,9 +28,8 @@ class MemoryBudget {
   /// Returns true if more than 12/16 of the budget are used. The server then checks the budget more often.
   bool tight() const noexcept { return used() > limit_ / 16 * 12; }
   /// Returns true if open connections use more than 13/16 of the budget. The server then closes the largest
-  /// connections until relieved() returns true. Connections that are closing do not count. The server admits
-  /// new connections up to 14/16 of the budget, which leaves room for new connections after it has closed
-  /// large ones.
+  /// connections until relieved() returns true. Connections that are closing do not count. The server
+  /// refuses new connections only above 14/16 of the budget, so it can admit some while it closes large ones.
   bool pressed() const noexcept { return staying() > limit_ / 16 * 13; }
   bool relieved() const noexcept { return staying() <= limit_ / 16 * 12; }
   /// Returns the average memory of a connection in bytes, including its base cost.
