@@ -16,7 +16,7 @@ namespace {
 
 // Times to wait for input if nothing needs to be drawn, in seconds.
 constexpr double kIdleWaitS = 0.25;       ///< if all streams are settled
-constexpr double kStreamingWaitS = 0.01;  ///< if a stream is refining
+constexpr double kStreamingWaitS = 0.01;  ///< if a stream is refining or the target is being opened
 constexpr double kCoarserWaitS = 0.002;   ///< if a coarser cut is about to be drawn
 constexpr double kFramesOfFade = 4;       ///< parts fade only if a fade takes at least this many frames
 constexpr double kNoteS = 6;              ///< time for which a note stays on the panel
@@ -80,9 +80,9 @@ bool Viewer::settled() const {
 
 /// Returns the time to wait for input, which is long while nothing changes and short while streams refine.
 double Viewer::waitSeconds() const {
-  if (isMinimized() || (failed_ && frames_to_draw_ == 0)) return kIdleWaitS;
+  if (isMinimized() || (failed_ && redraws_.frames() == 0)) return kIdleWaitS;
   if (isWorthWaiting()) return kCoarserWaitS;
-  if (moved_ || frames_to_draw_ > 0 || uploading_ || scene_.fading()) return 0;
+  if ((rig_ && moved_) || redraws_.frames() > 0 || uploading_ || scene_.fading()) return 0;
   return (settled() || scene_.status().ended) && !window_.hasGamepad() ? kIdleWaitS : kStreamingWaitS;
 }
 
@@ -109,9 +109,9 @@ void Viewer::frame() {
     stream();
   }
   describe();
-  if (isPictureOld(input)) frames_to_draw_ = 1 + kFramesToSettle;
-  if (frames_to_draw_ == 0 || isWorthWaiting()) return;
-  --frames_to_draw_;
+  redraws_.add(difference(input), Clock::now());
+  if (redraws_.frames() == 0 || isWorthWaiting()) return;
+  redraws_.draw(Clock::now());
   draw();
 }
 
@@ -126,13 +126,15 @@ void Viewer::passUnseen() {
   if (rig_) fly();
 }
 
-/// Returns true if the next picture would differ from the last drawn one.
-bool Viewer::isPictureOld(const Input& input) const {
-  if (input.any() || input.damaged || uploading_ || scene_.fading() || !options_.screenshot.empty())
-    return true;
-  if (traitsOf(style_.show).shows_time && scene_.ageing()) return true;
-  return differ(content_, drawn_.content) || scene_.drawnSerial() != drawn_.serial ||
-         isQuick() != drawn_.is_quick || (rig_ && rig_->view() != drawn_.view);
+/// Returns how the next picture would differ from the last drawn one.
+Difference Viewer::difference(const Input& input) const {
+  using enum Difference;
+  if (input.any() || input.damaged || uploading_ || scene_.fading()) return kPicture;
+  if (rig_ && !options_.screenshot.empty()) return kPicture;  // count frames until the picture is due
+  if (traitsOf(style_.show).shows_time && scene_.ageing()) return kPicture;
+  const bool is_same_picture = scene_.drawnSerial() == drawn_.serial && isQuick() == drawn_.is_quick &&
+                               (!rig_ || rig_->view() == drawn_.view);
+  return is_same_picture ? differenceOf(content_, drawn_.content) : kPicture;
 }
 
 /// Returns true if drawing should wait, because a much coarser cut will arrive soon.

@@ -14,6 +14,7 @@
 #include "client/app/window/panel/first_start.h"
 #include "client/app/window/panel/panel.h"
 #include "client/app/window/panel/panel_content.h"
+#include "client/app/window/redraws.h"
 #include "client/app/window/scene/picks.h"
 #include "client/app/window/scene/viewed_scene.h"
 #include "client/app/window/settings.h"
@@ -43,7 +44,6 @@ class Viewer {
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr int kFramesToSettle = 2;  ///< number of frames until the panel fits its text
 
   // viewer.cpp: opening, frames and drawing.
   static double secondsSince(Clock::time_point start);
@@ -54,7 +54,7 @@ class Viewer {
   void openWhenReady();
   void takeTimes();
   void stream();
-  bool isPictureOld(const Input& input) const;
+  Difference difference(const Input& input) const;
   bool isWorthWaiting() const;
   render::DrawTime time() const;
   bool darkensHollows() const;
@@ -136,9 +136,10 @@ class Viewer {
   Clock::time_point started_ = Clock::now(), opened_ = started_, last_frame_ = started_, noted_ = started_;
   std::string note_;
   Drawn drawn_;
+  Redraws redraws_;
   PictureRequest picture_request_;
   PictureWriter picture_writer_;
-  int frames_to_draw_ = 0, converged_frames_ = 0;
+  int converged_frames_ = 0;
   bool moved_ = true, uploading_ = false, has_screenshot_ = false, done_ = false;
 };
 

@@ -37,14 +37,14 @@ void Viewer::saveRecording() {
 void Viewer::saveScreenshots() {
   if (!options_.screenshot.empty()) {
     converged_frames_ = content_.converged && pacing_.asksForFinest() ? converged_frames_ + 1 : 0;
-    if (converged_frames_ > kFramesToSettle) {
+    if (converged_frames_ > Redraws::kFramesToSettle) {
       render::writePng(options_.screenshot, window_.readBack());
       has_screenshot_ = done_ = true;
     } else if (!content_.converged && (scene_.status().ended || settled() || isTimeOver())) {
       refuseScreenshot();
     }
   }
-  if (picture_request_.take(frames_to_draw_ == 0 || isLeaving(), Clock::now()))
+  if (picture_request_.take(redraws_.frames() == 0 || isLeaving(), Clock::now()))
     picture_writer_.write(timedName("png"), window_.readBack());
 }
 

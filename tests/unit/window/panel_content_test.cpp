@@ -49,10 +49,10 @@ TEST(PanelContent, differsOnceAShownFigureDoes) {
   PanelContent drawn;
   PanelContent now = drawn;
   now.counts.received_bytes = 1000;
-  EXPECT_TRUE(differ(now, drawn));
+  EXPECT_EQ(differenceOf(now, drawn), Difference::kPicture);
   now = drawn;
   now.counts.texture_bytes = 1000;
-  EXPECT_TRUE(differ(now, drawn)) << "a part of the memory";
+  EXPECT_EQ(differenceOf(now, drawn), Difference::kPicture) << "a part of the memory";
 }
 
 TEST(PanelContent, ignoresUnshownCountsAndFrameTimes) {
@@ -61,7 +61,7 @@ TEST(PanelContent, ignoresUnshownCountsAndFrameTimes) {
   now.counts.known_nodes = 7;
   now.counts.waited.begin(core::Waiting::kLink, core::TimePoint());
   now.frame_ms = now.upload_ms = 5;
-  EXPECT_FALSE(differ(now, drawn));
+  EXPECT_EQ(differenceOf(now, drawn), Difference::kNone);
 }
 
 TEST(PanelContent, doesNotDifferByTheNetworkOnceThePictureHasConverged) {
@@ -70,9 +70,39 @@ TEST(PanelContent, doesNotDifferByTheNetworkOnceThePictureHasConverged) {
   PanelContent now = drawn;
   now.counts.received_bytes = 1'000'000;
   now.counts.link_bytes_per_s = now.counts.round_trip_ms = 9;
-  EXPECT_FALSE(differ(now, drawn));
+  EXPECT_EQ(differenceOf(now, drawn), Difference::kNone);
   now.counts.resident_bytes = 1'000'000;
-  EXPECT_TRUE(differ(now, drawn));
+  EXPECT_EQ(differenceOf(now, drawn), Difference::kPicture);
+}
+
+TEST(PanelContent, differsInProgressOnlyWhileTheUserWaits) {
+  PanelContent drawn;
+  drawn.waiting = "Building scan.ply";
+  PanelContent now = drawn;
+  now.waited_s = 1;
+  EXPECT_EQ(differenceOf(now, drawn), Difference::kProgress);
+  now.waiting_part = 0.5;
+  now.waiting += "\nsimplify";
+  EXPECT_EQ(differenceOf(now, drawn), Difference::kProgress);
+  now.message = "saved";
+  EXPECT_EQ(differenceOf(now, drawn), Difference::kPicture);
+}
+
+TEST(PanelContent, differsInThePictureWhenTheWaitBeginsAndEnds) {
+  const PanelContent nothing;
+  PanelContent waiting;
+  waiting.waiting = "Building scan.ply";
+  EXPECT_EQ(differenceOf(waiting, nothing), Difference::kPicture);
+  EXPECT_EQ(differenceOf(nothing, waiting), Difference::kPicture);
+}
+
+TEST(PanelContent, doesNotDifferByTheTimeBesideAKnownProgress) {
+  PanelContent drawn;
+  drawn.waiting = "Building scan.ply";
+  drawn.waiting_part = 0.5;
+  PanelContent now = drawn;
+  now.waited_s = 1;
+  EXPECT_EQ(differenceOf(now, drawn), Difference::kNone);
 }
 
 }  // namespace

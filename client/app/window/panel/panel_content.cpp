@@ -15,6 +15,18 @@ OnGpu onGpu(const ViewedScene& scene) {
   return scene.uploaded() ? OnGpu::kAll : OnGpu::kNotYetAll;
 }
 
+/// Makes the two contents equal in what shows only progress. @return true if the panel shows a difference.
+bool alignProgress(PanelContent& now, const PanelContent& drawn) {
+  if (now.waiting.empty() || drawn.waiting.empty()) return false;
+  const bool shows_time = now.waiting_part < 0;
+  const bool is_different = now.waiting != drawn.waiting || now.waiting_part != drawn.waiting_part ||
+                            (shows_time && now.waited_s != drawn.waited_s);
+  now.waiting = drawn.waiting;
+  now.waiting_part = drawn.waiting_part;
+  now.waited_s = drawn.waited_s;
+  return is_different;
+}
+
 }  // namespace
 
 double RefiningProgress::update(float error_px, float threshold_px, bool converged) noexcept {
@@ -44,7 +56,7 @@ void describe(const ViewedScene& scene, const ViewState& state, PanelContent& co
   content.textured = gpu.textured;
 }
 
-bool differ(PanelContent now, const PanelContent& drawn) {
+Difference differenceOf(PanelContent now, const PanelContent& drawn) {
   now.frame_ms = drawn.frame_ms;
   now.upload_ms = drawn.upload_ms;
   if (now.converged) {
@@ -52,10 +64,14 @@ bool differ(PanelContent now, const PanelContent& drawn) {
     now.counts.link_bytes_per_s = drawn.counts.link_bytes_per_s;
     now.counts.round_trip_ms = drawn.counts.round_trip_ms;
   }
+  const bool has_progress = alignProgress(now, drawn);
   // Compare only the counts that are shown, because others change in each step of a stream.
-  if (figuresOf(now) != figuresOf(drawn) || now.counts.requests != drawn.counts.requests) return true;
+  const bool shows_counts = now.waiting.empty();
+  if (shows_counts && (figuresOf(now) != figuresOf(drawn) || now.counts.requests != drawn.counts.requests))
+    return Difference::kPicture;
   now.counts = drawn.counts;
-  return now != drawn;
+  if (now != drawn) return Difference::kPicture;
+  return has_progress ? Difference::kProgress : Difference::kNone;
 }
 
 }  // namespace lode::app

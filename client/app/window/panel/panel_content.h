@@ -8,6 +8,7 @@
 #include "client/app/window/camera/cameras.h"
 #include "client/app/window/panel/notice.h"
 #include "client/app/window/panel/pick_marks.h"
+#include "client/app/window/redraws.h"
 #include "client/app/window/scene/viewed_scene.h"
 #include "client/app/window/settings.h"
 #include "client/render/passes/color_mode.h"
@@ -79,8 +80,9 @@ struct ViewState {
 /// Fills in the state and the statistics of a scene's streams, and its use of the GPU.
 void describe(const ViewedScene& scene, const ViewState& state, PanelContent& content);
 
-/// Returns true if the panel must be drawn again, because its content has changed. Ignores frame times and,
-/// once the picture has converged, network statistics.
-bool differ(PanelContent now, const PanelContent& drawn);
+/// Returns how the panel's content differs from the drawn content. Ignores frame times and what the panel
+/// does not show: network statistics once the picture has converged, and the waiting time beside a bar of
+/// known progress.
+Difference differenceOf(PanelContent now, const PanelContent& drawn);
 
 }  // namespace lode::app
