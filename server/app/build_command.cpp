@@ -11,6 +11,7 @@
 #include "server/app/json_output.h"
 #include "server/app/progress_bar.h"
 #include "server/ingest/pipeline/build.h"
+#include "server/ingest/plan/machine.h"
 #include "server/ingest/ply/ply_header.h"
 
 namespace lode::app {
@@ -73,15 +74,18 @@ ingest::BuildReport buildUnlessInterrupted(const BuildArguments& arguments) {
       is_kept ? "interrupted" : "interrupted; nothing was written, start it again",
       is_kept ? "; finished work is kept, run the same command again to continue" : "");
   try {
+    const unsigned threads =
+        arguments.options.threads > 0 ? arguments.options.threads : ingest::defaultThreads();
+    const ingest::BuildEstimate estimate(threads);
     ProgressBar bar = arguments.json_progress
-                          ? ProgressBar(stdout, ProgressBar::Mode::kJson)
-                          : ProgressBar(stderr, ProgressBar::modeFor(stderr, arguments.quiet));
-    const auto onProgress = [&](std::string_view stage, double fraction, uint64_t done, uint64_t) {
+                          ? ProgressBar(stdout, ProgressBar::Mode::kJson, estimate)
+                          : ProgressBar(stderr, ProgressBar::modeFor(stderr, arguments.quiet), estimate);
+    const auto onProgress = [&](std::string_view stage, double fraction, uint64_t done, uint64_t total) {
       interruption.check();
-      bar.update(stage, fraction, done);
+      bar.update(stage, fraction, done, total);
     };
     ingest::BuildReport report = ingest::build(arguments.options, onProgress);
-    bar.finishStage();
+    bar.finish();
     return report;
   } catch (const Error& error) {
     interruption.endProcessIfReceived(error.what());

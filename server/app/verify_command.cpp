@@ -82,11 +82,11 @@ ingest::AgainstReport compare(const VerifyArguments& arguments,
   ProgressBar bar(stderr, ProgressBar::modeFor(stderr, arguments.quiet));
   const ingest::AgainstReport compared = ingest::compareWithInput(
       against,
-      [&](std::string_view stage, double fraction, uint64_t done, uint64_t) {
-        bar.update(stage, fraction, done);
+      [&](std::string_view stage, double fraction, uint64_t done, uint64_t total) {
+        bar.update(stage, fraction, done, total);
       },
       &witness);
-  bar.finishStage();
+  bar.finish();
   return compared;
 }
 
