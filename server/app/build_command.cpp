@@ -157,7 +157,7 @@ void addBuildCommand(CLI::App& program) {
   CLI::Option* const quiet = command->add_flag("--quiet", arguments->quiet, "print warnings only");
   command
       ->add_flag("--json-progress", arguments->json_progress,
-                 "print progress as JSON lines with stage and fraction; print the result only with --json")
+                 "print progress as JSON lines; print the result only with --json")
       ->excludes(quiet);
   command->callback([arguments] { runBuild(*arguments); });
 }

@@ -146,7 +146,13 @@ void ProgressBar::endLine() {
 }
 
 void ProgressBar::drawJson() {
-  const Json json = {{"stage", stage_}, {"fraction", std::clamp(fraction_, 0.0, 1.0)}};
+  Json json = {{"stage", stage_}, {"fraction", std::clamp(fraction_, 0.0, 1.0)}};
+  if (build_) {
+    const ingest::BuildStatus status = build_->status();
+    json["doing"] = status.doing;
+    json["build_fraction"] = is_finished_ ? 1 : status.fraction;
+    json["seconds_left"] = is_finished_ ? Json(0) : status.seconds_left ? Json(*status.seconds_left) : Json();
+  }
   std::fprintf(stream_, "%s\n", json.dump().c_str());
 }
 

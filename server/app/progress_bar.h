@@ -14,8 +14,9 @@ namespace lode::app {
 
 /// Prints the progress of stages to a stream, with rate and time left. kBar redraws a bar on a terminal: one
 /// for the whole build, or one per stage if there is no estimate of a build. kLines prints a line every five
-/// seconds, for files and the logs of containers. kJson prints JSON lines {"stage":NAME,"fraction":0..1} for
-/// programs. The start of a stage ends the previous stage. Not thread safe.
+/// seconds, for files and the logs of containers. kJson prints JSON lines for programs: the stage and its
+/// finished fraction, and what the estimate says of the build. The start of a stage ends the previous stage.
+/// Not thread safe.
 class ProgressBar {
  public:
   enum class Mode { kQuiet, kLines, kBar, kJson };

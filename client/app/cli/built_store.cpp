@@ -19,12 +19,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "client/app/cli/build_step.h"
 #include "client/app/cli/child_process.h"
 #include "client/app/cli/store_cache.h"
 #include "common/codec/blob.h"
 #include "common/error.h"
 #include "common/io/own_folder.h"
 #include "common/io/texture_finder.h"
+#include "common/printable.h"
 
 namespace lode::app {
 namespace {
@@ -190,10 +192,23 @@ void removeOthers(const fs::path& folder, const fs::path& keep) {
 }
 
 void tell(const BuildWatch& watch, const Json& line) {
-  if (!line.contains("stage") || !line["stage"].is_string() || !line.contains("fraction") ||
-      !line["fraction"].is_number())
+  if (!line.contains("doing") || !line["doing"].is_string() || !line.contains("build_fraction") ||
+      !line["build_fraction"].is_number())
     return;
-  watch(line["stage"].get<std::string>(), std::clamp(line["fraction"].get<double>(), 0.0, 1.0));
+  BuildStep step{
+      line["doing"].get<std::string>(), std::clamp(line["build_fraction"].get<double>(), 0.0, 1.0), {}};
+  if (line.contains("seconds_left") && line["seconds_left"].is_number())
+    step.seconds_left = line["seconds_left"].get<double>();
+  watch(step);
+}
+
+/// Returns a watch that prints a line every five seconds on stderr.
+BuildWatch watchInLines(const fs::path& ply) {
+  using Clock = std::chrono::steady_clock;
+  return [ply = ply.string(), log = BuildLog(Clock::now())](const BuildStep& step) mutable {
+    if (const auto line = log.add(step, Clock::now()))
+      printOnOneLine("lodestream", "building " + ply + ": " + *line);
+  };
 }
 
 /// Builds a store in a child process.
@@ -248,10 +263,11 @@ BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& 
   std::error_code ignored;
   makeOwnFolder(folder, kCacheFolderUse);
   const bool shows_progress = announce && !watch && isatty(STDERR_FILENO) == 1;
+  const BuildWatch told = announce && !watch && !shows_progress ? watchInLines(ply.path) : watch;
   BuildRecord record;
   try {
     const timespec start = fileTime();
-    const Json built = build(source, store, lock, shows_progress, stop, watch);
+    const Json built = build(source, store, lock, shows_progress, stop, told);
     record.warnings = textsIn(built, "warnings");
     record.textures_folder = source.textures_folder;
     TextureFinder finder(source.path, source.textures_folder);

@@ -2,21 +2,16 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <stop_token>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "client/app/cli/build_step.h"
 #include "client/app/cli/store_cache.h"
 #include "client/app/cli/target.h"
 
 namespace lode::app {
-
-/// Function that receives the progress of a build: the current stage and the finished fraction of this stage,
-/// 0 to 1. builtStore() calls the function on the thread of its own caller.
-using BuildWatch = std::function<void(std::string_view stage, double fraction)>;
 
 /// A store in the user's cache.
 struct BuiltStore {
@@ -29,7 +24,7 @@ struct BuiltStore {
 /// a store that the same version of the builder has built from the same file and images. Waits while another
 /// program builds the store. Prints warnings of the build on stderr. After a build, removes the least
 /// recently used stores until the cache is within its limit.
-/// @param announce   true to print progress on stderr, if stderr is a terminal.
+/// @param announce   true to print progress on stderr: a bar on a terminal, else a line every five seconds.
 /// @param stop       stop token; a stop request aborts the wait or the build, and the function throws an
 ///                   Error.
 /// @param watch      if set, receives the progress instead of stderr.

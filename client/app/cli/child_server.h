@@ -47,7 +47,7 @@ struct ResolvedTarget {
 /// Resolves a target: builds the store of a PLY file if necessary, and starts a child server for a local
 /// file.
 /// @param options   options of the connection.
-/// @param announce  true to print the progress of a build on stderr, if stderr is a terminal.
+/// @param announce  true to print the progress of a build on stderr.
 /// @param stop      stop token; a stop request aborts the build or the server's start, and the function
 ///                  throws an Error.
 /// @param watch     if set, receives the progress of a build instead of stderr.

@@ -16,13 +16,17 @@ TEST(BuildOfATarget, reportsItsStagesAndProgressUnlessTheStoreExists) {
   const WorkFolder cache;
   setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
   std::vector<std::string> stages;
-  const auto watch = [&](std::string_view stage, double fraction) {
-    EXPECT_GE(fraction, 0);
-    EXPECT_LE(fraction, 1);
-    if (stages.empty() || stages.back() != stage) stages.emplace_back(stage);
+  double last = 0;
+  const auto watch = [&](const app::BuildStep& step) {
+    EXPECT_GE(step.fraction, last);
+    EXPECT_LE(step.fraction, 1);
+    last = step.fraction;
+    if (stages.empty() || stages.back() != step.doing) stages.push_back(step.doing);
   };
   app::resolveTarget(app::PlyFile{ply}, {}, true, {}, watch);
-  EXPECT_TRUE(std::ranges::count(stages, "scan") == 1 && std::ranges::count(stages, "simplify") == 1);
+  EXPECT_TRUE(std::ranges::count(stages, "reading the file") == 1 &&
+              std::ranges::count(stages, "simplifying") == 1);
+  EXPECT_EQ(last, 1);
   stages.clear();
   app::resolveTarget(app::PlyFile{ply}, {}, true, {}, watch);
   EXPECT_TRUE(stages.empty());

@@ -103,6 +103,15 @@ TEST(ProgressBar, drawsABarOfEachStageThatStandsAlone) {
   EXPECT_EQ(linesIn(printed.finish()), 1);
 }
 
+TEST(ProgressBar, printsTheStageAndTheBuildAsJson) {
+  Printed printed(ProgressBar::Mode::kJson, kBuild);
+  const std::string text = printed.run("scan", 100ms) + printed.run("sort", 100ms);
+  const std::string first = text.substr(0, text.find('\n'));
+  EXPECT_TRUE(first.starts_with(R"({"stage":"scan","fraction":1.0,"doing":"reading the file",)")) << first;
+  const std::string end = printed.finish();
+  EXPECT_EQ(end, "") << "the last stage is printed as done";
+}
+
 TEST(ProgressBar, fitsIntoATerminalOfEightyColumns) {
   const ingest::BuildStatus status{.doing = "dividing the model",
                                    .fraction = 0.999,

@@ -119,14 +119,6 @@ TEST(Notice, explainsAFailedOpenAndHowToCloseTheWindow) {
   EXPECT_EQ(notice.text, "a.lode is damaged: build it again\nEsc or Q closes the window.");
 }
 
-TEST(BuildStage, isNumberedAmongAllStages) {
-  EXPECT_EQ(describeStage("scan"), "scan, 1 of 6");
-  EXPECT_EQ(describeStage("border"), "border, 4 of 6");
-  EXPECT_EQ(describeStage("pack"), "pack, 6 of 6");
-}
-
-TEST(BuildStage, isNotNumberedIfUnknown) { EXPECT_EQ(describeStage("polish"), "polish"); }
-
 const core::ModelBox kModel{{-1, -1, -1}, {1, 1, 1}};
 
 core::View from(glm::dvec3 eye_model) {

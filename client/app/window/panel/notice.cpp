@@ -1,7 +1,6 @@
 #include "client/app/window/panel/notice.h"
 
 #include <algorithm>
-#include <array>
 
 #include "client/app/cli/remedy_words.h"
 
@@ -18,17 +17,6 @@ std::string firstOf(std::span<const std::string> lines, size_t most) {
   if (lines.size() > most) text += "\nand " + std::to_string(lines.size() - most) + " more, on stderr";
   return text;
 }
-
-struct StageNumber {
-  std::string_view stage;
-  int number;
-};
-
-/// Build stages in order, see `--json-progress` in docs/json.md.
-constexpr std::array kStages{StageNumber{"scan", 1},        StageNumber{"textures", 1},
-                             StageNumber{"dereference", 2}, StageNumber{"sort", 3},
-                             StageNumber{"partition", 4},   StageNumber{"border", 4},
-                             StageNumber{"simplify", 5},    StageNumber{"pack", 6}};
 
 constexpr float kDotPx = 8;
 
@@ -78,13 +66,6 @@ std::string missingText(std::span<const std::string> missing) {
 
 Notice noticeOf(const Error& error) {
   return {Notice::Kind::kFailure, messageOf(error) + "\nEsc or Q closes the window."};
-}
-
-std::string describeStage(std::string_view stage) {
-  const auto* const found = std::ranges::find(kStages, stage, &StageNumber::stage);
-  if (found == kStages.end()) return std::string(stage);
-  return std::string(stage) + ", " + std::to_string(found->number) + " of " +
-         std::to_string(kStages.back().number);
 }
 
 std::string_view lostSightText(const core::ModelBox& model, const core::View& view) {

@@ -45,10 +45,6 @@ std::string missingText(std::span<const std::string> missing);
 /// Returns a notice that the target could not be opened, with the reason and the key that closes the window.
 Notice noticeOf(const Error& error);
 
-/// Describes a build stage by name and number, for example "sort, 3 of 6". A stage that only some models need
-/// has the number of the preceding stage. Returns unknown names unchanged.
-std::string describeStage(std::string_view stage);
-
 /// If the model is outside the view or only a dot, returns a text that says so and names the key that resets
 /// the view. Otherwise returns an empty text.
 std::string_view lostSightText(const core::ModelBox& model, const core::View& view);

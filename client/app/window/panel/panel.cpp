@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <span>
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
+#include "client/app/cli/build_step.h"
 #include "client/app/window/panel/panel_figures.h"
 #include "client/app/window/panel/panel_font.h"
 #include "client/app/window/panel/panel_help.h"
@@ -180,9 +180,7 @@ constexpr const char* kCancel = "Esc cancels";
 void drawWaiting(const PanelContent& content) {
   ImGui::TextUnformatted(content.waiting.c_str());
   if (content.waiting_part >= 0) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.0f %% of this stage", 100 * content.waiting_part);
-    bar(content.waiting_part, text, panelPx());
+    bar(content.waiting_part, percentInWords(content.waiting_part), panelPx());
     ImGui::TextColored(kMuted, "%s", kCancel);
     return;
   }

@@ -3,9 +3,9 @@
 #include <utility>
 #include <variant>
 
+#include "client/app/cli/build_step.h"
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/opened_target.h"
-#include "client/app/window/panel/notice.h"
 #include "common/start_thread.h"
 
 namespace lode::app {
@@ -60,8 +60,8 @@ void ModelOpener::report(std::string phase, double part) {
 
 void ModelOpener::run() {
   try {
-    const auto watch = [this, phase = firstPhase(target_)](std::string_view stage, double part) {
-      report(phase + "\n" + describeStage(stage), part);
+    const auto watch = [this, phase = firstPhase(target_)](const BuildStep& step) {
+      report(phase + "\n" + stepInWords(step), step.fraction);
     };
     const ResolvedTarget resolved = resolveTarget(target_, options_, true, stopping_.get_token(), watch);
     report("Connecting to " + net::toString(resolved.served.address));
