@@ -126,8 +126,12 @@ std::array<std::byte, kHeaderBytes> encodeHeader(const FileHeader& header) {
   return bytes;
 }
 
+bool beginsAsStore(std::span<const std::byte> bytes) noexcept {
+  return bytes.size() >= kMagic.size() && std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) == 0;
+}
+
 FileHeader decodeHeader(std::span<const std::byte, kHeaderBytes> bytes, uint64_t file_bytes) {
-  if (std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0)
+  if (!beginsAsStore(bytes))
     throw Error(ErrorCode::kInput, "is not a store: give a .lode file, or build one with lodestreamd build");
   Take take(bytes.subspan<kMagic.size()>());
   if (const auto version = take.get<uint32_t>(); version != kFormatVersion)

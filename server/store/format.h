@@ -38,6 +38,8 @@ std::array<std::byte, kHeaderBytes> encodeHeader(const FileHeader& header);
 std::vector<std::byte> encodeTable(std::span<const TableEntry> entries);
 std::array<std::byte, kFooterBytes> encodeFooter(std::span<const std::byte, kHeaderBytes> header);
 
+/// Returns true if the bytes begin with the magic of a store.
+bool beginsAsStore(std::span<const std::byte> bytes) noexcept;
 /// Decodes the header. Checks magic, version, checksum and the range of every field. Checks that the parts
 /// fill the file exactly.
 /// @throws Error kInput (not a store, or a store of another version) or kFormat.

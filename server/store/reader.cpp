@@ -14,7 +14,7 @@
 
 #include "common/error.h"
 #include "common/io/file_io.h"
-#include "common/io/packed_file.h"
+#include "common/io/foreign_file.h"
 #include "common/limits.h"
 #include "server/store/format.h"
 #include "server/store/node_tree.h"
@@ -67,6 +67,7 @@ struct Reader::State {
   explicit State(const std::filesystem::path& file_path) : path(file_path), file(file_path) {}
 
   void open();
+  void refuseForeignFile(uint64_t file_bytes) const;
   void readIndex();
   void readHierarchy();
   void readTextures();
@@ -109,17 +110,22 @@ void Reader::State::open() {
   checkRefs();
 }
 
+/// Refuses files of other formats, and stores that are too short for a header. @throws Error kInput, kFormat.
+void Reader::State::refuseForeignFile(uint64_t file_bytes) const {
+  std::array<std::byte, kForeignHeadBytes> bytes{};
+  const auto start = std::span(bytes).first(std::min<uint64_t>(file_bytes, bytes.size()));
+  file.readAt(0, start);
+  const std::string_view head(reinterpret_cast<const char*>(start.data()), start.size());
+  if (const auto foreign = foreignFileInWords(path, head)) throw Error(ErrorCode::kInput, *foreign);
+  if (file_bytes < kHeaderBytes + kFooterBytes && beginsAsStore(start))
+    failReading("truncated: it has only " + std::to_string(file_bytes) + " bytes");
+}
+
 void Reader::State::readIndex() {
   const uint64_t file_bytes = file.size();
-  if (file_bytes == 0)
-    throw Error(ErrorCode::kInput, "is empty: give a .lode file, or build one with lodestreamd build");
+  refuseForeignFile(file_bytes);
   std::array<std::byte, kHeaderBytes> header_bytes{};
   file.readAt(0, std::span(header_bytes).first(std::min<uint64_t>(file_bytes, kHeaderBytes)));
-  const std::string_view head(reinterpret_cast<const char*>(header_bytes.data()),
-                              std::min<uint64_t>(file_bytes, kHeaderBytes));
-  if (const auto packed = packedFileInWords(path, head)) throw Error(ErrorCode::kInput, *packed);
-  if (file_bytes < kHeaderBytes + kFooterBytes)
-    failReading("is not a store, or truncated: it has only " + std::to_string(file_bytes) + " bytes");
   const FileHeader header = decodeHeader(header_bytes, file_bytes);
   std::array<std::byte, kFooterBytes> footer{};
   file.readAt(file_bytes - kFooterBytes, footer);

@@ -5,6 +5,7 @@
 
 #include "client/stream/served_model.h"
 #include "common/error.h"
+#include "common/io/foreign_file.h"
 
 namespace lode::app {
 namespace {
@@ -24,11 +25,14 @@ Target parseFile(std::string_view text, const std::filesystem::path& textures_fo
   if (!std::filesystem::is_regular_file(status))
     throw Error(ErrorCode::kInput, path.string() + " is a pipe or a device; name a store or a PLY, a file");
   std::ifstream file(path, std::ios::binary);
-  std::array<char, 3> head{};
+  std::array<char, kForeignHeadBytes> bytes{};
   if (!file) throw Error(ErrorCode::kIo, path.string() + ": cannot be opened; check its permissions");
-  file.read(head.data(), head.size());
-  if (std::string_view(head.data(), head.size()) == "ply" || path.extension() == ".ply")
-    return PlyFile{path, textures_folder};
+  file.read(bytes.data(), bytes.size());
+  if (file.bad()) throw Error(ErrorCode::kIo, path.string() + ": cannot be read; check the disk");
+  const std::string_view head(bytes.data(), static_cast<size_t>(file.gcount()));
+  if (const auto foreign = foreignFileInWords(path, head))
+    throw Error(ErrorCode::kInput, path.string() + " " + *foreign);
+  if (head.starts_with("ply") || path.extension() == ".ply") return PlyFile{path, textures_folder};
   return StoreFile{path};
 }
 

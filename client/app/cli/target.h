@@ -23,7 +23,8 @@ using Target = std::variant<stream::ServedModel, StoreFile, PlyFile>;
 bool namesScene(std::string_view text);
 
 /// Parses a TARGET. @param textures_folder  folder to search first for the images of a PLY; empty: none.
-/// @throws Error kUsage for an invalid target, kIo for a missing file.
+/// @throws Error kUsage for an invalid target, kIo for a missing file, kInput for a file of another format
+/// (common/io/foreign_file.h).
 Target parseTarget(std::string_view text, const std::filesystem::path& textures_folder = {});
 /// Parses lode://host[:port] or lodes://host[:port]. The result has an empty model name. @throws Error
 /// kUsage.

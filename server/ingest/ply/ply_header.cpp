@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "common/io/packed_file.h"
+#include "common/io/foreign_file.h"
 #include "common/printable.h"
 #include "server/ingest/ply/ply_input.h"
 
@@ -135,17 +135,12 @@ class HeaderParser {
   }
 
   void checkMagic() {
-    if (text_.empty()) throw Error(ErrorCode::kInput, file_ + " is empty; copy or export the file again");
-    if (text_.starts_with("version https://git-lfs")) {
-      throw Error(ErrorCode::kInput,
-                  file_ + " is a Git LFS pointer, not the mesh itself; fetch the mesh with: git lfs pull");
-    }
     if (text_.starts_with("LODE\r\n")) {
       throw Error(ErrorCode::kInput,
                   file_ + " is a store, not a PLY file; convert it with lodestreamd export");
     }
-    if (const auto packed = packedFileInWords(path_, text_))
-      throw Error(ErrorCode::kInput, file_ + " " + *packed);
+    if (const auto foreign = foreignFileInWords(path_, text_))
+      throw Error(ErrorCode::kInput, file_ + " " + *foreign);
     if (text_.starts_with("\xef\xbb\xbf")) {
       throw Error(ErrorCode::kInput,
                   file_ + " begins with a byte-order mark; save it as UTF-8 " + "without one");

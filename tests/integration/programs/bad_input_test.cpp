@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <arpa/inet.h>
@@ -101,6 +102,33 @@ TEST(BadInput, isReportedAsAStoreIfItIsOne) {
   const auto store = makeSmallStore(folder);
   expectFailure(lodestreamd({"build", store, "-o", folder / "b.lode", "--quiet"}),
                 {"small.lode", "is a store, not a PLY file", "lodestreamd export"});
+}
+
+TEST(BadInput, isNamedByEveryCommandIfItHasAnotherFormat) {
+  const WorkFolder folder;
+  const std::vector<std::string> cache{"XDG_CACHE_HOME=" + (folder / "cache").string()};
+  const auto store = makeSmallStore(folder);
+  writeBytes(folder / "cube.obj", "# a cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  writeBytes(folder / "photo.ply", "\xff\xd8\xff\xe0");
+  for (const auto& [name, words] :
+       {std::pair{"cube.obj", "is an OBJ, neither a PLY file nor a store; Lodestream reads PLY: convert it"},
+        std::pair{"photo.ply", "is a JPEG picture, neither a PLY file nor a store; name the PLY file"}}) {
+    SCOPED_TRACE(name);
+    const std::string file = folder / name;
+    for (const char* command : {"build", "verify", "info", "serve", "doctor", "export"}) {
+      std::vector<std::string> arguments{command, file};
+      if (*command == 'b') arguments.insert(arguments.end(), {"-o", folder / "b.lode", "--quiet"});
+      if (*command == 'e') arguments.insert(arguments.end(), {"--error", "0", "-o", folder / "b.ply"});
+      const Outcome outcome = lodestreamd(arguments);
+      EXPECT_EQ(outcome.status, 1) << command;
+      expectOneLine(outcome.err);
+      EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+    }
+    expectFailure(lodestreamd({"verify", store, "--against", file}), {name, words});
+    expectFailure(lodestream({"fetch", file, "-o", folder / "cut.ply"}, cache), {name, words});
+  }
+  EXPECT_EQ(folder.contents(),
+            (std::vector<std::string>{"cube.obj", "photo.ply", "small.lode", "small.ply"}));
 }
 
 TEST(BadOutput, isRefusedByBuildIfItIsAnImageThatTheModelNames) {

@@ -67,13 +67,38 @@ TEST_F(TargetFile, isAPlyByItsContentWhateverItsName) {
 }
 
 TEST_F(TargetFile, isAPlyByItsNameEvenIfItsContentIsNot) {
-  EXPECT_TRUE(std::holds_alternative<PlyFile>(parseTarget(write("a.ply", ""))));
+  EXPECT_TRUE(std::holds_alternative<PlyFile>(parseTarget(write("a.ply", "x"))));
 }
 
 TEST_F(TargetFile, isAStoreOtherwise) {
   const std::string path = write("a.lode", "LODE\r\n");
   EXPECT_EQ(std::get<StoreFile>(parseTarget(path)).path, path);
-  EXPECT_TRUE(std::holds_alternative<StoreFile>(parseTarget(write("a", ""))));
+  EXPECT_TRUE(std::holds_alternative<StoreFile>(parseTarget(write("a", "x"))));
+}
+
+TEST_F(TargetFile, isRefusedInOneLineIfItHasAnotherFormat) {
+  struct Case {
+    const char *name, *text, *words;
+  };
+  const Case cases[] = {
+      {"a.obj", "v 0 0 0\n",
+       " is an OBJ, neither a PLY file nor a store; Lodestream reads PLY: convert it ("},
+      {"a.ply", "glTF\2", " is a GLB (binary glTF), neither a PLY file nor a store; "},
+      {"a.lode", "\x89PNG\r\n\x1a\n", " is a PNG picture, neither a PLY file nor a store; "},
+      {"b.ply", "", " is empty; copy or export it again"},
+      {"c.ply", "BZh91AY", " is compressed with bzip2; unpack it first: bzip2 -dc "},
+  };
+  for (const Case& each : cases) {
+    const std::string path = write(each.name, each.text);
+    try {
+      parseTarget(path);
+      ADD_FAILURE() << each.name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kInput);
+      EXPECT_TRUE(std::string_view(error.what()).starts_with(path + each.words)) << error.what();
+      EXPECT_EQ(std::string_view(error.what()).find('\n'), std::string_view::npos);
+    }
+  }
 }
 
 TEST_F(TargetFile, isRefusedIfMissingOrADirectory) {

@@ -133,6 +133,12 @@ TEST(Reader, namesFileAndRemedyIfAFileIsNoStore) {
   EXPECT_NE(complain("empty.lode").find("empty"), std::string::npos);
   test::writeFile(folder / "other.lode", std::vector<char>(4096, 'x'));
   EXPECT_NE(complain("other.lode").find("is not a store"), std::string::npos);
+  test::writeFile(folder / "short.lode", std::vector<char>(9, 'x'));
+  EXPECT_NE(complain("short.lode").find("is not a store"), std::string::npos);
+  test::writeFile(folder / "cut.lode", std::vector<char>{'L', 'O', 'D', 'E', '\r', '\n', '\x1a', '\n', 4});
+  EXPECT_NE(complain("cut.lode").find("truncated: it has only 9 bytes"), std::string::npos);
+  test::writeFile(folder / "a.obj", std::vector<char>{'v', ' ', '1', '\n'});
+  EXPECT_NE(complain("a.obj").find("is an OBJ, neither a PLY file nor a store"), std::string::npos);
 }
 
 TEST(Reader, reportsTheEndOfAFileTruncatedAfterOpening) {

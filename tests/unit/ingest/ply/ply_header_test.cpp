@@ -101,6 +101,9 @@ TEST(PlyHeader, namesTheErrorAndItsPlace) {
   expectMentions(headerError("BZh91AY&SY"), {"compressed with bzip2", "bzip2 -dc "});
   expectMentions(headerError(std::string("\xfd\x37zXZ\0", 6)), {"compressed with xz", "xz -dc "});
   expectMentions(headerError("\x28\xb5\x2f\xfd\x04"), {"compressed with zstd", "zstd -dc "});
+  expectMentions(headerError(std::string("glTF\2\0\0\0", 8)),
+                 {"GLB", "Lodestream reads PLY", "mesh.converted.ply`"});
+  expectMentions(headerError("\xff\xd8\xff\xe0"), {"a JPEG picture", "name the PLY file"});
   expectMentions(headerError("ply\nformat ascii 2.0\nend_header\n"), {"line 2", "version '2.0'"});
   expectMentions(headerError("ply\nformat binary 1.0\nend_header\n"), {"line 2", "'binary'"});
   expectMentions(headerError("ply\nelement vertex 1\nproperty float x\nend_header\n"), {"'format'"});
