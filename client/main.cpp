@@ -4,6 +4,7 @@
 
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/remedy_words.h"
+#include "client/app/cli/target.h"
 #include "client/loadtest/loadtest_command.h"
 #include "common/command_line.h"
 #include "common/error.h"
@@ -45,8 +46,11 @@ void declareCommands(CLI::App& program, int& exit_status) {
 
 int main(int argc, char** argv) {
   lode::endCleanlyWhenInterrupted();
-  CLI::App program("Shows models while they stream from a Lodestream server.", "lodestream");
+  CLI::App program(
+      "Shows models while they stream from a Lodestream server.\n"
+      "lodestream TARGET [OPTIONS] opens a window, as lodestream view TARGET [OPTIONS] does.",
+      "lodestream");
   const auto declare = [&](int& exit_status) { declareCommands(program, exit_status); };
   return lode::runCommandLine(program, argc, argv, declare, "give --memory-budget a smaller value",
-                              lode::app::messageOf);
+                              lode::app::messageOf, {"view", lode::app::looksLikeTarget});
 }

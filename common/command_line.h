@@ -10,6 +10,8 @@
 #include <new>
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -40,11 +42,46 @@ inline int endAfterPrinting(const CLI::App& program, int status) {
 /// Returns the message of an error for a program without remedies of its own.
 inline std::string plainMessage(const Error& error) { return error.what(); }
 
+/// Returns true if the program has a command of this name.
+inline bool hasCommand(const CLI::App& program, std::string_view name) {
+  const auto is_named = [name](const CLI::App* command) { return command->get_name() == name; };
+  return !program.get_subcommands(is_named).empty();
+}
+
+/// Returns the message about words that the program or its command does not know. Only an option can precede
+/// the command, so that a first word without a dash is a mistyped command.
+inline std::string unknownInWords(const CLI::App& program, const std::vector<std::string>& unknown) {
+  if (program.get_subcommands().empty() && !unknown.front().starts_with('-'))
+    return "unknown command: " + unknown.front();
+  return "not known here: " + CLI::detail::join(unknown, " ");
+}
+
 /// Returns the end of a message about wrong usage: "see lodestream fetch --help".
 inline std::string helpHint(const CLI::App& program) {
   std::string words = "see " + program.get_name();
   for (const CLI::App* command : program.get_subcommands()) words += " " + command->get_name();
   return words + " --help";
+}
+
+}  // namespace command_line
+
+/// The command of a command line that begins with another word than a command.
+struct DefaultCommand {
+  const char* name = nullptr;  ///< null: there is none, and such a command line is wrong
+  /// Returns true if the first word is an argument of the default command, false if it is a mistyped command.
+  bool (*takes)(std::string_view first_word) = nullptr;
+};
+
+namespace command_line {
+
+/// Returns the words of a command line, with the default command in front if they begin with its argument.
+inline std::vector<const char*> withDefaultCommand(const CLI::App& program, int argc, const char* const* argv,
+                                                   const DefaultCommand& default_command) {
+  std::vector<const char*> words(argv, argv + argc);
+  if (default_command.name != nullptr && words.size() > 1 && *words[1] != '-' &&
+      !hasCommand(program, words[1]) && default_command.takes(words[1]))
+    words.insert(words.begin() + 1, default_command.name);
+  return words;
 }
 
 }  // namespace command_line
@@ -75,22 +112,25 @@ inline void addTexturesFolder(CLI::App& command, std::filesystem::path& folder) 
 /// status.
 /// @param more_memory  remedy for the message about exhausted memory.
 /// @param message_of   returns the message of an error, with the program's words for the error's remedy.
+/// @param default_command  command to run if the command line names none.
 /// @return the exit status: 0 for success, 1 if the work failed, 2 for wrong usage.
 inline int runCommandLine(CLI::App& program, int argc, const char* const* argv,
                           const std::function<void(int& exit_status)>& declare, const char* more_memory,
-                          std::string (*message_of)(const Error&) = command_line::plainMessage) {
+                          std::string (*message_of)(const Error&) = command_line::plainMessage,
+                          const DefaultCommand& default_command = {}) {
   using namespace command_line;
   int exit_status = kDone;
   try {
     program.require_subcommand(1);
     declare(exit_status);
-    program.parse(argc, argv);
+    const std::vector<const char*> words = withDefaultCommand(program, argc, argv, default_command);
+    program.parse(static_cast<int>(words.size()), words.data());
     return endAfterPrinting(program, exit_status);
   } catch (const CLI::Success& asked) {  // --help, --version
     return endAfterPrinting(program, program.exit(asked));
   } catch (const CLI::ParseError& error) {
-    const std::string unknown = CLI::detail::join(program.remaining(true), " ");
-    const std::string what = unknown.empty() ? error.what() : "not known here: " + unknown;
+    const std::vector<std::string> unknown = program.remaining(true);
+    const std::string what = unknown.empty() ? error.what() : unknownInWords(program, unknown);
     return fail(program, what + ": " + helpHint(program), kWrongUsage);
   } catch (const Error& error) {
     return fail(program, message_of(error), error.code() == ErrorCode::kUsage ? kWrongUsage : kWorkFailed);

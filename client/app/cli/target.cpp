@@ -42,6 +42,11 @@ bool namesScene(std::string_view text) {
   return text.find("://") == std::string_view::npos && text.ends_with(".json");
 }
 
+bool looksLikeTarget(std::string_view word) {
+  std::error_code failed;
+  return word.find_first_of("./") != word.npos || std::filesystem::is_regular_file(word, failed);
+}
+
 Target parseTarget(std::string_view text, const std::filesystem::path& textures_folder) {
   if (text.find("://") == std::string_view::npos) return parseFile(text, textures_folder);
   return stream::parseServedModel(text);

@@ -22,6 +22,10 @@ using Target = std::variant<stream::ServedModel, StoreFile, PlyFile>;
 /// Returns true if a target is a scene file (scene_file.h).
 bool namesScene(std::string_view text);
 
+/// Returns true if a word can only be a TARGET, not a mistyped command: an address, a path with a slash or a
+/// dot, or the name of a file.
+bool looksLikeTarget(std::string_view word);
+
 /// Parses a TARGET. @param textures_folder  folder to search first for the images of a PLY; empty: none.
 /// @throws Error kUsage for an invalid target, kIo for a missing file, kInput for a file of another format
 /// (common/io/foreign_file.h).

@@ -275,6 +275,19 @@ TEST(WrongUsageOfLodestream, exitsWithStatus2AndOneLine) {
   }
 }
 
+TEST(WrongUsageOfLodestream, isNamedIfTheCommandIsMistyped) {
+  EXPECT_EQ(lodestream({"feetch", "x"}).err, "lodestream: unknown command: feetch: see lodestream --help\n");
+}
+
+TEST(Lodestream, opensAWindowOnATargetWithoutACommand) {
+  const WorkFolder folder;
+  const std::string missing = folder / "missing.ply";
+  EXPECT_EQ(lodestream({missing}).err, lodestream({"view", missing}).err);
+  const Outcome outcome = lodestream({missing, "--bogus"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, lodestream({"view", missing, "--bogus"}).err);
+}
+
 TEST(Lodestream, printsItsVersionForEveryCommand) {
   for (const char* command : {"", "fetch", "list"}) {
     std::vector<std::string> arguments{"--version"};

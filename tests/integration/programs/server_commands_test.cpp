@@ -188,7 +188,7 @@ TEST_F(ServerCommands, listUnknownOptionsInTheOrderInWhichTheyWereGiven) {
 }
 
 TEST_F(ServerCommands, nameAnUnknownCommand) {
-  EXPECT_EQ(run("biuld a.ply -o b.lode").err.rfind("lodestreamd: not known here: biuld", 0), 0u);
+  EXPECT_EQ(run("biuld a.ply -o b.lode").err.rfind("lodestreamd: unknown command: biuld", 0), 0u);
 }
 
 TEST_F(ServerCommands, exportRefusesEndingsOfFormatsThatItDoesNotWrite) {

@@ -1,6 +1,7 @@
 #include "common/command_line.h"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -18,18 +19,21 @@ class ACommandLine : public testing::Test {
     const auto declare = [&](int& exit_status) {
       CLI::App* command = program.add_subcommand("work", "what it does");
       command->add_flag("--fast");
+      command->add_option("thing", thing_);
       command->callback([&] {
         if (work) work(exit_status);
       });
     };
     testing::internal::CaptureStderr();
     status_ = runCommandLine(program, static_cast<int>(words.size()), words.data(), declare, "take less",
-                             message_of);
+                             message_of, default_command_);
     said_ = testing::internal::GetCapturedStderr();
   }
 
+  DefaultCommand default_command_;
   int status_ = -1;
-  std::string said_;  ///< on stderr
+  std::string thing_;  ///< argument of the command
+  std::string said_;   ///< on stderr
 };
 
 TEST_F(ACommandLine, pointsToTheHelpOfItsCommandOnWrongUsage) {
@@ -42,6 +46,35 @@ TEST_F(ACommandLine, pointsToTheHelpOfTheProgramWithoutACommand) {
   run({});
   EXPECT_NE(said_.find(": see tool --help\n"), std::string::npos) << said_;
   EXPECT_EQ(status_, 2);
+}
+
+TEST_F(ACommandLine, namesAMistypedCommand) {
+  for (const DefaultCommand& command :
+       {DefaultCommand(), DefaultCommand{"work", [](auto) { return false; }}}) {
+    default_command_ = command;
+    run({"wrok", "x"});
+    EXPECT_EQ(said_, "tool: unknown command: wrok: see tool --help\n");
+    EXPECT_EQ(status_, 2);
+  }
+}
+
+TEST_F(ACommandLine, runsTheDefaultCommandForItsArgument) {
+  default_command_ = {"work", [](std::string_view word) { return word == "a.b"; }};
+  run({"a.b", "--fast"});
+  EXPECT_EQ(status_, 0) << said_;
+  EXPECT_EQ(thing_, "a.b");
+  run({"a.b", "--slow"});
+  EXPECT_EQ(said_, "tool: not known here: --slow: see tool work --help\n");
+}
+
+TEST_F(ACommandLine, prefersACommandToTheDefaultCommand) {
+  default_command_ = {"work", [](std::string_view) { return true; }};
+  run({"work", "x"});
+  EXPECT_EQ(thing_, "x");
+  run({"--fast", "x"});
+  EXPECT_EQ(said_, "tool: not known here: --fast x: see tool --help\n");
+  run({""});
+  EXPECT_EQ(status_, 0) << said_;
 }
 
 TEST_F(ACommandLine, reportsAFailureInOneLine) {

@@ -107,6 +107,12 @@ TEST_F(TargetFile, isRefusedIfMissingOrADirectory) {
   EXPECT_EQ(codeOf([] { parseTarget(""); }), ErrorCode::kIo);
 }
 
+TEST(Target, isTakenForNoCommand) {
+  for (const std::string word : {"lode://h/a", "scan.ply", "scans/a", "/a", "./a"})
+    EXPECT_TRUE(looksLikeTarget(word)) << word;
+  for (const std::string word : {"", "feetch", "build", "-"}) EXPECT_FALSE(looksLikeTarget(word)) << word;
+}
+
 TEST(ServerUrl, namesAServerAndNoModel) {
   EXPECT_EQ(parseServerUrl("lode://h:81"), (stream::ServedModel{{"h", 81}, ""}));
   EXPECT_EQ(parseServerUrl("lodes://h/"), (stream::ServedModel{{"h", proto::kDefaultPort}, "", true}));
