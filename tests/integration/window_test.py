@@ -214,6 +214,12 @@ class Shown(WindowTest):
             with window.process.stderr as said:
                 self.assertIn(b"closed before the picture a.png was saved", said.read())
 
+    def test_fills_the_screen_and_returns_by_a_key(self):
+        with self.window() as window:
+            for size in ((1400, 900), (WIDTH, HEIGHT)):  # of display() and of the window
+                window.key("F11")
+                eventually(lambda size=size: size_of(window.picture()) == size)
+
     def test_picture_has_the_window_size_and_survives_unmapping(self):
         with self.window() as window:
             self.assertEqual(size_of(window.picture()), (WIDTH, HEIGHT))

@@ -27,6 +27,21 @@ std::string lastGlfwError() {
   return text != nullptr ? text : "no reason given";
 }
 
+/// Returns the monitor that shows a point of the desktop, or else the primary monitor; null if there is none.
+GLFWmonitor* monitorAt(int x, int y) {
+  int count = 0;
+  GLFWmonitor** const monitors = glfwGetMonitors(&count);
+  for (int i = 0; i < count; ++i) {
+    const GLFWvidmode* const mode = glfwGetVideoMode(monitors[i]);
+    int left = 0, top = 0;
+    glfwGetMonitorPos(monitors[i], &left, &top);
+    const bool is_within =
+        mode != nullptr && x >= left && x < left + mode->width && y >= top && y < top + mode->height;
+    if (is_within) return monitors[i];
+  }
+  return glfwGetPrimaryMonitor();
+}
+
 }  // namespace
 
 /// Callbacks that GLFW calls from handleEvents().
@@ -103,6 +118,29 @@ bool GlfwWindow::shouldClose() const noexcept { return glfwWindowShouldClose(win
 
 void GlfwWindow::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 
+GlfwWindow::Place GlfwWindow::place() const {
+  Place place;
+  glfwGetWindowPos(window_, &place.x, &place.y);
+  glfwGetWindowSize(window_, &place.width, &place.height);
+  return place;
+}
+
+void GlfwWindow::toggleFullScreen() {
+  if (glfwGetWindowMonitor(window_) != nullptr) {
+    glfwSetWindowMonitor(window_, nullptr, windowed_.x, windowed_.y, windowed_.width, windowed_.height,
+                         GLFW_DONT_CARE);
+    return;
+  }
+  const Place now = place();
+  GLFWmonitor* const monitor = monitorAt(now.x + now.width / 2, now.y + now.height / 2);
+  const GLFWvidmode* const mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
+  if (mode == nullptr) return;
+  windowed_ = now;
+  // The window stays visible if a window on another monitor gets the focus.
+  glfwSetWindowAttrib(window_, GLFW_AUTO_ICONIFY, GLFW_FALSE);
+  glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
+
 void GlfwWindow::copyToClipboard(const std::string& text) { glfwSetClipboardString(window_, text.c_str()); }
 
 void GlfwWindow::handleEvents(double wait_s) {
@@ -149,6 +187,9 @@ void GlfwWindow::pressKey(int key, int modifiers) {
       break;
     case GLFW_KEY_H:
       pending_.toggle_panel = !pending_.toggle_panel;
+      break;
+    case GLFW_KEY_F11:
+      pending_.toggle_full_screen = !pending_.toggle_full_screen;
       break;
     case GLFW_KEY_F12:
       pending_.screenshot = true;

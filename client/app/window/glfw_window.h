@@ -31,6 +31,9 @@ class GlfwWindow {
 
   bool shouldClose() const noexcept;
   void setTitle(const std::string& title);
+  /// Switches between full screen, on the monitor with the window's centre, and the former window. Does
+  /// nothing without a monitor.
+  void toggleFullScreen();
   void copyToClipboard(const std::string& text);
   /// Returns true if a gamepad that GLFW can map is connected. Gamepads send no events, so poll them.
   bool hasGamepad() const noexcept;
@@ -56,7 +59,14 @@ class GlfwWindow {
   FlyKeys heldKeys() const;
   void takeGamepad(Input& input);
 
+  /// A rectangle of the desktop, in screen coordinates.
+  struct Place {
+    int x = 0, y = 0, width = 0, height = 0;
+  };
+  Place place() const;
+
   GLFWwindow* window_ = nullptr;
+  Place windowed_;  ///< place of the window before full screen
   Input pending_;
   std::optional<Covered> covered_;
   bool pressed_covered_ = false;  ///< true while a mouse button that went down over the panel is held

@@ -25,6 +25,7 @@ struct Input {
   // Keys that were pressed since the last frame. Two presses of a toggle key cancel each other.
   bool reset_camera = false;
   bool toggle_wireframe = false, toggle_panel = false, toggle_help = false, toggle_settings = false;
+  bool toggle_full_screen = false;
   bool any_key = false;  ///< a key other than Shift, Ctrl, Alt or Super was pressed
   int bookmark = 0;      ///< 1 to 9: number of the bookmark to use; 0: none
   /// True stores the camera in the bookmark; false moves the camera to the bookmark.

@@ -35,6 +35,7 @@ void Viewer::obeyKeys(Input& input) {
   if (input.bookmark != 0) noteBookmark(input);
   if (input.toggle_panel) content_.visible = !content_.visible;
   if (input.toggle_settings) content_.shows_settings = !content_.shows_settings;
+  if (input.toggle_full_screen) window_.toggleFullScreen();
   if (input.screenshot) picture_request_.ask(Clock::now());
   pacing_.sharpen(input.finer);
 }

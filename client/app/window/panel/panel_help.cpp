@@ -51,7 +51,7 @@ constexpr std::array kCommonHelp{
     KeyHelp{"+  -", "finer or coarser detail"},
     KeyHelp{"P  F12", "record the camera path; save a screenshot"},
     KeyHelp{"O", "settings"},
-    KeyHelp{"H  F1", "hide the panel; show this help"},
+    KeyHelp{"H  F11  F1", "hide the panel; full screen; show this help"},
     KeyHelp{"Esc", "quit"},
 };
 
