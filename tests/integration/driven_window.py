@@ -4,6 +4,7 @@
 Each test has its own Xvfb. xdotool presses keys and moves the pointer; xclip reads the clipboard. The tests
 check the results of the window: recorded cameras (P), pictures (F12), copied texts (C), its exit status. """
 import contextlib
+import ctypes
 import json
 import math
 import os
@@ -63,6 +64,14 @@ def served_without_blobs():
         between.shutdown()
 
 
+class SelectionEvent(ctypes.Structure):
+    """XSelectionEvent of Xlib, as large as XEvent."""
+
+    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int), ("display", ctypes.c_void_p),
+                ("requestor", ctypes.c_ulong), ("selection", ctypes.c_ulong), ("target", ctypes.c_ulong),
+                ("property", ctypes.c_ulong), ("time", ctypes.c_ulong), ("rest", ctypes.c_ulong * 15)]
+
+
 class Window:
     """Runs `lodestream view` on a display, with its files in a folder. The end of the `with` ends the
     program."""
@@ -105,6 +114,19 @@ class Window:
         self.process.send_signal(signal.SIGSTOP)
         yield
         self.process.send_signal(signal.SIGCONT)
+
+    def drop(self, *files):
+        """Drops files on the window: sends the last message of a drag, which has the list of files."""
+        uris = "".join(f"{pathlib.Path(file).absolute().as_uri()}\r\n" for file in files).encode()
+        x11 = ctypes.CDLL("libX11.so.6")
+        x11.XOpenDisplay.restype, x11.XInternAtom.restype = ctypes.c_void_p, ctypes.c_ulong
+        screen = ctypes.c_void_p(x11.XOpenDisplay(self.environment["DISPLAY"].encode()))
+        window = ctypes.c_ulong(int(self.id))
+        selection, uri_list = (ctypes.c_ulong(x11.XInternAtom(screen, name, 0)) for name in (b"XdndSelection", b"text/uri-list"))
+        x11.XChangeProperty(screen, window, selection, uri_list, 8, 0, uris, len(uris))
+        event = SelectionEvent(type=31, requestor=window, selection=selection, target=uri_list, property=selection)
+        x11.XSendEvent(screen, window, 0, ctypes.c_long(0), ctypes.byref(event))
+        x11.XCloseDisplay(screen)
 
     def drag(self, start, *ends):
         """Moves the pointer from point to point. The window draws a picture at each point."""

@@ -118,6 +118,49 @@ class IncompleteScene(WindowTest):
         return place_of(self.picked(window, (WIDTH * 3 // 4, MIDDLE[1])))[0]
 
 
+class Dropped(WindowTest):
+    """A file that is dropped on the window opens in place of the model."""
+
+    def test_models_and_scenes_open_one_after_another(self):
+        with tempfile.TemporaryDirectory() as folder, self.window() as window:
+            ply, scene, store = (pathlib.Path(folder, name) for name in ("a b.ply", "two.json", "c.lode"))
+            subprocess.run([BIN / "lodestreamd", "sample", "gyroid", "--triangles", "4000", "-o", ply], check=True,
+                           capture_output=True)
+            scene.write_text(json.dumps({"models": {"a": str(STORE)}, "instances": [{"model": "a"}]}))
+            store.symlink_to(STORE)
+            window.key("h")  # the panel would differ
+            window.key("r")
+            before = lower_half(window.picture())
+            for file, title in ((ply, "a b"), (scene, "two.json"), (store, "c")):
+                window.drop(file, STORE)
+                eventually(lambda title=title: self.title(window) == f"{title} - Lodestream")  # once it is open
+            eventually(lambda: lower_half(window.picture()) == before)
+            self.assertEqual(window.leave(), 0)
+
+    def test_files_that_are_no_model_leave_the_model(self):
+        with tempfile.TemporaryDirectory() as folder, self.window() as window:
+            obj = pathlib.Path(folder, "a.obj")
+            obj.write_text("v 0 0 0\n")
+            title = self.title(window)
+            for file in (obj, folder, obj.with_name("gone.ply")):
+                window.drop(file)
+                window.picture()
+                self.assertEqual(self.title(window), title)
+                window.click(MIDDLE)
+                self.assertIn("LOD", window.copied())
+            self.assertEqual(window.leave(), 0)
+
+    def test_file_replaces_a_target_that_cannot_be_opened(self):
+        with self.window(f"lode://127.0.0.1:{free_port()}/painted", is_open=False, stderr=subprocess.DEVNULL) as window:
+            window.drop(STORE)
+            eventually(lambda: self.title(window) == "painted - Lodestream")
+            self.assertEqual(window.leave(), 0)
+
+    @staticmethod
+    def title(window):
+        return window.xdotool("getwindowname", window.id).strip()
+
+
 class Connection(WindowTest):
     def test_attempt_without_an_answer_does_not_delay_closing(self):
         with socket.create_server(("127.0.0.1", 0)) as silent:

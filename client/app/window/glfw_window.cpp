@@ -59,6 +59,10 @@ struct GlfwWindow::Callbacks {
     of(window).pressButton(button, action == GLFW_PRESS);
   }
   static void refresh(GLFWwindow* window) { of(window).pending_.damaged = true; }
+  /// Takes the first of the dropped files.
+  static void drop(GLFWwindow* window, int count, const char** paths) {
+    if (count > 0) of(window).pending_.dropped = paths[0];
+  }
   static void wheel(GLFWwindow* window, double, double y) { of(window).turnWheel(y); }
 };
 
@@ -88,6 +92,7 @@ GlfwWindow::GlfwWindow(uint32_t width_px, uint32_t height_px, const std::string&
   glfwSetCursorPosCallback(window_, Callbacks::pointer);
   glfwSetMouseButtonCallback(window_, Callbacks::button);
   glfwSetScrollCallback(window_, Callbacks::wheel);
+  glfwSetDropCallback(window_, Callbacks::drop);
   glfwSetWindowRefreshCallback(window_, Callbacks::refresh);
 }
 

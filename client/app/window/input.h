@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include <glm/glm.hpp>
 
 #include "client/app/window/camera/cameras.h"
@@ -38,6 +40,8 @@ struct Input {
   /// Q was pressed; it quits if the scene failed to open, and otherwise moves the camera down.
   bool quit_where_idle = false;
 
+  std::string dropped;  ///< path of a file that was dropped on the window; empty: none
+
   bool over_panel = false;  ///< the mouse was used on the panel instead of the picture
   bool damaged = false;     ///< the system has lost the window's contents; draw them again
 
@@ -45,7 +49,8 @@ struct Input {
     return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
            fly.up != 0 || fly.forward != 0 || pad_turn != glm::dvec2(0) || next_camera != 0 || reset_camera ||
            next_axis != 0 || toggle_wireframe || toggle_panel || next_show != 0 || bookmark != 0 ||
-           finer != 0 || screenshot || copy || record || pressed || clicked || any_key || quit || over_panel;
+           finer != 0 || screenshot || copy || record || pressed || clicked || any_key || quit ||
+           over_panel || !dropped.empty();
   }
 };
 

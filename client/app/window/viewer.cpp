@@ -33,7 +33,8 @@ Viewer::Viewer(const ViewOptions& options)
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
       panel_(window_.handle()),
-      scene_(options.common, isInteractive() ? MissingModels::kAllowed : MissingModels::kRefused),
+      scene_(std::make_unique<ViewedScene>(
+          options.common, isInteractive() ? MissingModels::kAllowed : MissingModels::kRefused)),
       pacing_(
           {.threshold_px = options.common.pixels,
            .is_fixed = options.is_threshold_fixed,
@@ -73,17 +74,17 @@ bool Viewer::isLeaving() const { return done_ || window_.shouldClose(); }
 
 /// Returns true if the final cut of the current view is on the GPU.
 bool Viewer::settled() const {
-  const stream::StreamStatus& status = scene_.status();
+  const stream::StreamStatus& status = scene_->status();
   return rig_ && status.settled && status.cut && status.cut->view == drawnView() &&
-         status.cut->threshold_px == pacing_.askedPx() && scene_.uploaded();
+         status.cut->threshold_px == pacing_.askedPx() && scene_->uploaded();
 }
 
 /// Returns the time to wait for input, which is long while nothing changes and short while streams refine.
 double Viewer::waitSeconds() const {
   if (isMinimized() || (failed_ && redraws_.frames() == 0)) return kIdleWaitS;
   if (isWorthWaiting()) return kCoarserWaitS;
-  if ((rig_ && moved_) || redraws_.frames() > 0 || uploading_ || scene_.fading()) return 0;
-  return (settled() || scene_.status().ended) && !window_.hasGamepad() ? kIdleWaitS : kStreamingWaitS;
+  if ((rig_ && moved_) || redraws_.frames() > 0 || uploading_ || scene_->fading()) return 0;
+  return (settled() || scene_->status().ended) && !window_.hasGamepad() ? kIdleWaitS : kStreamingWaitS;
 }
 
 void Viewer::frame() {
@@ -94,6 +95,7 @@ void Viewer::frame() {
   Input input = window_.takeInput();
   scrollPanel(input);
   obeyKeys(input);
+  if (!input.dropped.empty() && isInteractive()) openInstead(input.dropped);
   openWhenReady();
   if (const auto written = picture_writer_.take()) noteWritten(*written);
   if (isMinimized()) return passUnseen();
@@ -129,17 +131,17 @@ void Viewer::passUnseen() {
 /// Returns how the next picture would differ from the last drawn one.
 Difference Viewer::difference(const Input& input) const {
   using enum Difference;
-  if (input.any() || input.damaged || uploading_ || scene_.fading()) return kPicture;
+  if (input.any() || input.damaged || uploading_ || scene_->fading()) return kPicture;
   if (rig_ && !options_.screenshot.empty()) return kPicture;  // count frames until the picture is due
-  if (traitsOf(style_.show).shows_time && scene_.ageing()) return kPicture;
-  const bool is_same_picture = scene_.drawnSerial() == drawn_.serial && isQuick() == drawn_.is_quick &&
+  if (traitsOf(style_.show).shows_time && scene_->ageing()) return kPicture;
+  const bool is_same_picture = scene_->drawnSerial() == drawn_.serial && isQuick() == drawn_.is_quick &&
                                (!rig_ || rig_->view() == drawn_.view);
   return is_same_picture ? differenceOf(content_, drawn_.content) : kPicture;
 }
 
 /// Returns true if drawing should wait, because a much coarser cut will arrive soon.
 bool Viewer::isWorthWaiting() const {
-  return rig_ && pacing_.isWorthWaiting(drawnThresholdPx(), scene_.uploaded(), Clock::now());
+  return rig_ && pacing_.isWorthWaiting(drawnThresholdPx(), scene_->uploaded(), Clock::now());
 }
 
 /// Shows the error in the window, which stays open because the user may have no terminal. With --screenshot
@@ -154,23 +156,58 @@ void Viewer::fail(const Error& error) {
 
 void Viewer::openWhenReady() {
   if (rig_ || failed_) return;
-  const ViewedScene::Opening opening = scene_.open();
+  const ViewedScene::Opening opening = scene_->open();
   if (opening.error) return fail(*opening.error);
   content_.waiting = opening.phase;
   content_.waiting_part = opening.part;
   content_.waited_s = secondsSince(started_);
   if (!opening.is_open) return;
-  const ModelSummary& summary = scene_.summary();
+  const ModelSummary& summary = scene_->summary();
   opened_ = Clock::now();
   content_.is_open = true;
-  core::Framing framing = scene_.framing();
+  core::Framing framing = scene_->framing();
   framing.covered = coveredShare();
   rig_.emplace(summary, framing, wanted_path_, window_.widthPx(), window_.heightPx());
   content_.title = summary.name;
-  content_.warning = warningOf(scene_.warnings());
-  for (const std::string& model : scene_.missing())
+  content_.warning = warningOf(scene_->warnings());
+  for (const std::string& model : scene_->missing())
     printOnOneLine("lodestream", options_.common.target + ": " + model);
   window_.setTitle(summary.name + " - Lodestream");
+}
+
+/// Opens a file in place of the scene. If the file is no target, notes the reason and keeps the scene. The
+/// options that fit only the former target no longer apply: its camera path, up axis and offline use.
+void Viewer::openInstead(const std::string& file) {
+  CommonOptions common = options_.common;
+  common.target = file;
+  common.camera_file.clear();
+  common.up_text.clear();
+  common.offline = false;
+  common.memory_text = std::to_string(memory_bytes_);  // the settings may have changed it
+  std::unique_ptr<ViewedScene> scene;
+  try {
+    scene = std::make_unique<ViewedScene>(common, MissingModels::kAllowed);
+  } catch (const Error& error) {
+    return note(messageOf(error));
+  }
+  if (recorder_.recording()) saveRecording();
+  rig_.reset();  // refers to the scene
+  scene_ = std::move(scene);
+  options_.common = std::move(common);
+  wanted_path_.reset();
+  failed_.reset();
+  picks_.clear();
+  progress_ = {};
+  drawn_ = {};
+  uploading_ = false;
+  started_ = opened_ = Clock::now();
+  PanelContent content;
+  content.title = file;
+  content.visible = content_.visible;
+  content.shows_settings = content_.shows_settings;
+  content_ = std::move(content);
+  setMemoryBudget(memory_bytes_);
+  window_.setTitle(file + " - Lodestream");
 }
 
 void Viewer::noteFlight(std::optional<uint64_t> number) {
@@ -194,10 +231,10 @@ void Viewer::takeTimes() {
 }
 
 void Viewer::stream() {
-  scene_.update(drawnView(), pacing_.askedPx());
-  uploading_ = !scene_.uploaded();
+  scene_->update(drawnView(), pacing_.askedPx());
+  uploading_ = !scene_->uploaded();
   const Clock::time_point start = Clock::now();
-  scene_.uploadInRenderThread();
+  scene_->uploadInRenderThread();
   uploads_ms_ += secondsSince(start) * 1e3;
 }
 
@@ -231,7 +268,7 @@ core::View Viewer::drawnView() const {
 
 /// Returns the threshold of the coarsest drawn cut, in pixels of the next picture; 0 while no cut is drawn.
 float Viewer::drawnThresholdPx() const {
-  return static_cast<float>(scene_.drawnThresholdRad() * focalPx(drawnView()));
+  return static_cast<float>(scene_->drawnThresholdRad() * focalPx(drawnView()));
 }
 
 const render::Framebuffer& Viewer::target(const core::View& view) {
@@ -260,7 +297,7 @@ void Viewer::draw() {
   const render::Framebuffer& target = this->target(view);
   const std::optional<uint64_t> number = timer_.begin();
   if (rig_) style_.up = rig_->up();
-  const render::DrawCounts drawn = scene_.draw(view, target, style_, time());
+  const render::DrawCounts drawn = scene_->draw(view, target, style_, time());
   if (rig_ && darkensHollows() && !isQuick()) occlusion_.darken(target, rig_->view().fov_y_rad, style_.show);
   target.resolve();
   target.copyTo(0, window_.widthPx(), window_.heightPx());
@@ -268,9 +305,9 @@ void Viewer::draw() {
   content_.nodes = drawn.nodes;
   content_.error_px = drawn.error_px;
   content_.legend =
-      legendOf(style_.show, scene_.inPicture(), std::max(drawnThresholdPx(), kLeastThresholdPx));
+      legendOf(style_.show, scene_->inPicture(), std::max(drawnThresholdPx(), kLeastThresholdPx));
   const std::optional<render::Coarsening> coarsening = coarseningOf(drawn, view);
-  drawn_ = {rig_ ? rig_->view() : view, scene_.drawnSerial(), isQuick(), content_};
+  drawn_ = {rig_ ? rig_->view() : view, scene_->drawnSerial(), isQuick(), content_};
   pacing_.draw(coarsening, Clock::now());
   panel_.prepare(window_.contentScale(), content_);
   panel_.draw(content_);
@@ -284,14 +321,14 @@ void Viewer::draw() {
 }
 
 void Viewer::describe() {
-  app::describe(scene_, {.is_settled = settled(), .is_offline = options_.common.offline}, content_);
+  app::describe(*scene_, {.is_settled = settled(), .is_offline = options_.common.offline}, content_);
   if (failed_) content_.notice = noticeOf(*failed_);
-  const auto& cut = scene_.status().cut;
+  const auto& cut = scene_->status().cut;
   content_.progress = cut ? progress_.update(cut->max_error_px, pacing_.askedPx(), content_.converged) : 0;
   if (rig_) {
-    content_.model_triangles = scene_.summary().triangles;
-    content_.missing = missingText(scene_.missing());
-    const bool is_waiting = drawnThresholdPx() == 0 && !scene_.status().ended;
+    content_.model_triangles = scene_->summary().triangles;
+    content_.missing = missingText(scene_->missing());
+    const bool is_waiting = drawnThresholdPx() == 0 && !scene_->status().ended;
     content_.waiting = is_waiting ? "Loading the first picture" : "";
     content_.waiting_part = -1;
     content_.waited_s = is_waiting ? secondsSince(started_) : 0;
@@ -302,9 +339,10 @@ void Viewer::describe() {
   content_.scale = isQuick() ? pacing_.scale() : 1;
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
   content_.pick = picks_.lines();
-  content_.lost = rig_ ? lostSightText(core::toModelBox(scene_.summary().box, scene_.summary().lattice.step),
-                                       rig_->view())
-                       : "";
+  content_.lost = rig_
+                      ? lostSightText(core::toModelBox(scene_->summary().box, scene_->summary().lattice.step),
+                                      rig_->view())
+                      : "";
   content_.marks = rig_ ? marksOf(picks_, rig_->view()) : PickMarks();
   content_.recording = recorder_.recording();
   content_.show = nameOf(style_.show);

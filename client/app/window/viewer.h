@@ -52,6 +52,7 @@ class Viewer {
   void passUnseen();
   void fail(const Error& error);
   void openWhenReady();
+  void openInstead(const std::string& file);
   void takeTimes();
   void stream();
   Difference difference(const Input& input) const;
@@ -97,13 +98,13 @@ class Viewer {
   [[noreturn]] void refuseScreenshot() const;
   void noteWritten(const PictureWriter::Written& written);
 
-  const ViewOptions options_;
-  const std::optional<core::CameraPath> wanted_path_;
+  ViewOptions options_;
+  std::optional<core::CameraPath> wanted_path_;
   GlfwWindow window_;
   const bool draws_in_software_ = render::drawsInSoftware();
   const render::OcclusionCulling occlusion_culling_ = render::fastestOcclusionCulling();
   Panel panel_;
-  ViewedScene scene_;
+  std::unique_ptr<ViewedScene> scene_;  ///< never null
   /// Framebuffers: `smooth_` has several samples per pixel, `quick_` has one.
   std::optional<render::Framebuffer> smooth_, quick_;
   render::AmbientOcclusion occlusion_;

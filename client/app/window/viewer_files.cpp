@@ -40,7 +40,7 @@ void Viewer::saveScreenshots() {
     if (converged_frames_ > Redraws::kFramesToSettle) {
       render::writePng(options_.screenshot, window_.readBack());
       has_screenshot_ = done_ = true;
-    } else if (!content_.converged && (scene_.status().ended || settled() || isTimeOver())) {
+    } else if (!content_.converged && (scene_->status().ended || settled() || isTimeOver())) {
       refuseScreenshot();
     }
   }
@@ -50,11 +50,11 @@ void Viewer::saveScreenshots() {
 
 /// Throws an Error with the reason why the picture of --screenshot cannot be complete.
 void Viewer::refuseScreenshot() const {
-  if (scene_.overBudget())
+  if (scene_->overBudget())
     throw Error(ErrorCode::kLimit, options_.common.target +
                                        ": the GPU has no room for all of the screenshot; allow more with "
                                        "--memory-budget, or a larger error with --pixels");
-  refuseUnconverged("the screenshot's view", scene_.status(), options_.common);
+  refuseUnconverged("the screenshot's view", scene_->status(), options_.common);
 }
 
 void Viewer::noteWritten(const PictureWriter::Written& written) {

@@ -30,7 +30,7 @@ void Viewer::obeyKeys(Input& input) {
   if (input.toggle_wireframe) show_.toggleWireframe();
   show_.step(input.next_show);
   style_.show = show_.shown();
-  if (scene_.hasFixedUp() && std::exchange(input.next_axis, 0) != 0)
+  if (scene_->hasFixedUp() && std::exchange(input.next_axis, 0) != 0)
     note("the scene's file sets the up axis");
   if (input.bookmark != 0) noteBookmark(input);
   if (input.toggle_panel) content_.visible = !content_.visible;
@@ -61,7 +61,7 @@ void Viewer::openOrCloseHelp(const Input& input) {
 
 /// Returns the nearest surface point drawn at a pixel.
 std::optional<PickedPoint> Viewer::under(const glm::dvec2& pixel_px) {
-  return scene_.under(rig_->view(), pixel_px);
+  return scene_->under(rig_->view(), pixel_px);
 }
 
 /// Picks a point, then copies the picks if requested. The order matters, because a click in the same frame
@@ -112,7 +112,7 @@ void Viewer::moveCamera(const Input& input, double seconds) {
   const core::View before = rig_->view();
   const CameraKind kind_before = rig_->kind();
   const auto ground = [this](const glm::dvec3& point) -> std::optional<Ground> {
-    return scene_.groundBelow(rig_->view(), point, rig_->up());
+    return scene_->groundBelow(rig_->view(), point, rig_->up());
   };
   std::optional<glm::dvec3> start;
   if (input.next_camera != 0) start = startOfWalk(input.pointer_px, ground);
@@ -123,7 +123,7 @@ void Viewer::moveCamera(const Input& input, double seconds) {
 
 void Viewer::fly() {
   if (!pilot_) return;
-  const Pilot::State state = pilot_->fly(scene_, isTimeOver(), *rig_);
+  const Pilot::State state = pilot_->fly(*scene_, isTimeOver(), *rig_);
   moved_ = moved_ || state != Pilot::State::kWaiting;
   done_ = done_ || state == Pilot::State::kOver;
 }
@@ -152,7 +152,7 @@ void Viewer::apply(const Settings& wanted) {
   if (wanted.threshold_px != now.threshold_px) pacing_.setThreshold(wanted.threshold_px);
   if (wanted.fps != now.fps) pacing_.setRate(wanted.fps);
   if (wanted.memory_bytes == now.memory_bytes) return;
-  scene_.setMemory(wanted.memory_bytes);
+  scene_->setMemory(wanted.memory_bytes);
   setMemoryBudget(wanted.memory_bytes);
 }
 

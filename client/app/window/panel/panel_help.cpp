@@ -51,6 +51,7 @@ constexpr std::array kCommonHelp{
     KeyHelp{"+  -", "finer or coarser detail"},
     KeyHelp{"P  F12", "record the camera path; save a screenshot"},
     KeyHelp{"O", "settings"},
+    KeyHelp{"drop a file", "open it in this window"},
     KeyHelp{"H  F11  F1", "hide the panel; full screen; show this help"},
     KeyHelp{"Esc", "quit"},
 };
