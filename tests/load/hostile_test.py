@@ -100,7 +100,7 @@ class HostileServers(unittest.TestCase):
                 self.assertIn(run.process.returncode, (0, 1))
                 if run.process.returncode != 0:
                     self.assertRegex("\n".join(run.lines), r"(?m)^(lodestream|embedded_client): .*\w")
-                elif client not in GOOD_ENDS and name not in HARMLESS:
+                elif not SANITIZED and client not in GOOD_ENDS and name not in HARMLESS:  # a slow flood lets a client end well
                     self.fail(f"it came to a good end: {run.lines}")
         if "HOSTILE_TABLE" in os.environ:
             for client, run in runs.items():
