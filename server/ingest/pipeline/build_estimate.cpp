@@ -7,7 +7,7 @@ namespace lode::ingest {
 namespace {
 
 enum class Items : uint8_t {
-  kNone,
+  kUncounted,
   kReported,   ///< `done` and `total` of the reports
   kTriangles,  ///< `done` and `total` of the reports; `total` is the number of the model's triangles
   kFraction    ///< the finished fraction of the model's triangles
@@ -26,11 +26,11 @@ constexpr std::array<StageTraits, BuildEstimate::kStages> kTraits{{
     {"scan", "reading the file", 0.053, 1, Items::kReported, "B"},
     {"textures", "preparing images", 0, 0, Items::kReported, "tiles"},
     {"dereference", "making triangles", 0.06, 0.3, Items::kReported, "faces"},
-    {"sort", "sorting triangles", 0.055, 0.3, Items::kNone, ""},
+    {"sort", "sorting triangles", 0.055, 0.3, Items::kUncounted, ""},
     {"partition", "dividing the model", 0.08, 0.3, Items::kTriangles, "triangles"},
-    {"border", "matching borders", 0.02, 0.3, Items::kNone, ""},
+    {"border", "matching borders", 0.02, 0.3, Items::kUncounted, ""},
     {"simplify", "simplifying", 2.7, 0, Items::kFraction, "triangles"},
-    {"pack", "writing the store", 0.004, 1, Items::kNone, ""},
+    {"pack", "writing the store", 0.004, 1, Items::kUncounted, ""},
 }};
 constexpr size_t kScan = 0;
 constexpr double kShortestRateS = 0.1;  ///< a rate of a shorter time says little
@@ -67,7 +67,7 @@ void BuildEstimate::countItems(uint64_t done, uint64_t total) {
   if (items == Items::kFraction) {
     total_ = triangles_;
     done_ = fraction_ * total_;
-  } else if (items != Items::kNone) {
+  } else if (items != Items::kUncounted) {
     total_ = static_cast<double>(total);
     done_ = static_cast<double>(done);
   }
