@@ -21,7 +21,7 @@ namespace lode::app {
 
 /// A request, and the time at which a client with an infinitely fast link would send it.
 struct TracedRequest {
-  double t_s = 0;  ///< time from the start of the path
+  double t_s = 0;  ///< seconds since the camera started along its path
   core::Request request;
   std::optional<core::DecodeJob> decode;  ///< job that decodes the blob, without the bytes; empty for pages
 };

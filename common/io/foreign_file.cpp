@@ -123,7 +123,7 @@ constexpr std::array kPictures{
 
 constexpr std::string_view kNeither = ", neither a PLY file nor a store; ";
 
-/// Returns the entry of a table whose signature begins a file, or null.
+/// Finds the entry of a table whose signature is at the start of the file. Returns null if there is none.
 template <class Formats>
 const typename Formats::value_type* formatOf(const Formats& formats, std::string_view head) {
   const auto found =

@@ -12,7 +12,7 @@ namespace lode {
 /// text of the message, or a pair of codes that the program puts in words.
 struct FolderUse {
   const char* what;
-  const char* remedy = nullptr;        ///< text; null: the errors carry the codes below
+  const char* remedy = nullptr;        ///< advice in the error's text; if null, the error has a code below
   Remedy if_not_made = Remedy::kNone;  ///< remedy if the system refuses to make the folder
   Remedy if_foreign = Remedy::kNone;   ///< remedy if isOwnFolder() is false for an existing path
 };

@@ -16,7 +16,7 @@ namespace lode::app {
 class Interruption {
  public:
   /// @param message  message of the error that check() throws.
-  /// @param hint  added to the message if the process ends before the work does; may be empty.
+  /// @param hint  text after the message if the thread ends the process before check() throws; may be empty.
   Interruption(const char* message, const char* hint);
   ~Interruption();
   Interruption(const Interruption&) = delete;

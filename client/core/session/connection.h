@@ -12,7 +12,7 @@ namespace lode::core {
 
 /// Longest wait before the first retry. This limit grows by 50 % with each retry, up to kLastRetry.
 constexpr std::chrono::milliseconds kFirstRetry{500};
-constexpr std::chrono::seconds kLastRetry{30};  ///< upper limit of all waits
+constexpr std::chrono::seconds kLastRetry{30};  ///< longest wait before a retry
 /// Longest wait before reconnecting after the server has announced its shutdown.
 constexpr std::chrono::milliseconds kMoveOn{200};
 

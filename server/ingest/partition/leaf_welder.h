@@ -14,9 +14,9 @@
 
 namespace lode::ingest {
 
-/// Welds the triangles of each leaf into a mesh. Adds the leaf's border vertices, with their normal fans, to
-/// a border table. A border vertex lies on an edge that has one triangle of the leaf, or more than two. Do
-/// not use the table elsewhere until finish() has returned.
+/// Welds the triangles of each leaf into a mesh. Adds the leaf's border vertices to a border table, each
+/// with its fan, the triangles that give its normal. A border vertex lies on an edge that has one triangle of
+/// the leaf, or more than two. Do not use the table elsewhere until finish() has returned.
 class LeafWelder {
  public:
   /// A function that receives each leaf's mesh as putLeaf() wrote it, in the order of add().
