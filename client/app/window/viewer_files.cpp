@@ -44,7 +44,9 @@ void Viewer::saveScreenshots() {
       refuseScreenshot();
     }
   }
-  if (picture_request_.take(redraws_.frames() == 0 || isLeaving(), Clock::now()))
+  const bool is_at_rest =
+      redraws_.frames() == 0 && (rig_ || failed_);  // not while the target is being opened
+  if (picture_request_.take(is_at_rest || isLeaving(), Clock::now()))
     picture_writer_.write(timedName("png"), window_.readBack());
 }
 
