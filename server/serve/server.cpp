@@ -81,6 +81,7 @@ struct Server::State {
   void closeAcceptor();
 
   MemoryReserve reserve;
+  size_t blocks_taken = 0;  ///< value of MemoryReserve::taken() at the last maintain()
   ServeOptions options;
   /// Initialized here, because the limit must be raised before stores are opened.
   const uint64_t open_files = raiseOpenFileLimit();
@@ -269,7 +270,8 @@ void Server::State::run() {
 /// the used part still falls, because each connection that is still closing frees more memory.
 void Server::State::maintain() {
   readers.tick();
-  if (reserve.refill() > 0)
+  MemoryReserve::refill();
+  if (const size_t taken = MemoryReserve::taken(); std::exchange(blocks_taken, taken) != taken)
     log->write(LogKind::kSystem, "the system has no memory left; the server used its reserve");
   const uint64_t used = budget.used();
   const bool falls = used < std::exchange(last_used_bytes, used);

@@ -10,31 +10,44 @@ namespace lode::serve {
 namespace {
 
 std::mutex mutex;
-/// Blocks of the reserve; the mutex guards them and in_hand.
+/// Blocks of the reserve; the mutex guards all variables.
 std::array<void*, MemoryReserve::kBlocks> blocks;
-size_t in_hand = 0;
+size_t in_hand = 0, blocks_taken = 0;
+bool exists = false;
 
 }  // namespace
 
+MemoryReserve::MemoryReserve() noexcept {
+  exists = true;
+  refill();
+}
+
 MemoryReserve::~MemoryReserve() {
   const std::lock_guard lock(mutex);
+  exists = false;
   while (in_hand > 0) std::free(blocks[--in_hand]);
 }
 
 void* MemoryReserve::take(size_t bytes) noexcept {
   const std::lock_guard lock(mutex);
-  return bytes > kBlockBytes || in_hand == 0 ? nullptr : blocks[--in_hand];
+  if (bytes > kBlockBytes || in_hand == 0) return nullptr;
+  ++blocks_taken;
+  return blocks[--in_hand];
 }
 
-size_t MemoryReserve::refill() noexcept {
+bool MemoryReserve::refill() noexcept {
   const std::lock_guard lock(mutex);
-  const size_t missing = kBlocks - in_hand;
-  while (in_hand < kBlocks) {
+  while (exists && in_hand < kBlocks) {
     void* const block = std::malloc(kBlockBytes);
-    if (block == nullptr) break;
+    if (block == nullptr) return false;
     blocks[in_hand++] = block;
   }
-  return missing;
+  return true;
+}
+
+size_t MemoryReserve::taken() noexcept {
+  const std::lock_guard lock(mutex);
+  return blocks_taken;
 }
 // NOLINTEND(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory)
 

@@ -7,12 +7,13 @@ namespace lode::serve {
 /// Reserve of memory blocks that serve small allocations after malloc has failed. Without the reserve, the
 /// process could end, because asio calls std::terminate() if the state of an operation cannot be allocated.
 /// The program's operator new (server/operator_new.cpp) uses these blocks. Allocations larger than a block
-/// still throw std::bad_alloc. A process can have only one reserve. Thread safe.
+/// still throw std::bad_alloc. The acceptor refuses connections while a block is missing, because each new
+/// connection needs several blocks. A process can have only one reserve. Thread safe.
 class MemoryReserve {
  public:
-  static constexpr size_t kBlocks = 128, kBlockBytes = 8u << 10;
+  static constexpr size_t kBlocks = 1024, kBlockBytes = 1u << 10;
 
-  MemoryReserve() noexcept { refill(); }
+  MemoryReserve() noexcept;
   ~MemoryReserve();
   MemoryReserve(const MemoryReserve&) = delete;
   MemoryReserve& operator=(const MemoryReserve&) = delete;
@@ -21,8 +22,12 @@ class MemoryReserve {
   /// block, no block is left, or no reserve exists.
   static void* take(size_t bytes) noexcept;
 
-  /// Replaces the blocks that take() returned. @return number of blocks that were missing.
-  size_t refill() noexcept;
+  /// Replaces the blocks that take() returned.
+  /// @return false if the system still refuses memory for a block. True if no reserve exists.
+  static bool refill() noexcept;
+
+  /// Returns the number of blocks that take() has returned since the process began.
+  static size_t taken() noexcept;
 };
 
 }  // namespace lode::serve

@@ -1,6 +1,7 @@
 #include "server/serve/net/acceptor.h"
 
 #include <exception>
+#include <new>
 #include <utility>
 
 #include <asio/co_spawn.hpp>
@@ -12,6 +13,7 @@
 #include <unistd.h>
 
 #include "common/printable.h"
+#include "server/serve/memory/memory_reserve.h"
 
 namespace lode::serve {
 
@@ -91,6 +93,7 @@ asio::awaitable<void> Acceptor::accept() {
     if (!acceptor_.is_open()) co_return;
     std::string failure = error.message();
     try {
+      if (!error && !MemoryReserve::refill()) throw std::bad_alloc();
       if (!error) {
         take(std::move(socket));
         continue;

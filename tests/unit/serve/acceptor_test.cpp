@@ -1,5 +1,9 @@
 #include "server/serve/net/acceptor.h"
 
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <list>
 #include <memory>
 #include <new>
 #include <vector>
@@ -8,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "server/serve/memory/memory_reserve.h"
 #include "tests/unit/serve/allocations.h"
 
 namespace lode::serve {
@@ -24,6 +29,7 @@ class AcceptorTest : public testing::Test {
     address_ = acceptor.local_endpoint();
     acceptor_.emplace(std::move(acceptor), AcceptorOptions{}, admission_, budget_, counters_, log_,
                       [this](const tcp::socket&, const Slot&, const MemoryAccount&, const std::string&) {
+                        kept_.emplace_back().resize(blocks_per_connection_);
                         if (hand_throws_) throw std::bad_alloc();
                         if (hand_throws_what_nobody_catches_) throw 1;
                         ++handed_;
@@ -64,6 +70,8 @@ class AcceptorTest : public testing::Test {
   tcp::endpoint address_;
   std::vector<tcp::socket> clients_;
   bool hand_throws_ = false, hand_throws_what_nobody_catches_ = false;
+  size_t blocks_per_connection_ = 0;  ///< number of allocations per connection
+  std::vector<std::list<std::array<std::byte, 900>>> kept_;
   int handed_ = 0;
 };
 
@@ -99,6 +107,25 @@ TEST_F(AcceptorTest, acceptsTheNextConnectionWhereverMemoryRunsOut) {
   }
   EXPECT_EQ(admission_.count(), 0u);
 }
+
+#ifndef LODE_SANITIZED  // sanitizers end the process when memory runs out
+
+TEST_F(AcceptorTest, leavesTheReserveToAcceptedConnections) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto acceptWithoutMemory = [this] {
+    const MemoryReserve reserve;
+    for (int i = 0; i < 400; ++i) connect();
+    blocks_per_connection_ = 4;
+    kept_.reserve(400);
+    test::takeAllMemory();
+    for (int i = 0; i < 50; ++i) turn();
+    std::fprintf(stderr, "%zu blocks for %d connections\n", MemoryReserve::taken(), handed_);
+    std::_Exit(0);
+  };
+  EXPECT_EXIT(acceptWithoutMemory(), testing::ExitedWithCode(0), "^[1-9][0-9]? blocks for [0-9] connections");
+}
+
+#endif
 
 }  // namespace
 }  // namespace lode::serve

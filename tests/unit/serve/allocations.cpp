@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <new>
 
+#include <sys/resource.h>
+
 #include "server/serve/memory/memory_reserve.h"
 
 namespace {
@@ -84,6 +86,15 @@ FailingAllocations FailingAllocations::nthOf(std::thread::id thread, size_t nth)
 FailingAllocations FailingAllocations::nthOfOthers(size_t nth) {
   arm(Chosen::kNthOfOthers, std::this_thread::get_id(), nth);
   return {};
+}
+
+void takeAllMemory() {
+  const rlimit none{0, 0};
+  setrlimit(RLIMIT_AS, &none);
+  setrlimit(RLIMIT_DATA, &none);
+  for (size_t bytes = 1u << 20; bytes >= 16; bytes /= 2)
+    while (std::malloc(bytes) != nullptr) {  // NOLINT(cppcoreguidelines-no-malloc)
+    }
 }
 
 FailingAllocations::~FailingAllocations() { chosen = Chosen::kNone; }

@@ -27,6 +27,9 @@ class FailingAllocations {
   FailingAllocations() = default;
 };
 
+/// Simulates a system without memory: forbids new mappings and allocates all that malloc still has.
+void takeAllMemory();
+
 /// Counts the allocations of all threads except the one that constructed it. One object at a time.
 class AllocationsOfOthers {
  public:

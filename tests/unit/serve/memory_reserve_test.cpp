@@ -7,7 +7,6 @@
 #include <thread>
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include "tests/unit/serve/allocations.h"
 
@@ -16,32 +15,31 @@ namespace {
 
 using test::FailingAllocations;
 
-constexpr size_t kLittle = 4'321, kMuch = 12'345;
+constexpr size_t kLittle = 876, kMuch = 1'234;
 
 void allocate(size_t bytes) {
   ::operator delete(::operator new(bytes));
 }  // compilers may elide new expressions, but not these calls
 
 TEST(MemoryReserve, providesABlockWhenMemoryRunsOut) {
-  MemoryReserve reserve;
+  const MemoryReserve reserve;
+  const size_t before = MemoryReserve::taken();
   for (size_t i = 0; i < 3; ++i) {
     const auto failing = FailingAllocations::nthOf(std::this_thread::get_id(), 0);
     EXPECT_NO_THROW(allocate(kLittle));
   }
-  EXPECT_EQ(reserve.refill(), 3u);
-  EXPECT_EQ(reserve.refill(), 0u);
+  EXPECT_EQ(MemoryReserve::taken() - before, 3u);
 }
 
 TEST(MemoryReserve, isNotUsedForLargeAllocations) {
-  MemoryReserve reserve;
-  {
-    const auto failing = FailingAllocations::ofSize(kMuch, kMuch);
-    EXPECT_THROW(allocate(kMuch), std::bad_alloc);
-  }
-  EXPECT_EQ(reserve.refill(), 0u);
+  const MemoryReserve reserve;
+  const size_t before = MemoryReserve::taken();
+  const auto failing = FailingAllocations::ofSize(kMuch, kMuch);
+  EXPECT_THROW(allocate(kMuch), std::bad_alloc);
+  EXPECT_EQ(MemoryReserve::taken(), before);
 }
 
-TEST(MemoryReserve, ends) {
+TEST(MemoryReserve, endsAndIsRefilled) {
   const auto failing = FailingAllocations::ofSize(kLittle, kLittle);
   const auto count = [] {
     size_t given = 0;
@@ -55,22 +53,14 @@ TEST(MemoryReserve, ends) {
     const MemoryReserve reserve;
     EXPECT_EQ(count(), MemoryReserve::kBlocks);
     EXPECT_THROW(allocate(kLittle), std::bad_alloc);
+    EXPECT_TRUE(MemoryReserve::refill());
+    EXPECT_EQ(count(), MemoryReserve::kBlocks);
   }
   { const MemoryReserve reserve; }
   EXPECT_EQ(count(), 0u);
 }
 
 #ifndef LODE_SANITIZED  // sanitizers end the process when memory runs out
-
-/// Simulates a system without memory: forbids new mappings and allocates all that malloc still has.
-void takeAllMemory() {
-  const rlimit none{0, 0};
-  setrlimit(RLIMIT_AS, &none);
-  setrlimit(RLIMIT_DATA, &none);
-  for (size_t bytes = 1u << 20; bytes >= 16; bytes /= 2)
-    while (std::malloc(bytes) != nullptr) {
-    }
-}
 
 size_t countOf(size_t bytes) {
   size_t count = 0;
@@ -91,7 +81,7 @@ size_t countOf(size_t bytes) {
     for (int i = 0; i < 20; ++i) much += countOf(1u << 20);
     little = countOf(kLittle);
   });
-  takeAllMemory();
+  test::takeAllMemory();
   is_all_taken = true;
   is_all_taken.notify_one();
   fresh.join();
@@ -101,7 +91,7 @@ size_t countOf(size_t bytes) {
 
 TEST(MemoryReserveDeathTest, existsOnEveryThreadEvenAfterLargeAllocations) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  EXPECT_EXIT(askWhereThereIsNone(), testing::ExitedWithCode(0), "0 much, 128 little");
+  EXPECT_EXIT(askWhereThereIsNone(), testing::ExitedWithCode(0), "0 much, 1024 little");
 }
 
 #endif
