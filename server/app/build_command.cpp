@@ -1,6 +1,9 @@
 #include <csignal>
 #include <memory>
+#include <span>
+#include <string>
 #include <type_traits>
+#include <vector>
 
 #include "common/byte_size.h"
 #include "common/command_line.h"
@@ -13,6 +16,7 @@
 #include "server/ingest/pipeline/build.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/ply/ply_header.h"
+#include "server/store/reader.h"
 
 namespace lode::app {
 namespace {
@@ -54,18 +58,25 @@ std::string describe(const ingest::BuildReport& report, const std::filesystem::p
          "; " + numbers + describeBytes(report.peak_rss_bytes) + "\n";
 }
 
-/// Checks the output path. @throws Error kUsage if the build would overwrite one of its input files.
-void checkOutput(const ingest::BuildOptions& options) {
+/// Checks an output path. @throws Error kUsage if the build would overwrite one of its input files.
+void checkOutput(const ingest::BuildOptions& options, const std::filesystem::path& output) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(options.output, ignored)) return;
+  if (!std::filesystem::is_regular_file(output, ignored)) return;
   const auto refuseIf = [&](const std::filesystem::path& read, const char* what) {
-    if (std::filesystem::equivalent(read, options.output, ignored))
-      throw Error(ErrorCode::kUsage, options.output.string() + " is " + what + "; name another output");
+    if (std::filesystem::equivalent(read, output, ignored))
+      throw Error(ErrorCode::kUsage, output.string() + " is " + what + "; name another output");
   };
   refuseIf(options.input, "the input itself");
   TextureFinder finder(options.input, options.textures_folder);
   for (const std::string& name : ingest::readPlyHeader(options.input).texture_files)
     refuseIf(finder.find(name).path, "a texture image of the input");
+}
+
+/// Checks the path of a preview that a build writes beside its output. @throws Error kUsage.
+void checkPreview(const ingest::BuildOptions& options) {
+  checkOutput(options, options.preview);
+  if (std::filesystem::weakly_canonical(options.preview) == std::filesystem::weakly_canonical(options.output))
+    throw Error(ErrorCode::kUsage, options.preview.string() + ": is the output itself; name another preview");
 }
 
 ingest::BuildReport buildUnlessInterrupted(const BuildArguments& arguments) {
@@ -118,13 +129,43 @@ void addResultOption(CLI::App& command, const ingest::ResultOption<Value>& optio
   }
 }
 
+void printWarnings(std::span<const std::string> warnings) {
+  for (const std::string& warning : warnings)
+    std::fprintf(stderr, "lodestreamd: warning: %s\n", warning.c_str());
+}
+
+/// Writes only the preview.
+void runPreview(const BuildArguments& arguments) {
+  const ingest::BuildOptions& options = arguments.options;
+  checkOutput(options, options.preview);
+  const Interruption interruption("interrupted; nothing was written, start it again", "");
+  std::vector<std::string> warnings;
+  try {
+    ingest::buildPreview(options, warnings,
+                         [&](std::string_view, double, uint64_t, uint64_t) { interruption.check(); });
+  } catch (const Error& error) {
+    interruption.endProcessIfReceived(error.what());
+    throw;
+  }
+  printWarnings(warnings);
+  const ModelSummary summary = store::Reader(options.preview).summary();
+  if (arguments.json) {
+    Json json = toJson(summary);
+    json["warnings"] = warnings;
+    printJson(json);
+  } else if (!arguments.quiet && !arguments.json_progress) {
+    printText(options.preview.string() + ": a preview of " + counted(summary.triangles, "triangle") + ", " +
+              describeBytes(summary.bytes) + "\n");
+  }
+}
+
 void runBuild(const BuildArguments& arguments) {
   const ingest::BuildOptions& options = arguments.options;
-  checkOutput(options);
+  checkOutput(options, options.output);
+  if (!options.preview.empty()) checkPreview(options);
   std::signal(SIGPIPE, SIG_IGN);  // continue the build even if the reader of its progress exits
   const ingest::BuildReport report = buildUnlessInterrupted(arguments);
-  for (const std::string& warning : report.warnings)
-    std::fprintf(stderr, "lodestreamd: warning: %s\n", warning.c_str());
+  printWarnings(report.warnings);
   if (arguments.json)
     printJson(describeAsJson(report));
   else if (!arguments.quiet && !arguments.json_progress)
@@ -138,7 +179,13 @@ void addBuildCommand(CLI::App& program) {
   ingest::BuildOptions& options = arguments->options;
   CLI::App* command = addCommand(program, "build", "Build a store from a PLY file");
   command->add_option("input", options.input, "the PLY file")->required()->type_name("IN.ply");
-  command->add_option("-o,--output", options.output, "the store to write")->required()->type_name("OUT.lode");
+  CLI::Option* const output =
+      command->add_option("-o,--output", options.output, "the store to write")->type_name("OUT.lode");
+  command
+      ->add_option("--preview", options.preview,
+                   "also write a small store of the whole model as soon as the file is read; without -o, "
+                   "write only this store")
+      ->type_name("OUT.preview.lode");
   addByteSize(
       *command, "--memory", options.memory_bytes,
       "maximum memory, such as 512MB, 1.5GB or 4GiB (default: half of the memory that the process may use)");
@@ -159,7 +206,11 @@ void addBuildCommand(CLI::App& program) {
       ->add_flag("--json-progress", arguments->json_progress,
                  "print progress as JSON lines; print the result only with --json")
       ->excludes(quiet);
-  command->callback([arguments] { runBuild(*arguments); });
+  command->callback([arguments, output] {
+    if (output->count() > 0) return runBuild(*arguments);
+    if (arguments->options.preview.empty()) throw CLI::RequiredError("--output or --preview");
+    runPreview(*arguments);
+  });
 }
 
 }  // namespace lode::app

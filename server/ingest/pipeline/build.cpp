@@ -12,22 +12,25 @@
 #include "server/ingest/pipeline/build_session.h"
 #include "server/ingest/pipeline/stages.h"
 #include "server/ingest/plan/machine.h"
+#include "server/ingest/plan/memory_plan.h"
+#include "server/ingest/preview/preview.h"
+#include "server/ingest/soup/scan.h"
 
 namespace lode::ingest {
 namespace {
 
-/// Returns the output's path with symbolic links resolved, so that temporary files lie beside the real file.
-std::filesystem::path outputOf(const BuildOptions& options) {
-  OutputTarget target = findOutput(options.output);
+/// Returns an output's path with symbolic links resolved, so that temporary files lie beside the real file.
+std::filesystem::path outputOf(const std::filesystem::path& path) {
+  OutputTarget target = findOutput(path);
   if (target.is_stream)
-    throw Error(
-        ErrorCode::kUsage,
-        options.output.string() + ": is a pipe or a device; a store must be a file: name another output");
+    throw Error(ErrorCode::kUsage,
+                path.string() + ": is a pipe or a device; a store must be a file: name another output");
   return std::move(target.path);
 }
 
 BuildOptions withDefaults(BuildOptions options) {
-  options.output = outputOf(options);
+  options.output = outputOf(options.output);
+  if (!options.preview.empty()) options.preview = outputOf(options.preview);
   if (options.memory_bytes == 0) options.memory_bytes = defaultMemoryBytes();
   if (options.threads == 0) options.threads = defaultThreads();
   if (options.temporary_folder.empty()) {
@@ -49,7 +52,10 @@ void runStages(BuildSession& session) {
   SimplifyStage simplify(session, partition);
   PackStage pack(session, textures, simplify);
   const std::array<Stage*, 6> in_order{&scan, &textures, &dereference, &partition, &simplify, &pack};
-  for (Stage* stage : in_order) session.run(*stage);
+  for (Stage* stage : in_order) {
+    session.run(*stage);
+    if (stage == &scan) scan.writePreview();
+  }
   session.noteTextureFiles(scan.textureFiles());
 }
 
@@ -61,6 +67,19 @@ std::string_view resumeHint(const Error& error, const BuildSession& session) noe
 }
 
 }  // namespace
+
+void buildPreview(const BuildOptions& options, std::vector<std::string>& warnings,
+                  const BuildProgress& progress) {
+  const uint64_t memory_bytes = options.memory_bytes > 0 ? options.memory_bytes : defaultMemoryBytes();
+  const std::filesystem::path target = outputOf(options.preview);
+  const std::filesystem::path parent = target.has_parent_path() ? target.parent_path() : ".";
+  const TemporaryFolder folder(options.temporary_folder.empty() ? parent : options.temporary_folder);
+  const ScannedModel model = scan(options, folder, progress, warnings);
+  const uint64_t needed_bytes = previewBytes(model.input);
+  if (needed_bytes > memory_bytes)
+    throw Error(ErrorCode::kLimit, budgetBelowInWords(needed_bytes, "a preview of this file"));
+  writePreview(target, model.input, chooseLattice(model.input, options.input));
+}
 
 BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
   const BuildOptions options = withDefaults(given);

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "server/ingest/plan/build_options.h"
 
 namespace lode::ingest {
@@ -10,5 +13,9 @@ namespace lode::ingest {
 /// @throws Error kUsage (bad output or --triangles-per-node), kInput (also if input or options differ from
 /// those of the build to resume), kIo, kLimit, kFormat (if files of the build to resume are damaged).
 BuildReport build(const BuildOptions& options, const BuildProgress& progress = {});
+
+/// Writes only options.preview. @throws Error as scan() does; kIo; kLimit if the preview needs more memory.
+void buildPreview(const BuildOptions& options, std::vector<std::string>& warnings,
+                  const BuildProgress& progress = {});
 
 }  // namespace lode::ingest

@@ -13,6 +13,7 @@
 #include "server/ingest/nodes/tree_builder.h"
 #include "server/ingest/pipeline/pack.h"
 #include "server/ingest/ply/ply_reader.h"
+#include "server/ingest/preview/preview.h"
 #include "server/ingest/soup/dereference.h"
 #include "server/ingest/soup/lost_triangles.h"
 #include "server/ingest/soup/scan.h"
@@ -127,6 +128,16 @@ void ScanStage::noteFacts(const PackedInput& input, uint64_t dropped_triangles) 
   facts.soup_attributes = input.attributes();
   facts.uv_grid = input.uvGrid();
   facts.dropped_triangles = dropped_triangles;
+}
+
+void ScanStage::writePreview() const {
+  const BuildOptions& options = session_.options();
+  if (options.preview.empty() || !input_) return;
+  const uint64_t needed_bytes = previewBytes(*input_);
+  if (needed_bytes > options.memory_bytes / 2)
+    return session_.warn(budgetBelowInWords(2 * needed_bytes, "a preview") + "; no preview was written");
+  ingest::writePreview(options.preview, *input_, session_.facts().choice);
+  if (session_.progress()) session_.progress()(kPreviewStage, 1, 0, 0);
 }
 
 void ScanStage::save(RecordWriter& record) const {

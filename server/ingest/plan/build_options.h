@@ -69,6 +69,7 @@ void forEachResultOption(Visit&& visit) {
 
 struct BuildOptions : ResultOptions {
   std::filesystem::path input, output;
+  std::filesystem::path preview;  ///< store to write as soon as the input is read; empty: none
   /// Folder to search first for the images that the input names; empty: only the input's folder. The images
   /// are part of the build's identity (BuildIdentity), but the folder is not.
   std::filesystem::path textures_folder;
@@ -99,6 +100,9 @@ struct BuildReport {
   uint64_t peak_rss_bytes = 0;
   double seconds = 0, cpu_seconds = 0;
 };
+
+/// Stage that BuildProgress reports once BuildOptions::preview is written.
+constexpr std::string_view kPreviewStage = "preview";
 
 /// Receives progress within a stage. The thread that called build() calls this function, usually several
 /// times a second. An exception that the function throws ends the build.

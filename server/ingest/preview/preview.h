@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+
+#include "server/ingest/soup/lattice_choice.h"
+#include "server/ingest/soup/packed_input.h"
+
+namespace lode::ingest {
+
+/// Returns the memory that writePreview() needs for an input.
+uint64_t previewBytes(const PackedInput& input) noexcept;
+
+/// Writes a store of one node with one LOD, which shows the whole model before the build is finished. The
+/// store is on the lattice of the finished store, so that a server can replace it by the finished store while
+/// clients view it. The error of the LOD is an upper bound. @throws Error kIo.
+void writePreview(const std::filesystem::path& path, const PackedInput& input, const LatticeChoice& choice);
+
+}  // namespace lode::ingest
