@@ -111,8 +111,9 @@ inline void addTexturesFolder(CLI::App& command, std::filesystem::path& folder) 
 /// @param declare  adds the commands. A command's callback throws Error on failure and may set the exit
 /// status.
 /// @param more_memory  remedy for the message about exhausted memory.
-/// @param message_of   returns the message of an error, with the program's words for the error's remedy.
-/// @param default_command  command to run if the command line names none.
+/// @param message_of   returns the message of an error; a program can add its own wording of the remedy.
+/// @param default_command  command to run if the first word is neither a command nor an option, but an
+/// argument of this command (see DefaultCommand).
 /// @return the exit status: 0 for success, 1 if the work failed, 2 for wrong usage.
 inline int runCommandLine(CLI::App& program, int argc, const char* const* argv,
                           const std::function<void(int& exit_status)>& declare, const char* more_memory,

@@ -127,7 +127,7 @@ struct ViewCuts {
   std::shared_ptr<const Cut> all;
 };
 
-/// Builds the union of several cuts: see ViewCuts::all.
+/// Builds the union of several cuts as ViewCuts::all describes, but without textures.
 /// @param cuts  at least one cut; all have the same build and threshold.
 std::shared_ptr<Cut> gatherMeshes(std::span<const std::shared_ptr<const Cut>> cuts);
 

@@ -22,7 +22,8 @@ float screenErrorPx(float error_model, double distance_model, const View& view) 
 
 bool boxMayBeVisible(const ModelBox& box, const View& view, double widening) noexcept {
   const ViewFrustum frustum(view, widening);
-  // A box around the eye may pass the test of the narrower pyramid only, so test both.
+  // The test of each pyramid is conservative: a box that lies partly behind the eye may pass the narrower
+  // pyramid's test and fail the wider one's. So test both.
   return frustum.test(box) != Visibility::kOutside || (widening > 1 && frustum.isInMargin(box));
 }
 

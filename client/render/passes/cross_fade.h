@@ -56,8 +56,8 @@ class CrossFade {
   /// Returns the number of items() that belong to the cover.
   size_t coverCount() const noexcept { return live_.size(); }
   bool fading() const noexcept { return !leaving_.empty(); }
-  /// Returns the serial of the oldest cut with a part that is still fading out; the largest uint64_t if no
-  /// part fades out.
+  /// Each part that is fading out has the serial of the last cut that contained it. Returns the smallest of
+  /// these serials, or the largest uint64_t if no part fades out.
   uint64_t oldestSerial() const noexcept;
 
  private:

@@ -148,7 +148,8 @@ struct CollapseMesh {
   size_t live_triangles = 0;
 
  private:
-  /// Number of feature edges that end at a position, at most 3.
+  /// Numbers of seam edges and of boundary edges that end at a position. Each number stops at 3, which means
+  /// three or more.
   struct Features {
     uint8_t seams = 0, boundaries = 0;
   };
