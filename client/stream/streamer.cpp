@@ -238,8 +238,9 @@ void Streamer::State::publish(const core::Engine& engine, uint64_t number) {
     now.failure = "the cache lacks parts that the view needs: run without --offline";
   published.add(now.cut, now.view_cuts);
   const std::lock_guard lock(mutex);
-  has_news |= (!summary && engine.summary()) || status_view_number != number || isNews(now, status);
-  if (!summary && engine.summary()) summary = *engine.summary();
+  const bool is_new_build = engine.summary() && (!summary || summary->build_id != engine.summary()->build_id);
+  has_news |= is_new_build || status_view_number != number || isNews(now, status);
+  if (is_new_build) summary = *engine.summary();
   std::swap(status, now);  // moves the old status to `now`, so that it is freed after the lock is released
   status_view_number = number;
   news.notify_all();
@@ -294,7 +295,7 @@ StreamStatus Streamer::State::statusOfView() const {
   return result;
 }
 
-const ModelSummary& Streamer::waitForModel(std::chrono::milliseconds timeout, std::stop_token stop) {
+ModelSummary Streamer::waitForModel(std::chrono::milliseconds timeout, std::stop_token stop) {
   std::unique_lock lock(state_->mutex);
   state_->news.wait_for(lock, std::move(stop), timeout, [this] { return state_->summary || state_->error; });
   if (state_->summary) return *state_->summary;

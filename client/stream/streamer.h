@@ -65,7 +65,7 @@ class Streamer {
 
   /// Waits until the model is open. @throws Error if the model cannot be opened; kTimeout after the timeout,
   /// or if `stop` is requested.
-  const ModelSummary& waitForModel(std::chrono::milliseconds timeout, std::stop_token stop = {});
+  ModelSummary waitForModel(std::chrono::milliseconds timeout, std::stop_token stop = {});
   /// Sets the view to refine for; never blocks on the network.
   void setView(const core::View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
   /// Sets one view per instance of the model: see core::Engine.
@@ -77,12 +77,12 @@ class Streamer {
   void keep(std::vector<std::shared_ptr<const core::Cut>> cuts);
   /// Returns the last status; never blocks on the network.
   StreamStatus status() const;
-  /// Returns the model's summary; nothing until the model is open.
+  /// Returns the summary of the model's latest build; nothing until the model is open.
   std::optional<ModelSummary> model() const;
   /// Waits for a change since the last call, at most for the timeout. A change is one of these: the model has
-  /// been opened; the view that was set last has been refined; a new cut was published; limited, settled,
-  /// exhausted, failure or trouble has changed; the stream has ended. Setting a settled view again also
-  /// counts as a change.
+  /// been opened or replaced; the view that was set last has been refined; a new cut was published; limited,
+  /// settled, exhausted, failure or trouble has changed; the stream has ended. Setting a settled view again
+  /// also counts as a change.
   StreamStatus waitForNews(std::chrono::milliseconds timeout);
   /// Waits until the cut of the view that was set last has converged or cannot converge, at most for the
   /// timeout. Parts outside the view may still be missing.

@@ -217,6 +217,16 @@ bool ViewGroup::refine(Model& model) {
   return true;
 }
 
+/// Returns true if the shown cuts, of a build that the model's server has replaced, are for the current views
+/// and sharper than the new ones, which are still being refined.
+bool ViewGroup::keepsReplaced(const Model& model, const Cut& all) const {
+  if (!view_cuts_ || cut_build_ == model.build() || settled_ || view_cuts_->cuts.size() != views_.size())
+    return false;
+  for (size_t number = 0; number < views_.size(); ++number)
+    if (view_cuts_->cuts[number]->view != views_[number].view) return false;
+  return all.max_error_px > view_cuts_->all->max_error_px;
+}
+
 /// Publishes the cuts and requests of a refinement.
 void ViewGroup::publish(Model& model, Gathered& gathered) {
   settled_ = true;
@@ -232,7 +242,7 @@ void ViewGroup::publish(Model& model, Gathered& gathered) {
     requests.push_back(std::move(refinement.wanted));
   }
   requests_ = mergeRequests(requests);
-  if (gathered.all) {
+  if (gathered.all && !keepsReplaced(model, *gathered.all)) {
     cut_build_ = model.build();
     for (const Refinement& refinement : gathered.refinements) label(*refinement.cut);
     label(*gathered.all);

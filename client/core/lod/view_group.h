@@ -29,8 +29,8 @@ class ViewGroup {
   /// @param views  views in the model frame, all with the same picture size.
   void setViews(std::span<const View> views, float threshold_px);
   void setView(const View& view, float threshold_px) { setViews({&view, 1}, threshold_px); }
-  /// Notes that another build has replaced the model. The last cut stays until a cut of the new build is
-  /// published.
+  /// Notes that another build has replaced the model. The last cuts stay until cuts of the new build are as
+  /// sharp or final, or the views change.
   void forgetModel() noexcept;
 
   /// Refines the cuts if a view or the model has changed. @return true if the cuts were refined.
@@ -92,6 +92,7 @@ class ViewGroup {
   Gathered refineWithin(const Model& model);
   bool keep(Model& model, const Gathered& gathered, bool with_reserve) const;
   void fit(Model& model, Gathered& gathered);
+  bool keepsReplaced(const Model& model, const Cut& all) const;
   void publish(Model& model, Gathered& gathered);
   void label(Cut& cut) const;
   void addTextures(Cut& all, std::span<const Refinement> refinements, Model& model);
