@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -14,8 +15,12 @@ struct BuildStep {
   std::optional<double> seconds_left;  ///< empty while unknown
 };
 
-/// Receives the progress of a build. builtStore() calls the function on the thread of its own caller.
-using BuildWatch = std::function<void(const BuildStep&)>;
+/// Watches a build. builtStore() calls the functions on the thread of its own caller.
+struct BuildWatch {
+  std::function<void(const BuildStep&)> on_step;  ///< receives the progress; empty: stderr shows it
+  /// Receives a store to show until the build is finished. If empty, the build makes no preview.
+  std::function<void(const std::filesystem::path& preview)> on_preview;
+};
 
 /// Describes what a build does and how long it will take: "simplifying; 12 s left".
 std::string stepInWords(const BuildStep& step);

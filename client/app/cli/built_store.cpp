@@ -37,6 +37,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::chrono::hours kLongestSilence{24 * 7};  // longest time between two lines of a build's output
 constexpr std::chrono::milliseconds kLockPoll{100};
 constexpr size_t kKeyDigits = 16;
+constexpr std::string_view kPreviewFolder = "preview";
 
 std::string hashOf(const std::string& text) {
   return toHex(digestOf(std::as_bytes(std::span(text)))).substr(0, kKeyDigits);
@@ -191,7 +192,7 @@ void removeOthers(const fs::path& folder, const fs::path& keep) {
       fs::remove_all(entry.path(), ignored);
 }
 
-void tell(const BuildWatch& watch, const Json& line) {
+void tell(const std::function<void(const BuildStep&)>& watch, const Json& line) {
   if (!line.contains("doing") || !line["doing"].is_string() || !line.contains("build_fraction") ||
       !line["build_fraction"].is_number())
     return;
@@ -202,8 +203,8 @@ void tell(const BuildWatch& watch, const Json& line) {
   watch(step);
 }
 
-/// Returns a watch that prints a line every five seconds on stderr.
-BuildWatch watchInLines(const fs::path& ply) {
+/// Returns a function that prints a line every five seconds on stderr.
+std::function<void(const BuildStep&)> watchInLines(const fs::path& ply) {
   using Clock = std::chrono::steady_clock;
   return [ply = ply.string(), log = BuildLog(Clock::now())](const BuildStep& step) mutable {
     if (const auto line = log.add(step, Clock::now()))
@@ -219,7 +220,12 @@ Json build(const PlyFile& source, const fs::path& store, const FolderLock& lock,
   std::vector<std::string> arguments{"build", source.path.string(), "-o", store.string(), "--json"};
   if (!source.textures_folder.empty())
     arguments.insert(arguments.end(), {"--textures", source.textures_folder.string()});
-  if (!shows_progress) arguments.emplace_back(watch ? "--json-progress" : "--quiet");
+  if (!shows_progress) arguments.emplace_back(watch.on_step ? "--json-progress" : "--quiet");
+  const fs::path preview = previewBeside(store);
+  if (watch.on_preview) {
+    makeOwnFolder(preview.parent_path(), kCacheFolderUse);
+    arguments.insert(arguments.end(), {"--preview", preview.string()});
+  }
   ChildProcess builder(siblingServer(), arguments,
                        shows_progress ? ChildProcess::Messages::kPassOn : ChildProcess::Messages::kKeep,
                        {.input = {}, .inherited = lock.descriptor(), .is_private = true});
@@ -229,7 +235,8 @@ Json build(const PlyFile& source, const fs::path& store, const FolderLock& lock,
     for (std::string line; !(line = builder.readLine(kLongestSilence)).empty();) {
       Json json = Json::parse(line, nullptr, false);
       if (!json.is_object()) continue;
-      if (watch) tell(watch, json);
+      if (watch.on_step) tell(watch.on_step, json);
+      if (watch.on_preview && json.value("stage", "") == "preview") watch.on_preview(preview);
       result = std::move(json);
     }
   }
@@ -245,6 +252,10 @@ void warn(const BuildRecord& record) {
 }
 
 }  // namespace
+
+fs::path previewBeside(const fs::path& store) {
+  return store.parent_path() / kPreviewFolder / store.filename();
+}
 
 BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& stop, const BuildWatch& watch,
                       std::optional<uint64_t> max_bytes) {
@@ -262,8 +273,9 @@ BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& 
   }
   std::error_code ignored;
   makeOwnFolder(folder, kCacheFolderUse);
-  const bool shows_progress = announce && !watch && isatty(STDERR_FILENO) == 1;
-  const BuildWatch told = announce && !watch && !shows_progress ? watchInLines(ply.path) : watch;
+  const bool shows_progress = announce && !watch.on_step && isatty(STDERR_FILENO) == 1;
+  BuildWatch told = watch;
+  if (announce && !watch.on_step && !shows_progress) told.on_step = watchInLines(ply.path);
   BuildRecord record;
   try {
     const timespec start = fileTime();

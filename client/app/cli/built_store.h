@@ -20,6 +20,10 @@ struct BuiltStore {
   std::vector<std::string> warnings = {};  ///< warnings of the build
 };
 
+/// Returns the place of the preview that a build of a cached store makes. Both files have the same name, so
+/// that a server serves both stores under one name.
+std::filesystem::path previewBeside(const std::filesystem::path& store);
+
 /// Returns the store of a PLY file. Builds the store into the user's cache, unless the cache already contains
 /// a store that the same version of the builder has built from the same file and images. Waits while another
 /// program builds the store. Prints warnings of the build on stderr. After a build, removes the least
@@ -27,7 +31,7 @@ struct BuiltStore {
 /// @param announce   true to print progress on stderr: a bar on a terminal, else a line every five seconds.
 /// @param stop       stop token; a stop request aborts the wait or the build, and the function throws an
 ///                   Error.
-/// @param watch      if set, receives the progress instead of stderr.
+/// @param watch      watch of the build.
 /// @param max_bytes  limit for all stores in the cache together; storeCacheBytes() by default.
 /// @throws Error.
 BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& stop, const BuildWatch& watch,

@@ -142,8 +142,8 @@ int ChildProcess::wait() {
   return exitStatus(status);
 }
 
-void ChildProcess::terminate() const noexcept {
-  if (process_ > 0) kill(process_, SIGTERM);
+void ChildProcess::signal(int number) const noexcept {
+  if (process_ > 0) kill(process_, number);
 }
 
 std::string ChildProcess::lastMessage() const {

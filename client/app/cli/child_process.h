@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -42,8 +43,9 @@ class ChildProcess {
   /// Closes the child's stdout and waits until the child ends.
   /// @return the exit status, or 128 plus the number of the signal that killed the child.
   int wait();
-  /// Sends SIGTERM. Any thread may call this function until wait() is called.
-  void terminate() const noexcept;
+  /// Sends a signal. Any thread may call this function until wait() is called.
+  void signal(int number) const noexcept;
+  void terminate() const noexcept { signal(SIGTERM); }
   /// Returns the last line of the child's kept stderr, at most kMaxMessageBytes.
   std::string lastMessage() const;
 

@@ -50,12 +50,17 @@ ChildServer::ChildServer(const fs::path& store, const std::stop_token& stop)
       served_(readReadyLine(process_, store, stop)) {}
 
 ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options, bool announce,
-                             std::stop_token stop, const BuildWatch& watch) {
+                             std::stop_token stop) {
   if (const auto* served = std::get_if<stream::ServedModel>(&target))
     return {*served, std::move(options), nullptr, {}, {}};
-  const auto* ply = std::get_if<PlyFile>(&target);
-  const fs::path file = ply ? ply->path : std::get<StoreFile>(target).path;
-  BuiltStore store = ply ? builtStore(*ply, announce, stop, watch) : BuiltStore{file, {}};
+  if (const auto* store = std::get_if<StoreFile>(&target))
+    return serveStore({store->path, {}}, store->path, std::move(options), stop);
+  const auto& ply = std::get<PlyFile>(target);
+  return serveStore(builtStore(ply, announce, stop, {}), ply.path, std::move(options), stop);
+}
+
+ResolvedTarget serveStore(BuiltStore store, const fs::path& file, stream::StreamOptions options,
+                          const std::stop_token& stop) {
   auto child = std::make_unique<ChildServer>(store.path, stop);
   options.engine.session.token = child->token();
   stream::ServedModel served = child->served();

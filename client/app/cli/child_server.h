@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <stop_token>
@@ -24,6 +25,8 @@ class ChildServer {
   /// fails, or if `stop` is requested.
   explicit ChildServer(const std::filesystem::path& store, const std::stop_token& stop = {});
 
+  /// Lets the server open the store again if its file has changed. Does not wait for it.
+  void reload() const noexcept { process_.signal(SIGHUP); }
   const stream::ServedModel& served() const noexcept { return served_; }
   const std::string& token() const noexcept { return token_; }
 
@@ -50,10 +53,12 @@ struct ResolvedTarget {
 /// @param announce  true to print the progress of a build on stderr.
 /// @param stop      stop token; a stop request aborts the build or the server's start, and the function
 ///                  throws an Error.
-/// @param watch     if set, receives the progress of a build instead of stderr.
 /// @throws Error.
 ResolvedTarget resolveTarget(const Target& target, stream::StreamOptions options, bool announce,
-                             std::stop_token stop = {}, const BuildWatch& watch = {});
+                             std::stop_token stop = {});
+/// Starts a child server for a store of a file. @param file  path of the file as the user wrote it.
+ResolvedTarget serveStore(BuiltStore store, const std::filesystem::path& file, stream::StreamOptions options,
+                          const std::stop_token& stop = {});
 
 /// Waits until the model of a target is open. @throws the errors of stream::Streamer::waitForModel(), with
 /// the name of the target's file added.

@@ -8,6 +8,7 @@
 #include "client/app/cli/remedy_words.h"
 #include "client/app/cli/store_cache.h"
 #include "client/app/window/panel/notice.h"
+#include "client/app/window/panel/sharpness.h"
 #include "common/error.h"
 #include "common/printable.h"
 
@@ -169,7 +170,6 @@ void Viewer::openWhenReady() {
   framing.covered = coveredShare();
   rig_.emplace(summary, framing, wanted_path_, window_.widthPx(), window_.heightPx());
   content_.title = summary.name;
-  content_.warning = warningOf(scene_->warnings());
   for (const std::string& model : scene_->missing())
     printOnOneLine("lodestream", options_.common.target + ": " + model);
   window_.setTitle(summary.name + " - Lodestream");
@@ -328,10 +328,8 @@ void Viewer::describe() {
   if (rig_) {
     content_.model_triangles = scene_->summary().triangles;
     content_.missing = missingText(scene_->missing());
-    const bool is_waiting = drawnThresholdPx() == 0 && !scene_->status().ended;
-    content_.waiting = is_waiting ? "Loading the first picture" : "";
-    content_.waiting_part = -1;
-    content_.waited_s = is_waiting ? secondsSince(started_) : 0;
+    content_.warning = warningOf(scene_->warnings());
+    describeWaiting();
   }
   content_.threshold_px = pacing_.askedPx();
   content_.aimed_ms = pacing_.targetMs();
@@ -349,6 +347,20 @@ void Viewer::describe() {
   content_.explanation = traitsOf(style_.show).explanation;
   content_.settings = settings();
   content_.message = secondsSince(noted_) < kNoteS ? note_ : "";
+}
+
+/// Describes the step that the user waits for while the scene is open: the first picture, or the builds of
+/// stores whose previews are shown.
+void Viewer::describeWaiting() {
+  const bool is_waiting = drawnThresholdPx() == 0 && !scene_->status().ended;
+  content_.waiting = is_waiting ? "Loading the first picture" : "";
+  content_.waiting_part = -1;
+  content_.waited_s = is_waiting ? secondsSince(started_) : 0;
+  const std::optional<ViewedScene::Preview> preview = scene_->preview();
+  content_.is_preview = preview.has_value();
+  if (is_waiting || !preview || preview->phase.empty()) return;
+  content_.waiting = previewText(content_.error_px) + "\n" + preview->phase;
+  content_.waiting_part = preview->part;
 }
 
 /// Returns true if the time of --timeout has passed since the target was opened.

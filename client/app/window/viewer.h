@@ -67,6 +67,7 @@ class Viewer {
                                                  const core::View& view) const;
   void draw();
   void describe();
+  void describeWaiting();
   void noteFlight(std::optional<uint64_t> number);
   bool isMinimized() const;
   bool isLeaving() const;

@@ -17,18 +17,19 @@ TEST(BuildOfATarget, reportsItsStagesAndProgressUnlessTheStoreExists) {
   setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
   std::vector<std::string> stages;
   double last = 0;
-  const auto watch = [&](const app::BuildStep& step) {
+  app::BuildWatch watch;
+  watch.on_step = [&](const app::BuildStep& step) {
     EXPECT_GE(step.fraction, last);
     EXPECT_LE(step.fraction, 1);
     last = step.fraction;
     if (stages.empty() || stages.back() != step.doing) stages.push_back(step.doing);
   };
-  app::resolveTarget(app::PlyFile{ply}, {}, true, {}, watch);
+  app::builtStore({ply}, true, {}, watch);
   EXPECT_TRUE(std::ranges::count(stages, "reading the file") == 1 &&
               std::ranges::count(stages, "simplifying") == 1);
   EXPECT_EQ(last, 1);
   stages.clear();
-  app::resolveTarget(app::PlyFile{ply}, {}, true, {}, watch);
+  app::builtStore({ply}, true, {}, watch);
   EXPECT_TRUE(stages.empty());
 }
 

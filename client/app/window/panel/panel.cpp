@@ -89,6 +89,7 @@ void drawFigures(std::span<const Figure> figures, const std::vector<bool>& shown
 /// already describes the state.
 std::string sharpnessOf(const PanelContent& content) {
   if (!content.lost.empty()) return std::string(content.lost);
+  if (content.is_preview) return previewText(content.error_px);
   if (content.converged) return convergedText(content.error_px, content.threshold_px);
   if (content.limited) return limitedText(content.error_px);
   if (content.exhausted) return "";
@@ -99,8 +100,8 @@ std::string sharpnessOf(const PanelContent& content) {
 }
 
 bool isRefining(const PanelContent& content) {
-  return content.lost.empty() && !content.converged && !content.limited && !content.exhausted &&
-         !content.incomplete && !content.waiting_for_server;
+  return content.lost.empty() && !content.is_preview && !content.converged && !content.limited &&
+         !content.exhausted && !content.incomplete && !content.waiting_for_server;
 }
 
 float sharpnessPx(const PanelContent& content) {

@@ -31,9 +31,10 @@ class RefiningProgress {
 
 /// Everything that the panel shows.
 struct PanelContent {
-  std::string title;     ///< name of the model or the target
-  bool is_open = false;  ///< true if the model is open
-  std::string waiting;   ///< step that the user waits for before the first picture; empty otherwise
+  std::string title;        ///< name of the model or the target
+  bool is_open = false;     ///< true if the model is open
+  bool is_preview = false;  ///< true while a preview is shown in place of a store
+  std::string waiting;      ///< step that the user waits for; empty if there is none
   double waited_s = 0;
   double waiting_part = -1;           ///< finished fraction of this step, 0 to 1; negative: unknown
   uint64_t triangles = 0, nodes = 0;  ///< numbers of drawn triangles and nodes

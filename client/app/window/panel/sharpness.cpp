@@ -30,6 +30,8 @@ std::string limitedText(float error_px) {
 
 std::string waitingText(float error_px) { return limitedText(error_px) + "; the rest waits for the server"; }
 
+std::string previewText(float error_px) { return "preview, " + limitedText(error_px); }
+
 std::string lackingText(float error_px) { return limitedText(error_px) + "; finer parts are not available"; }
 
 std::string convergedText(float error_px, float threshold_px) {

@@ -24,6 +24,8 @@ std::string refiningText(const Refining& refining);
 std::string limitedText(float error_px);
 /// Returns the text for a picture that lacks detail while the server is unreachable.
 std::string waitingText(float error_px);
+/// Describes a preview, which is shown while its store is built.
+std::string previewText(float error_px);
 /// Returns the text for a picture that lacks detail because finer parts are damaged or permanently refused.
 std::string lackingText(float error_px);
 /// Returns the text for a converged picture. An error above the threshold means that the file has no finer

@@ -7,16 +7,19 @@ namespace lode::app {
 InstancedModel::InstancedModel(size_t model_number, const std::string& target,
                                const std::filesystem::path& textures_folder, stream::StreamOptions options,
                                core::Framing framing, std::chrono::milliseconds timeout,
-                               const MemoryShares& memory)
+                               const MemoryShares& memory, bool previews)
     : number(model_number),
       renderer(1, memory.gpu),
-      opener(target, textures_folder, withShare(std::move(options), memory), std::move(framing), timeout) {}
+      opener(target, textures_folder, withShare(std::move(options), memory), std::move(framing), timeout,
+             previews) {}
 
 bool InstancedModel::poll() {
-  if (isOpen()) return false;
+  if (isOpen() && !opened.is_preview) return false;
+  const ModelSummary* const before = opened.model;
   opened = opener.poll();
-  if (isOpen()) renderer.setLatticeStep(opened.model->lattice.step);
-  return isOpen();
+  if (opened.model == before) return false;
+  renderer.setLatticeStep(opened.model->lattice.step);
+  return true;
 }
 
 core::View InstancedModel::viewAt(size_t instance, const core::View& scene_view) const {

@@ -24,9 +24,10 @@ struct InstancedModel {
   /// Begins to open the target. @param model_number  index in Scene::models.
   InstancedModel(size_t model_number, const std::string& target, const std::filesystem::path& textures_folder,
                  stream::StreamOptions options, core::Framing framing, std::chrono::milliseconds timeout,
-                 const MemoryShares& memory);
+                 const MemoryShares& memory, bool previews);
 
-  /// Updates `opened` without waiting. @return true only once, when the model has opened.
+  /// Updates `opened` without waiting. @return true when the model has opened, and when its store has
+  /// replaced its preview.
   bool poll();
   bool isOpen() const noexcept { return opened.streamer != nullptr; }
   /// Returns true while the first attempt to open the model is under way.

@@ -1,5 +1,6 @@
 #include "client/app/window/scene/model_opener.h"
 
+#include <deque>
 #include <utility>
 #include <variant>
 
@@ -12,6 +13,7 @@ namespace lode::app {
 namespace {
 
 constexpr std::chrono::seconds kBetweenAttempts{5};
+constexpr std::chrono::milliseconds kLookAgain{20};
 
 bool isUnreachable(const Error& error) {
   return error.code() == ErrorCode::kNetwork || error.code() == ErrorCode::kTimeout;
@@ -29,11 +31,12 @@ std::string firstPhase(const Target& target) {
 }  // namespace
 
 ModelOpener::ModelOpener(Target target, stream::StreamOptions options, core::Framing framing,
-                         std::chrono::milliseconds timeout)
+                         std::chrono::milliseconds timeout, bool previews)
     : target_(std::move(target)),
       options_(std::move(options)),
       framing_(std::move(framing)),
-      timeout_(timeout) {
+      timeout_(timeout),
+      previews_(previews) {
   progress_.phase = firstPhase(target_);
   thread_ = startThread("to open a model", [this] { run(); });
 }
@@ -58,41 +61,116 @@ void ModelOpener::report(std::string phase, double part) {
   progress_.part = part;
 }
 
+/// A target with its stream, and its summaries: that of the preview, and then that of the store.
+struct ModelOpener::Opened {
+  ResolvedTarget target;
+  stream::Streamer streamer;
+  std::deque<ModelSummary> summaries;
+
+  explicit Opened(ResolvedTarget resolved)
+      : target(std::move(resolved)), streamer(target.served, target.options) {}
+};
+
 void ModelOpener::run() {
+  std::optional<Opened> opened;
   try {
-    const auto watch = [this, phase = firstPhase(target_)](const BuildStep& step) {
-      report(phase + "\n" + stepInWords(step), step.fraction);
-    };
-    const ResolvedTarget resolved = resolveTarget(target_, options_, true, stopping_.get_token(), watch);
-    report("Connecting to " + net::toString(resolved.served.address));
-    stream::Streamer streamer(resolved.served, resolved.options);
-    const ModelSummary model = openModel(streamer, resolved, timeout_, stopping_.get_token());
-    const core::Framing framing = frameCoarsely(framing_, streamer, model, timeout_, stopping_.get_token());
-    std::unique_lock lock(mutex_);
-    progress_.phase.clear();
-    progress_.streamer = &streamer;
-    progress_.model = &model;
-    progress_.framing = framing;
-    progress_.warnings = resolved.warnings;
-    stop_.wait(lock, [this] { return stopping_.stop_requested(); });
-    progress_ = {};
+    openTarget(opened);
   } catch (const Error& error) {
-    const std::lock_guard lock(mutex_);
-    progress_.error = error;
+    fail(error);
   } catch (const std::exception& error) {
-    const std::lock_guard lock(mutex_);
-    progress_.error = Error(ErrorCode::kInternal, error.what());
+    fail(Error(ErrorCode::kInternal, error.what()));
   }
+  std::unique_lock lock(mutex_);
+  if (progress_.streamer == nullptr) return;
+  stop_.wait(lock, [this] { return stopping_.stop_requested(); });
+  progress_ = {};
+}
+
+/// Reports that the target cannot be opened. A preview stays, with a warning.
+void ModelOpener::fail(const Error& error) {
+  const std::lock_guard lock(mutex_);
+  if (progress_.streamer == nullptr) {
+    progress_.error = error;
+    return;
+  }
+  progress_.phase.clear();
+  progress_.warnings = {std::string("only a preview is shown: ") + error.what()};
+}
+
+void ModelOpener::openTarget(std::optional<Opened>& opened) {
+  if (const auto* ply = std::get_if<PlyFile>(&target_)) return buildAndOpen(*ply, opened);
+  opened.emplace(resolveTarget(target_, options_, true, stopping_.get_token()));
+  show(*opened, false);
+}
+
+void ModelOpener::buildAndOpen(const PlyFile& ply, std::optional<Opened>& opened) {
+  const std::string phase = firstPhase(target_);
+  BuildWatch watch;
+  watch.on_step = [&](const BuildStep& step) { report(phase + "\n" + stepInWords(step), step.fraction); };
+  if (previews_)
+    watch.on_preview = [&](const std::filesystem::path& preview) {
+      opened.emplace(serveStore({preview, {}}, ply.path, options_, stopping_.get_token()));
+      show(*opened, true);
+    };
+  BuiltStore store = builtStore(ply, true, stopping_.get_token(), watch);
+  if (opened) return replacePreview(*opened, std::move(store));
+  opened.emplace(serveStore(std::move(store), ply.path, options_, stopping_.get_token()));
+  show(*opened, false);
+}
+
+/// Waits until the model is open, and makes it known.
+void ModelOpener::show(Opened& opened, bool is_preview) {
+  if (!is_preview) report("Connecting to " + net::toString(opened.target.served.address));
+  const ModelSummary& model = opened.summaries.emplace_back(
+      openModel(opened.streamer, opened.target, timeout_, stopping_.get_token()));
+  const core::Framing framing =
+      frameCoarsely(framing_, opened.streamer, model, timeout_, stopping_.get_token());
+  const std::lock_guard lock(mutex_);
+  if (!is_preview) progress_.phase.clear();
+  progress_.streamer = &opened.streamer;
+  progress_.model = &model;
+  progress_.is_preview = is_preview;
+  progress_.framing = framing;
+  progress_.warnings = opened.target.warnings;
+}
+
+/// Lets the server of the preview serve the store under the same name. Clients of the server go over to the
+/// store and keep their pictures meanwhile.
+void ModelOpener::replacePreview(Opened& opened, BuiltStore store) {
+  const std::filesystem::path served = previewBeside(store.path);
+  const std::filesystem::path link = served.parent_path() / "store";
+  std::filesystem::create_symlink(store.path, link);
+  std::filesystem::rename(link, served);
+  opened.target.child->reload();
+  const Digest preview = opened.summaries.back().build_id;
+  const auto deadline = std::chrono::steady_clock::now() + timeout_;
+  std::optional<ModelSummary> model;
+  while (!stopping_.stop_requested() && (!(model = opened.streamer.model()) || model->build_id == preview)) {
+    if (std::chrono::steady_clock::now() > deadline)
+      throw Error(ErrorCode::kTimeout, "the server did not open " + store.path.string());
+    opened.streamer.waitForNews(kLookAgain);
+  }
+  std::error_code ignored;
+  std::filesystem::remove_all(served.parent_path(), ignored);
+  if (!model) return;  // stopping
+  opened.target.in_use = std::move(store.in_use);
+  const std::lock_guard lock(mutex_);
+  progress_.phase.clear();
+  progress_.part = -1;
+  progress_.model = &opened.summaries.emplace_back(std::move(*model));
+  progress_.is_preview = false;
+  progress_.warnings = std::move(store.warnings);
 }
 
 RetryingOpener::RetryingOpener(std::string target, std::filesystem::path textures_folder,
                                stream::StreamOptions options, core::Framing framing,
-                               std::chrono::milliseconds timeout)
+                               std::chrono::milliseconds timeout, bool previews)
     : target_(std::move(target)),
       textures_folder_(std::move(textures_folder)),
       options_(std::move(options)),
       framing_(std::move(framing)),
-      timeout_(timeout) {
+      timeout_(timeout),
+      previews_(previews) {
   begin();
 }
 
@@ -101,7 +179,7 @@ void RetryingOpener::begin() {
   try {
     Target target = parseTarget(target_, textures_folder_);
     target_is_server_ = std::holds_alternative<stream::ServedModel>(target);
-    opener_.emplace(std::move(target), options_, framing_, timeout_);
+    opener_.emplace(std::move(target), options_, framing_, timeout_, previews_);
   } catch (const Error& error) {
     fail(error);
   }
@@ -114,7 +192,7 @@ void RetryingOpener::fail(const Error& error) {
 }
 
 const ModelOpener::Progress& RetryingOpener::poll() {
-  if (progress_.streamer != nullptr) return progress_;
+  if (progress_.streamer != nullptr && !progress_.is_preview) return progress_;
   if (next_attempt_ && Clock::now() >= *next_attempt_) begin();
   if (!opener_) return progress_;
   ModelOpener::Progress now = opener_->progress();

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "client/app/cli/built_store.h"
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/target.h"
 #include "client/core/view/framing.h"
@@ -24,9 +25,10 @@ namespace lode::app {
 /// started it. Thread safe.
 class ModelOpener {
  public:
-  /// @param framing  framing without a mesh; Progress::framing adds the coarsest mesh.
+  /// @param framing   framing without a mesh; Progress::framing adds the coarsest mesh.
+  /// @param previews  true to show the preview of a PLY file while its store is built.
   ModelOpener(Target target, stream::StreamOptions options, core::Framing framing,
-              std::chrono::milliseconds timeout);
+              std::chrono::milliseconds timeout, bool previews);
   ~ModelOpener();
   ModelOpener(const ModelOpener&) = delete;
   ModelOpener& operator=(const ModelOpener&) = delete;
@@ -36,21 +38,32 @@ class ModelOpener {
     double part = -1;                      ///< finished fraction of the phase, 0 to 1; negative: unknown
     stream::Streamer* streamer = nullptr;  ///< null until the model is open; lives as long as the opener
     const ModelSummary* model = nullptr;   ///< null until the model is open; lives as long as the opener
-    core::Framing framing;                 ///< framing of the first camera, with the coarsest mesh
-    std::vector<std::string> warnings;     ///< warnings of the build
-    std::optional<Error> error;            ///< set if the model cannot be opened
+    /// True while the model is a preview, whose phase and part are those of the build. The finished store
+    /// replaces the preview in the same stream, with another `model`.
+    bool is_preview = false;
+    core::Framing framing;              ///< framing of the first camera, with the coarsest mesh
+    std::vector<std::string> warnings;  ///< warnings of the build
+    std::optional<Error> error;         ///< set if the model cannot be opened
   };
   /// Returns the current progress. Never waits for the network.
   Progress progress() const;
 
  private:
+  struct Opened;
+
   void run();
+  void openTarget(std::optional<Opened>& opened);
+  void buildAndOpen(const PlyFile& ply, std::optional<Opened>& opened);
+  void replacePreview(Opened& opened, BuiltStore store);
+  void show(Opened& opened, bool is_preview);
   void report(std::string phase, double part = -1);
+  void fail(const Error& error);
 
   const Target target_;
   const stream::StreamOptions options_;
   const core::Framing framing_;
   const std::chrono::milliseconds timeout_;
+  const bool previews_;
   mutable std::mutex mutex_;
   std::condition_variable stop_;
   std::stop_source stopping_;
@@ -62,10 +75,11 @@ class ModelOpener {
 /// seconds. Not thread safe.
 class RetryingOpener {
  public:
+  /// @param previews  see ModelOpener.
   /// @param target, textures_folder  arguments of parseTarget(). An invalid target counts as a failed
   /// attempt.
   RetryingOpener(std::string target, std::filesystem::path textures_folder, stream::StreamOptions options,
-                 core::Framing framing, std::chrono::milliseconds timeout);
+                 core::Framing framing, std::chrono::milliseconds timeout, bool previews);
 
   /// Returns the current progress without waiting. The error of a failed attempt stays set until the model is
   /// open.
@@ -85,6 +99,7 @@ class RetryingOpener {
   const stream::StreamOptions options_;
   const core::Framing framing_;
   const std::chrono::milliseconds timeout_;
+  const bool previews_;
   bool target_is_server_ = false;
   std::optional<ModelOpener> opener_;  ///< current attempt; empty between two attempts
   /// Time of the next attempt; empty during an attempt, and if another attempt cannot succeed.

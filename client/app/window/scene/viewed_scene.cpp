@@ -62,7 +62,7 @@ void ViewedScene::openNext() {
   const MemoryShares memory = app::shareMemory(memory_.parts()[number]);
   models_.push_back(std::make_unique<InstancedModel>(
       number, scene_.models[number].target, options_.textures_folder, streamOptionsOf(options_, scene_),
-      framing_, options_.timeout(), memory));
+      framing_, options_.timeout(), memory, missing_models_ == MissingModels::kAllowed));
   models_.back()->poll();
   gpu_budget_bytes_ += memory.gpu.budget_bytes;
 }
@@ -133,6 +133,12 @@ void ViewedScene::addLateModels() {
   if (!has_opened) return;
   memory_.allowChanges();
   setUp();
+}
+
+std::optional<ViewedScene::Preview> ViewedScene::preview() const {
+  for (const auto& model : models_)
+    if (model->isOpen() && model->opened.is_preview) return Preview{model->opened.phase, model->opened.part};
+  return std::nullopt;
 }
 
 std::vector<std::string> ViewedScene::missing() const {

@@ -55,6 +55,13 @@ class ViewedScene {
   Opening open();
   /// Returns a summary of the scene as if it were one model: name, coordinate frame, extent and triangles.
   const ModelSummary& summary() const { return whole_; }
+  /// A preview, which is shown while its store is built.
+  struct Preview {
+    std::string phase;  ///< description of the build for the user; empty after a failed build
+    double part = -1;   ///< finished fraction of the build, 0 to 1; negative: unknown
+  };
+  /// Returns the first preview in the scene, if there is one.
+  std::optional<Preview> preview() const;
   /// Returns the build warnings of all models.
   std::vector<std::string> warnings() const;
   /// Returns a line for each missing model, with the reason.
