@@ -217,7 +217,8 @@ std::function<void(const BuildStep&)> watchInLines(const fs::path& ply) {
 /// @return the last line of JSON that the build printed. @throws Error if the build fails.
 Json build(const PlyFile& source, const fs::path& store, const FolderLock& lock, bool shows_progress,
            const std::stop_token& stop, const BuildWatch& watch) {
-  std::vector<std::string> arguments{"build", source.path.string(), "-o", store.string(), "--json"};
+  std::vector<std::string> arguments{"build", source.path.string(), source.preview_only ? "--preview" : "-o",
+                                     store.string(), "--json"};
   if (!source.textures_folder.empty())
     arguments.insert(arguments.end(), {"--textures", source.textures_folder.string()});
   if (!shows_progress) arguments.emplace_back(watch.on_step ? "--json-progress" : "--quiet");
@@ -228,7 +229,10 @@ Json build(const PlyFile& source, const fs::path& store, const FolderLock& lock,
   }
   ChildProcess builder(siblingServer(), arguments,
                        shows_progress ? ChildProcess::Messages::kPassOn : ChildProcess::Messages::kKeep,
-                       {.input = {}, .inherited = lock.descriptor(), .is_private = true});
+                       {.input = {},
+                        .inherited = lock.descriptor(),
+                        .is_private = true,
+                        .yields = static_cast<bool>(watch.on_preview)});
   Json result;
   {
     const std::stop_callback end_build(stop, [&builder] { builder.terminate(); });
@@ -259,12 +263,13 @@ fs::path previewBeside(const fs::path& store) {
 
 BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& stop, const BuildWatch& watch,
                       std::optional<uint64_t> max_bytes) {
-  PlyFile source{fs::absolute(ply.path).lexically_normal()};
+  PlyFile source{fs::absolute(ply.path).lexically_normal(), {}, ply.preview_only};
   if (!ply.textures_folder.empty())
     source.textures_folder = fs::absolute(ply.textures_folder).lexically_normal();
   const fs::path stores = cacheFolder() / "stores";
   const fs::path of_source = stores / hashOf(source.path.string());
-  const fs::path folder = of_source / hashOf(versionOf(source.path) + " " + versionOf(siblingServer()));
+  const fs::path folder = of_source / hashOf(versionOf(source.path) + " " + versionOf(siblingServer()) +
+                                             (ply.preview_only ? " preview" : ""));
   const fs::path store = folder / (source.path.stem().string() + ".lode");
   const FolderLock lock(of_source, ply.path, announce, stop);
   if (const auto record = readRecord(folder); record && record->isCurrent(source) && fs::exists(store)) {
@@ -293,7 +298,7 @@ BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& 
     throw;
   }
   writeRecord(folder, record);
-  removeOthers(of_source, folder);
+  if (!ply.preview_only) removeOthers(of_source, folder);
   FileLock in_use = useStore(store);
   trimStores(stores, max_bytes.value_or(storeCacheBytes(stores)));
   if (!shows_progress) warn(record);  // if the build shows progress, it has printed the warnings itself

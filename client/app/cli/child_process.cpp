@@ -11,6 +11,7 @@
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -23,6 +24,7 @@ namespace {
 constexpr std::chrono::milliseconds kGentleEnd{3000};
 constexpr std::chrono::milliseconds kPoll{10};
 constexpr int kCannotStart = 127;
+constexpr int kLowPriority = 10;  ///< nice value
 
 [[noreturn]] void refuse(const std::filesystem::path& program) {
   throw Error(ErrorCode::kIo, program.string() + " cannot be started: " + std::strerror(errno));
@@ -39,6 +41,7 @@ constexpr int kCannotStart = 127;
   dup2(output, STDOUT_FILENO);
   if (messages >= 0) dup2(messages, STDERR_FILENO);
   if (setup.is_private) umask(S_IRWXG | S_IRWXO);
+  if (setup.yields) setpriority(PRIO_PROCESS, 0, kLowPriority);
   if (setup.inherited >= 0) fcntl(setup.inherited, F_SETFD, 0);
   execv(arguments[0], arguments);
   _exit(kCannotStart);

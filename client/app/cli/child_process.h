@@ -18,6 +18,7 @@ struct ChildSetup {
   int inherited = -1;       ///< file descriptor that the child inherits; -1: none
   bool heeds_keys = true;   ///< true if Ctrl-C and Ctrl-Z in the terminal also reach the child
   bool is_private = false;  ///< true to let only this user read the files that the child creates
+  bool yields = false;      ///< true to run at a low priority, so that this program stays responsive
 };
 
 /// A child process. The destructor sends SIGTERM, then SIGKILL if the child does not end in time. The kernel

@@ -177,6 +177,17 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {
   command.add_flag("--offline", options.offline, "show the blobs of the cache, without a server");
 }
 
+void addPreviewOption(CLI::App& command, CommonOptions& options) {
+  command.add_flag("--preview", options.preview,
+                   "show a PLY file as soon as it is read, by a coarse preview; its store is not built");
+}
+
+Target targetOf(const CommonOptions& options, std::string_view name) {
+  Target target = parseTarget(name, options.textures_folder);
+  if (auto* const ply = std::get_if<PlyFile>(&target)) ply->preview_only = options.preview;
+  return target;
+}
+
 void addFadeOption(CLI::App& command, CommonOptions& options) {
   command.add_flag_callback(
       "--no-fade", [&options] { options.fade = false; }, "show new parts at once, without a cross-fade");

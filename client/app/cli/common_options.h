@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "client/app/cli/target.h"
 #include "client/stream/streamer.h"
 
 namespace CLI {
@@ -35,6 +36,7 @@ struct CommonOptions {
   std::string ca_file;
   std::string cache_text;                 ///< value of --cache: a folder or "off"; if empty, the user's cache
   std::filesystem::path textures_folder;  ///< value of --textures: folder to search first for images
+  bool preview = false;                   ///< true to use the preview of a PLY file as its store
   bool offline = false;
   bool fade = true;  ///< true to cross-fade LODs in the window while frames are fast enough
   float pixels = 1;
@@ -62,6 +64,13 @@ enum class Takes : uint8_t {
 /// Declares the options of addServerOptions(), and --camera, --up, --size, --pixels, --memory-budget,
 /// --cache, --textures and --offline.
 void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes = Takes::kModels);
+
+/// Declares --preview for commands that show a model once.
+void addPreviewOption(CLI::App& command, CommonOptions& options);
+
+/// Returns the target of the options, or of a scene's model with the given name. @throws Error as
+/// parseTarget() does.
+Target targetOf(const CommonOptions& options, std::string_view name);
 
 /// Declares --no-fade for commands that draw.
 void addFadeOption(CLI::App& command, CommonOptions& options);

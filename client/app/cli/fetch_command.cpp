@@ -207,6 +207,7 @@ void declareFetch(CLI::App& program, int& /*exit_status*/) {
       "fetch", "Streams what a camera sees until it has converged, without a window: times, bytes, the cut");
   const auto options = std::make_shared<FetchOptions>();
   addCommonOptions(*command, options->common);
+  addPreviewOption(*command, options->common);
   command
       ->add_option("-o,--output", options->output,
                    "write the cut of the last key, and beside it its images, as sharp as the camera needs; "

@@ -55,7 +55,7 @@ OpenedTarget::OpenedTarget(const CommonOptions& options, const stream::StreamOpt
     : timeout_(options.timeout()),
       wanted_path_(wantedPath(options)),
       framing_(wantedFraming(options)),
-      target_(resolveTarget(parseTarget(options.target, options.textures_folder), stream_options, announce)),
+      target_(resolveTarget(targetOf(options, options.target), stream_options, announce)),
       start_(Clock::now()),
       streamer_(target_.served, target_.options),
       model_(openModel(streamer_, target_, timeout_)) {

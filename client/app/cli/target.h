@@ -16,6 +16,7 @@ struct StoreFile {
 struct PlyFile {
   std::filesystem::path path;
   std::filesystem::path textures_folder = {};  ///< folder to search first for the PLY's images; empty: none
+  bool preview_only = false;                   ///< true to use the file's preview as its store
 };
 using Target = std::variant<stream::ServedModel, StoreFile, PlyFile>;
 

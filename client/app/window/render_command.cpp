@@ -215,6 +215,7 @@ void declareRender(CLI::App& program, int& /*exit_status*/) {
       "Draws pictures of a model or a scene off-screen, each when it has converged; needs no display");
   const auto options = std::make_shared<RenderOptions>();
   addCommonOptions(*command, options->common, Takes::kScenesToo);
+  addPreviewOption(*command, options->common);
   auto* output =
       command->add_option("-o,--output", options->output, "write the picture of the path's first key")
           ->type_name("OUT.png");

@@ -55,6 +55,15 @@ TEST_F(StoresOfTargets, areRemovedOnTheNextBuildIfUnused) {
   EXPECT_FALSE(std::filesystem::exists(first));
 }
 
+TEST_F(StoresOfTargets, areKeptBesideAPreviewWithoutABuild) {
+  const std::filesystem::path store = app::builtStore({first_}, false, {}, {}).path;
+  const std::filesystem::path preview = app::builtStore({first_, {}, true}, false, {}, {}).path;
+  EXPECT_NE(preview, store);
+  EXPECT_TRUE(std::filesystem::exists(preview));
+  EXPECT_EQ(app::builtStore({first_, {}, true}, false, {}, {}).path, preview);
+  EXPECT_TRUE(std::filesystem::exists(store));
+}
+
 TEST_F(StoresOfTargets, areKeptWhileTheTargetIsOpen) {
   const app::ResolvedTarget open = app::resolveTarget(app::PlyFile{first_}, {}, false);
   const std::filesystem::path first = app::builtStore({first_}, false, {}, {}).path;

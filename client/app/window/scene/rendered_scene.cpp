@@ -15,8 +15,8 @@ namespace lode::app {
 struct RenderedScene::Model {
   Model(const std::string& target_text, const CommonOptions& options, const MemoryShares& memory,
         bool announce)
-      : target(resolveTarget(parseTarget(target_text, options.textures_folder),
-                             withShare(options.streamOptions(), memory), announce)),
+      : target(resolveTarget(targetOf(options, target_text), withShare(options.streamOptions(), memory),
+                             announce)),
         streamer(target.served, target.options),
         summary(openModel(streamer, target, options.timeout())),
         renderer(summary.lattice.step, memory.gpu) {}
