@@ -9,7 +9,8 @@ import unittest
 from pathlib import Path
 
 SCRIPT = Path(__file__).resolve().parent.parent / "docker" / "install-packages.sh"
-TOOLS = ("bash", "awk", "grep", "tr", "dirname", "env", "cat")
+TOOLS = ("bash", "awk", "grep", "tr", "dirname", "env", "cat", "mkdir", "mktemp", "rm")
+NO_NETWORK = "printf 'Err:1 http://deb.example bookworm InRelease\\n  Cannot resolve deb.example\\n'"
 
 
 class InstallPackages(unittest.TestCase):
@@ -46,10 +47,10 @@ class InstallPackages(unittest.TestCase):
     def listed(self, text):
         (self.folder / "docker" / "packages.txt").write_text(text)
 
-    def run_script(self, *sections, **environment):
+    def run_script(self, *sections, identity=None, **environment):
         return subprocess.run(
             [self.folder / "docker" / "install-packages.sh", *sections],
-            env={"PATH": str(self.folder), **environment}, capture_output=True, text=True, check=False,
+            env={"PATH": str(self.folder), **environment}, capture_output=True, text=True, check=False, **(identity or {}),
         )
 
     def apt_calls(self):
@@ -117,11 +118,38 @@ class InstallPackages(unittest.TestCase):
         (self.folder / "apt-get").unlink()
         self.assert_one_line_failure(self.run_script("run", "test"), "libone other")
 
-    @unittest.skipIf(os.geteuid() == 0, "root needs no sudo")
-    def test_names_the_missing_packages_without_sudo(self):
+    def test_names_itself_as_remedy_without_root_and_sudo(self):
         self.installed()
         (self.folder / "sudo").unlink()
-        self.assert_one_line_failure(self.run_script("run"), "libone")
+        self.folder.chmod(0o755)
+        identity = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
+        self.assert_one_line_failure(self.run_script("run", "test", identity=identity),
+                                     f"packages are missing: 2; as root, run: {self.folder}/docker/install-packages.sh run test")
+
+    def test_says_only_that_there_is_no_network(self):
+        self.installed()
+        for status in (0, 100):  # apt-get update does not always fail
+            self.fake("apt-get", f'echo "apt-get $*" >> {self.calls}; {NO_NETWORK}; exit {status}')
+            self.assert_one_line_failure(self.run_script("run"), "no network: apt reaches no package mirror "
+                                         "(Cannot resolve deb.example), and packages are missing: 1; ")
+        self.assertNotIn(" install ", self.calls.read_text())
+
+    def test_continues_if_one_of_two_mirrors_answers(self):
+        self.installed()
+        self.fake("apt-get", f'echo "apt-get $*" >> {self.calls}; {NO_NETWORK}; echo "Hit:2 http://b.example bookworm InRelease"')
+        self.assertEqual(self.run_script("run").returncode, 0)
+        self.assertIn(" install ", self.calls.read_text())
+
+    def test_plans_without_installing(self):
+        self.fake("apt-get", f"""echo "apt-get $*" >> {self.calls}
+            echo '0 upgraded, 9 newly installed, 0 to remove and 5 not upgraded.'
+            echo 'Need to get 1,024 kB/2 MB of archives.'
+            echo 'After this operation, 3 MB of additional disk space will be used.'""")
+        self.assertEqual(self.run_script("--plan", "run").stdout, "")
+        self.installed()
+        self.assertIn("9 packages (1,024 kB to download, 3 MB on disk) ", self.run_script("--plan", "run").stdout)
+        installs = [call for call in self.apt_calls() if " install " in call]
+        self.assertTrue(installs and all("--print-uris" in call for call in installs), installs)
 
     def assert_one_line_failure(self, result, text, lines=1):
         self.assertEqual(result.returncode, 1, result.stderr)
