@@ -4,7 +4,13 @@ set -euo pipefail
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 build="$root/build/release"
+bin="$build/bin"
+installer="$root/docker/install-packages.sh"
+targets=(lodestreamd lodestream)
+stamp="$build/built"  # as old as the start of the last build that succeeded
+compile_cpu_s=150
 sample_triangles=2000000
+flags="--json --no-fade --offline --unlit --version"  # options of the client without a value
 
 usage() {
   cat <<'EOF'
@@ -12,11 +18,16 @@ usage: ./run.sh [MODEL.ply | STORE.lode | SCENE.json | lode://HOST:PORT/MODEL] [
 
 Installs missing packages, builds Lodestream and opens a window on the model; without a display it draws a
 picture and prints its path. Without a model it makes one of two million triangles. Options go to the client:
-lodestream view --help (without a display lodestream render --help) lists them.
+lodestream view --help lists them; those of lodestream render --help if a picture is drawn, as with -o OUT.png.
 EOF
 }
 
 say() { echo "run.sh: $*" >&2; }
+
+fail() {
+  say "$@"
+  exit 1
+}
 
 # Prints what a file is if it is neither a PLY file nor a store, by its first bytes; by its ending only for formats
 # without a signature. The programs know more kinds (common/io/foreign_file.cpp), but are not built yet.
@@ -72,71 +83,183 @@ check_model() {  # FILE
   elif [[ -n "$why" ]]; then
     why="$1 $why"
   fi
-  [[ -z "$why" ]] || { say "$why"; exit 1; }
+  [[ -z "$why" ]] || fail "$why"
+}
+
+# Finds the model among the options, and the option that names a picture.
+read_arguments() {  # ARGUMENT...
+  local word option=""  # option: the one that waits for its value
+  for word in "$@"; do
+    if [[ -n "$option" ]]; then
+      [[ "$option" != "$picture_option" ]] || picture="$word"
+      option=""
+      options+=("$word")
+      continue
+    fi
+    case "$word" in
+      -h | --help)
+        usage
+        exit 0
+        ;;
+      -o*) picture_option=-o picture="${word#-o}" ;;
+      --output* | --frames* | --video*) picture_option="${word%%=*}" picture="${word#*=}" ;;
+    esac
+    case "$word" in
+      --*=* | -o?*) options+=("$word") ;;
+      --* | -o)
+        options+=("$word")
+        [[ " $flags " == *" $word "* ]] || option="$word"
+        ;;
+      -*) options+=("$word") ;;
+      *)
+        [[ -z "$model" ]] || fail "two models: $model and $word; name one"
+        model="$word"
+        ;;
+    esac
+  done
+}
+
+# Decides between a window and a picture, and refuses options that the chosen command lacks.
+choose_command() {
+  local word why
+  if [[ -n "$picture_option" ]]; then
+    why="leave out $picture_option"
+  elif [[ -n "${DISPLAY:-}" ]]; then
+    return
+  else
+    no_display="no display here (DISPLAY is not set)"
+    [[ -z "${WAYLAND_DISPLAY:-}" ]] ||
+      no_display="no X display here (DISPLAY is not set; the window needs Xwayland, package xwayland)"
+    why="$no_display"
+  fi
+  command=render
+  for word in "${options[@]}"; do
+    case "${word%%=*}" in
+      --laps | --screenshot | --no-fade) fail "${word%%=*} needs a window; $why" ;;
+      --fps)
+        [[ "$picture_option" == --frames || "$picture_option" == --video ]] ||
+          fail "--fps needs --frames DIR or --video OUT.mp4, or a window; $why"
+        ;;
+    esac
+  done
+}
+
+# Prints a place of the build that this user cannot write, or nothing.
+unwritable_place() {
+  local place="$root/build"
+  if [[ -d "$build" ]]; then
+    find "$build" ! -type l ! -writable -print -quit 2>/dev/null || true
+  else
+    [[ -d "$place" ]] || place="$root"
+    [[ -w "$place" ]] || echo "$place"
+  fi
+}
+
+# Prints the folder of the checkout for which the build is configured, or nothing.
+configured_folder() { sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$build/CMakeCache.txt" 2>/dev/null || true; }
+
+# Returns true if the programs are there and no source has changed since they were built.
+are_current() {
+  local sources=("$root"/{CMakeLists.txt,CMakePresets.json,cmake,common,proto,server,client})
+  [[ -x "$bin/lodestreamd" && -x "$bin/lodestream" && -e "$stamp" && "$(configured_folder)" -ef "$root" ]] &&
+    [[ -z "$(find "${sources[@]}" -newer "$stamp" -print -quit)" ]]
+}
+
+# Says what is missing and what that costs; then installs and compiles it.
+prepare() {
+  local place plan minutes compiles="" end="" sections=(run window)
+  place="$(unwritable_place)"
+  if [[ -n "$place" ]]; then
+    are_current || fail "$(refusal "$place"), and the programs are missing or not known to be current; $(remedy "$place")"
+    say "$(refusal "$place"): uses the programs that are there; they are current"
+  else
+    sections+=(build)
+    if [[ ! -x "$bin/lodestream" || ! "$(configured_folder)" -ef "$root" ]]; then
+      minutes=$(((compile_cpu_s / $(nproc) + 59) / 60))
+      compiles="compiles for about $minutes minute$( ((minutes == 1)) || echo s) in $build"
+      end=", the first time only"
+    elif ! are_current; then
+      compiles="compiles what has changed in $build"
+    fi
+  fi
+
+  plan="$("$installer" --plan "${sections[@]}")" || exit 1
+  if [[ -n "$plan" ]]; then
+    say "installs $plan${compiles:+, then $compiles}${end:+; later runs need neither}"
+    "$installer" "${sections[@]}"
+  elif [[ -n "$compiles" ]]; then
+    say "$compiles$end"
+  fi
+  [[ -z "$compiles" || -O "$root" ]] ||
+    say "$root belongs to $(stat -c %U "$root"); what $(id -un) builds in it belongs to $(id -un)"
+  [[ -n "$place" ]] || build_programs
+}
+
+refusal() {  # PLACE
+  echo "$1 cannot be written by $(id -un 2>/dev/null) (it belongs to $(stat -c %U "$1"))"
+}
+
+remedy() {  # PLACE
+  local copy="use a copy of your own: cp -r $root FOLDER"
+  if [[ "$1" == "$build"* ]]; then echo "remove $build as $(stat -c %U "$1"), or $copy"; else echo "$copy"; fi
 }
 
 build_programs() {
-  mkdir -p "$build"
-  if ! {
-    (cd "$root" && cmake --preset release -DLODE_TESTS=OFF) >"$build/configure.log" 2>&1
-  }; then
-    cat "$build/configure.log" >&2
-    say "cmake could not configure the build; the lines above say why"
-    exit 1
+  local old how=()
+  old="$(configured_folder)"
+  if [[ -n "$old" && ! "$old" -ef "$root" ]]; then
+    say "the checkout was built in $old: configures anew"
+    how=(--fresh)
   fi
-  if ! cmake --build "$build" --target lodestreamd lodestream >&2; then
-    say "the build failed; the lines above say where"
-    exit 1
+  if [[ -n "${how[*]}" || ! -f "$build/build.ninja" || "$root/CMakePresets.json" -nt "$build/build.ninja" ]]; then
+    mkdir -p "$build"
+    if ! (cd "$root" && cmake "${how[@]}" --preset release -DLODE_TESTS=OFF) >"$build/configure.log" 2>&1; then
+      cat "$build/configure.log" >&2
+      fail "cmake could not configure the build; the lines above say why"
+    fi
+  fi
+  : >"$stamp.new"
+  cmake --build "$build" --target "${targets[@]}" >&2 || fail "the build failed; the lines above say where"
+  mv "$stamp.new" "$stamp"
+}
+
+# Sets outputs to the folder for the sample and for pictures: build/, or the user's cache if build/ cannot be written.
+choose_outputs() {
+  outputs="$root/build"
+  if [[ ! -w "$outputs" ]]; then
+    outputs="${XDG_CACHE_HOME:-${HOME:-$PWD}/.cache}/lodestream"
+    mkdir -p -m 700 "$outputs"
   fi
 }
 
-make_sample() {  # prints its path
-  local sample="$root/build/sample/asteroid.ply"
-  if [[ ! -s "$sample" ]]; then
-    say "no model given: making $sample with $sample_triangles triangles"
-    mkdir -p "$(dirname "$sample")"
-    "$build/bin/lodestreamd" sample asteroid --triangles "$sample_triangles" --attributes normal,color \
-      -o "$sample" >&2
-  fi
-  echo "$sample"
+make_sample() {  # sets model to its path
+  model="$root/build/sample/asteroid.ply"
+  [[ ! -s "$model" ]] || return 0
+  model="$outputs/sample/asteroid.ply"
+  [[ ! -s "$model" ]] || return 0
+  say "no model given: makes $model with $sample_triangles triangles"
+  mkdir -p "$outputs/sample"
+  "$bin/lodestreamd" sample asteroid --triangles "$sample_triangles" --attributes normal,color -o "$model" >&2
 }
 
-model=""
-case "${1:-}" in
-  -h | --help)
-    usage
-    exit 0
-    ;;
-  "" | -*) ;;
-  *)
-    model="$1"
-    shift
-    [[ "$model" == *://* ]] || check_model "$model"
-    ;;
-esac
+model="" options=() picture_option="" picture=""
+read_arguments "$@"
+[[ -z "$model" || "$model" == *://* ]] || check_model "$model"
+command=view no_display=""
+choose_command
+prepare
+choose_outputs
+[[ -n "$model" ]] || make_sample
 
-"$root/docker/install-packages.sh" run window build
-say "building in $build (the first time takes a few minutes)"
-build_programs
-[[ -n "$model" ]] || model="$(make_sample)"
-
-if [[ -n "${DISPLAY:-}" ]]; then
-  say "opening $model: drag to turn; F1 shows the keys; Esc leaves"
-  exec "$build/bin/lodestream" view "$model" "$@"
+if [[ "$command" == view ]]; then
+  say "opens $model: drag to turn; F1 shows the keys; Esc leaves"
+  exec "$bin/lodestream" view "$model" "${options[@]}"
 fi
-
-picture=""
-previous=""
-for argument in "$@"; do
-  case "$previous" in -o | --output | --frames | --video) picture="$argument" ;; esac
-  case "$argument" in --output=* | --frames=* | --video=*) picture="${argument#*=}" ;; esac
-  previous="$argument"
-done
-if [[ -z "$picture" ]]; then
-  name="$(basename "$model")"
-  picture="$root/build/${name%.*}.png"
-  set -- "$@" -o "$picture"
+if [[ -z "$picture_option" ]]; then
+  picture="$(basename "$model")"
+  picture="$outputs/${picture%.*}.png"
+  options+=(-o "$picture")
 fi
-say "no display here (DISPLAY is not set): drawing a picture of $model"
-"$build/bin/lodestream" render "$model" "$@"
+say "${no_display:+$no_display: }draws a picture of $model"
+"$bin/lodestream" render "$model" "${options[@]}"
 say "the picture is in $picture"
