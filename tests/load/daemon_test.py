@@ -77,19 +77,20 @@ class ServiceManager(unittest.TestCase):
                     self.assertEqual(hear(), "STOPPING=1")
 
     @unittest.skipUnless(shutil.which("systemd-analyze"), "systemd-analyze comes with Debian's package systemd")
-    def test_accepts_the_unit_of_the_operators_page(self):
-        with open(os.path.join(SOURCE, "docs", "operations.md")) as page:
-            unit = re.search(r"^```\n(\[Unit\].*?)^```", page.read(), re.M | re.S).group(1)
-        unit = unit.replace("/usr/bin/lodestreamd", os.path.join(BIN, "lodestreamd"))
+    def test_accepts_the_installed_unit_and_the_drop_in(self):
+        packaging = os.path.join(SOURCE, "cmake", "packaging")
         with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, "lodestream.service")
-            with open(path, "w") as file:
-                file.write(unit)
-            done = subprocess.run(["systemd-analyze", "verify", "--man=no", path], capture_output=True, text=True)
-            self.assertEqual((done.returncode, done.stderr), (0, ""))
-            done = subprocess.run(["systemd-analyze", "security", "--offline=true", "--threshold=20", path],
-                                  capture_output=True, text=True)
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            unit = os.path.join(folder, "lodestreamd.service")
+            os.mkdir(unit + ".d")
+            for name, path in (("lodestreamd.service", unit), ("public.conf", unit + ".d/public.conf")):
+                with open(os.path.join(packaging, name)) as source, open(path, "w") as file:
+                    file.write(source.read().replace("ExecStart=lodestreamd", "ExecStart=" + os.path.join(BIN, "lodestreamd")))
+                with self.subTest(name):
+                    done = subprocess.run(["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True)
+                    self.assertEqual((done.returncode, done.stderr), (0, ""))
+                    done = subprocess.run(["systemd-analyze", "security", "--offline=true", "--threshold=20", unit],
+                                          capture_output=True, text=True)
+                    self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_hands_over_the_listening_socket(self):
         with socket.create_server(("127.0.0.1", 0)) as listening:
