@@ -1,11 +1,13 @@
-# What is installed beside the programs.
+# What is installed beside the programs, and Debian packages of it.
 #   cmake --build BUILD --target programs && cmake --install BUILD --component programs --prefix WHERE
+#   cmake --build BUILD && cpack --config BUILD/CPackConfig.cmake     packages lodestream, lodestreamd, liblodestream-dev
 
 set(packaging ${CMAKE_CURRENT_LIST_DIR}/packaging)
 
-# lode_install(PROGRAM install-arguments...) installs a file of a program.
-function(lode_install program)
+# lode_install(PACKAGE install-arguments...) installs with the component programs and into the component of a package.
+function(lode_install package)
   install(${ARGN} COMPONENT programs)
+  install(${ARGN} COMPONENT ${package} EXCLUDE_FROM_ALL)
 endfunction()
 
 # Installs what both programs have: the program, its man page, its completion and the licence.
@@ -33,3 +35,43 @@ lode_install(lodestream FILES ${packaging}/lodestream.svg DESTINATION ${CMAKE_IN
 if(LODE_GL)  # other builds cannot open a window
   lode_install(lodestream FILES ${packaging}/lodestream.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications)
 endif()
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/liblodestream-dev RENAME copyright
+  COMPONENT embed)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "Lodestream <lodestream@localhost>")
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL lodestream lodestreamd embed)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+
+# lode_package(COMPONENT NAME SECTION SUMMARY TEXT) sets what the package of a component says of itself.
+function(lode_package component name section summary text)
+  string(TOUPPER ${component} upper)
+  set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${name} PARENT_SCOPE)
+  set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${section} PARENT_SCOPE)
+  set(CPACK_COMPONENT_${upper}_DESCRIPTION "${summary}\n${text}" PARENT_SCOPE)
+endfunction()
+
+lode_package(lodestream lodestream graphics "viewer of meshes that stream from a server"
+  "Shows PLY meshes of any size and stores of Lodestream, from files or from\nservers, and refines the picture while it receives data.")
+lode_package(lodestreamd lodestreamd net "server of meshes in levels of detail"
+  "Turns PLY meshes of any size into octrees of simplified meshes, and serves\nthem over TCP. Contains a unit of systemd, which is not enabled.")
+lode_package(embed liblodestream-dev libdevel "client of Lodestream for other programs"
+  "A static library with a header for C and C++, files for CMake and pkg-config,\nand two examples.")
+
+# dpkg-shlibdeps finds the libraries that programs link; libepoxy loads libEGL and libGL at run time.
+set(CPACK_DEBIAN_LODESTREAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_LODESTREAMD_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_LODESTREAM_PACKAGE_RECOMMENDS "lodestreamd (= ${PROJECT_VERSION})")
+if(LODE_GL)
+  set(CPACK_DEBIAN_LODESTREAM_PACKAGE_DEPENDS "libegl1, libgl1")
+  string(APPEND CPACK_DEBIAN_LODESTREAM_PACKAGE_RECOMMENDS ", fonts-dejavu-core, libgl1-mesa-dri")
+  set(CPACK_DEBIAN_LODESTREAM_PACKAGE_SUGGESTS ffmpeg)
+endif()
+set(CPACK_DEBIAN_EMBED_PACKAGE_DEPENDS "libdraco-dev, libjpeg-dev, libssl-dev, libwebp-dev, libxxhash-dev")
+set(CPACK_DEBIAN_LODESTREAMD_PACKAGE_CONTROL_EXTRA
+  ${packaging}/debian/postinst ${packaging}/debian/prerm ${packaging}/debian/postrm)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+include(CPack)
