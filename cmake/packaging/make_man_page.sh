@@ -13,7 +13,7 @@ escape='
 function plain(text) {
   gsub(/\\/, "\\e", text)
   gsub(/-/, "\\-", text)
-  sub(/^[.\047]/, "\\\\\\&", text)
+  if (text ~ /^[.\047]/) text = "\\&" text
   return text
 }
 # Returns the type of a value in short: "UINT:UINT in [1 - 9]" becomes "N in [1 - 9]".
@@ -33,7 +33,9 @@ description() { awk "$escape"'/^Usage:/ { exit } NF { print ".PP"; print plain($
 entries() {  # HELP
   awk "$escape"'
     /^[A-Z][A-Za-z]*:$/ { is_listed = ($1 ~ /^(Positionals|Options|POSITIONALS|OPTIONS):$/); next }
-    /^\[Option Group/ { is_listed = 1; next }
+    { sub(/ +$/, "") }
+    /^\[Option Group/ { is_listed = is_group = 1; next }
+    is_group && NF { sub(/^ */, ""); print ".PP\n" plain($0); is_group = 0; next }
     !is_listed || !NF || /^ *Options:$/ || /^ *\[/ { next }
     match($0, /^ */) && RLENGTH >= 20 { sub(/^ */, ""); print plain($0); next }
     {
@@ -50,7 +52,6 @@ entries() {  # HELP
       name = head
       sub(/ [^-].*/, "", name)
       value = short(substr(head, length(name) + 1))
-      if (name !~ /^-/ && text == "" && value == "") { print ".PP"; print plain(name) ; next }
       print ".TP"
       print "\\fB" plain(name) "\\fR" plain(value)
       if (text != "") print plain(text)

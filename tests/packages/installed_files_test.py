@@ -32,10 +32,19 @@ def options_of(program, command):
     return set(re.findall(r"^ +(?:-\w, *)?(--[a-z][a-z-]*)", help_of(program, command), re.M))
 
 
+def texts_of(program, command):
+    """What the help of a command says of its options and arguments: the text beside or below each name."""
+    lines = [line.strip() for line in help_of(program, command).splitlines() if re.match(r" {20,}\S|  .*\S {2,}\S", line)]
+    return {re.split(" {2,}", line)[-1] for line in lines}
+
+
 def section_of(page, command):
     """Text of a command's section in a man page, without the escapes."""
     match = re.search(rf"^\.SS {command}\b(.*?)(?=^\.S[SH] )", page, re.M | re.S)
-    return match.group(1).replace("\\-", "-").replace("\\fB", "").replace("\\fR", "") if match else ""
+    text = match.group(1) if match else ""
+    for escaped, plain in (("\\-", "-"), ("\\fB", ""), ("\\fR", ""), ("\\&", ""), ("\\e", "\\")):
+        text = text.replace(escaped, plain)
+    return text
 
 
 def keys_of(name):
@@ -57,6 +66,12 @@ class ManPages(unittest.TestCase):
                     self.assertNotEqual(section, "")
                     described = set(re.findall(r"^(?:-\w, )?(--[a-z][a-z-]*)", section, re.M))
                     self.assertEqual(described, options_of(program, command))
+
+    def test_have_the_whole_text_of_the_help(self):
+        for program in PROGRAMS:
+            for command in commands_of(program):
+                lines = set(section_of(self.page(program), command).splitlines())
+                self.assertEqual(texts_of(program, command) - lines, set(), command)
 
     def test_depend_on_the_help_alone(self):
         for program in PROGRAMS:
