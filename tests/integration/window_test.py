@@ -16,6 +16,22 @@ from driven_window import (BIN, HEIGHT, MIDDLE, MODELS, STORE, WIDTH, Window, Wi
 from processes import eventually
 
 
+class Opening(WindowTest):
+    def test_refuses_a_file_of_another_format_before_it_needs_a_display(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".obj") as mesh:
+            mesh.write("v 0 0 0\n")
+            mesh.flush()
+            done = subprocess.run([BIN / "lodestream", "view", mesh.name], env={}, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("is an OBJ", done.stderr)
+
+    def test_prints_one_line_without_a_display(self):
+        for _ in range(10):
+            done = subprocess.run([BIN / "lodestream", "view", STORE], env={}, capture_output=True, text=True)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertIn("no window can be opened", done.stderr)
+
+
 class Camera(WindowTest):
     def test_orbits_about_the_point_under_the_pointer(self):
         with self.window() as window:

@@ -30,6 +30,15 @@ constexpr int kLowPriority = 10;  ///< nice value
   throw Error(ErrorCode::kIo, program.string() + " cannot be started: " + std::strerror(errno));
 }
 
+/// Resets the signals that this program handles. Ignored signals stay ignored, as after exec.
+void resetHandlers() {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action {};
+    if (sigaction(number, nullptr, &action) == 0 && action.sa_handler != SIG_IGN)
+      std::signal(number, SIG_DFL);
+  }
+}
+
 /// Replaces the forked child by the program. Makes only calls that are safe between fork and exec.
 [[noreturn]] void become(char* const* arguments, int input, int output, int messages, pid_t parent,
                          const ChildSetup& setup) {
@@ -81,8 +90,17 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
   output_ = pipe_ends[0];
   if (messages == Messages::kKeep) messages_ = memfd_create("lodestreamd messages", MFD_CLOEXEC);
   const pid_t parent = getpid();
+  // Until the child runs its own program, a signal would run this program's handler there.
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
   process_ = fork();
-  if (process_ == 0) become(pointers.data(), input_file, pipe_ends[1], messages_, parent, setup);
+  if (process_ == 0) {
+    resetHandlers();
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    become(pointers.data(), input_file, pipe_ends[1], messages_, parent, setup);
+  }
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
   close(input_file);
   close(pipe_ends[1]);
   if (process_ < 0) {

@@ -31,11 +31,11 @@ double Viewer::secondsSince(Clock::time_point start) {
 Viewer::Viewer(const ViewOptions& options)
     : options_(options),
       wanted_path_(wantedPath(options.common)),
+      scene_(std::make_unique<ViewedScene>(
+          options.common, isInteractive() ? MissingModels::kAllowed : MissingModels::kRefused)),
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
       panel_(window_.handle()),
-      scene_(std::make_unique<ViewedScene>(
-          options.common, isInteractive() ? MissingModels::kAllowed : MissingModels::kRefused)),
       pacing_(
           {.threshold_px = options.common.pixels,
            .is_fixed = options.is_threshold_fixed,

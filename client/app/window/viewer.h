@@ -33,6 +33,9 @@ class Viewer {
  public:
   /// Opens the window and begins to open the target. @throws Error.
   explicit Viewer(const ViewOptions& options);
+  ~Viewer() { scene_.reset(); }  // before the window's OpenGL context
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
   /// Runs until the user closes the window, or until --screenshot or --laps is done. Then writes the pending
   /// pictures and recording.
   /// @return false if the target could not be opened; the window and stderr have shown the reason.
@@ -101,11 +104,11 @@ class Viewer {
 
   ViewOptions options_;
   std::optional<core::CameraPath> wanted_path_;
+  std::unique_ptr<ViewedScene> scene_;  ///< never null; opens its first model while the window is made
   GlfwWindow window_;
   const bool draws_in_software_ = render::drawsInSoftware();
   const render::OcclusionCulling occlusion_culling_ = render::fastestOcclusionCulling();
   Panel panel_;
-  std::unique_ptr<ViewedScene> scene_;  ///< never null
   /// Framebuffers: `smooth_` has several samples per pixel, `quick_` has one.
   std::optional<render::Framebuffer> smooth_, quick_;
   render::AmbientOcclusion occlusion_;

@@ -10,7 +10,7 @@ namespace lode::ingest {
 
 /// Limits of a clustered mesh.
 struct ClusterLimits {
-  uint32_t cells = 1u << 17;
+  uint32_t cells = 1u << 16;
   uint32_t triangles = 500'000;
 };
 

@@ -4,19 +4,14 @@
 
 namespace lode::app {
 
-InstancedModel::InstancedModel(size_t model_number, const std::string& target,
-                               const std::filesystem::path& textures_folder, stream::StreamOptions options,
-                               core::Framing framing, std::chrono::milliseconds timeout,
-                               const MemoryShares& memory, bool previews)
-    : number(model_number),
-      renderer(1, memory.gpu),
-      opener(target, textures_folder, withShare(std::move(options), memory), std::move(framing), timeout,
-             previews) {}
+InstancedModel::InstancedModel(size_t model_number, std::unique_ptr<RetryingOpener> target,
+                               const MemoryShares& memory)
+    : number(model_number), renderer(1, memory.gpu), opener(std::move(target)) {}
 
 bool InstancedModel::poll() {
   if (isOpen() && !opened.is_preview) return false;
   const ModelSummary* const before = opened.model;
-  opened = opener.poll();
+  opened = opener->poll();
   if (opened.model == before) return false;
   renderer.setLatticeStep(opened.model->lattice.step);
   return true;

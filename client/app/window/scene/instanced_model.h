@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,10 +22,8 @@ namespace lode::app {
 /// points and placements of the scene are in the frame of ViewedScene::summary(). Use it only on the thread
 /// of its OpenGL context.
 struct InstancedModel {
-  /// Begins to open the target. @param model_number  index in Scene::models.
-  InstancedModel(size_t model_number, const std::string& target, const std::filesystem::path& textures_folder,
-                 stream::StreamOptions options, core::Framing framing, std::chrono::milliseconds timeout,
-                 const MemoryShares& memory, bool previews);
+  /// @param model_number  index in Scene::models. @param target  opener of the model's target.
+  InstancedModel(size_t model_number, std::unique_ptr<RetryingOpener> target, const MemoryShares& memory);
 
   /// Updates `opened` without waiting. @return true when the model has opened, and when its store has
   /// replaced its preview.
@@ -48,8 +47,8 @@ struct InstancedModel {
 
   const size_t number;
   render::Renderer renderer;
-  RetryingOpener opener;
-  ModelOpener::Progress opened;  ///< progress at the last poll
+  std::unique_ptr<RetryingOpener> opener;  ///< never null
+  ModelOpener::Progress opened;            ///< progress at the last poll
   std::vector<Placement> instances;
   std::vector<core::View> views;  ///< view of each instance
   stream::StreamStatus status;

@@ -53,16 +53,24 @@ ViewedScene::ViewedScene(const CommonOptions& options, MissingModels missing_mod
       memory_(options.streamOptions().engine.memory_budget_bytes, scene_.models.size()) {
   whole_.name = std::filesystem::path(options.target).filename().string();
   refuseWrongTargets(scene_, options.target, missing_models);
+  first_opener_ = openerOf(0);
 }
 
 ViewedScene::~ViewedScene() = default;
 
+/// Begins to open a model's target. Needs no OpenGL.
+std::unique_ptr<RetryingOpener> ViewedScene::openerOf(size_t number) const {
+  return std::make_unique<RetryingOpener>(
+      scene_.models[number].target, options_.textures_folder,
+      withShare(streamOptionsOf(options_, scene_), app::shareMemory(memory_.parts()[number])), framing_,
+      options_.timeout(), missing_models_ == MissingModels::kAllowed);
+}
+
 void ViewedScene::openNext() {
   const size_t number = models_.size();
   const MemoryShares memory = app::shareMemory(memory_.parts()[number]);
-  models_.push_back(std::make_unique<InstancedModel>(
-      number, scene_.models[number].target, options_.textures_folder, streamOptionsOf(options_, scene_),
-      framing_, options_.timeout(), memory, missing_models_ == MissingModels::kAllowed));
+  std::unique_ptr<RetryingOpener> opener = number == 0 ? std::move(first_opener_) : openerOf(number);
+  models_.push_back(std::make_unique<InstancedModel>(number, std::move(opener), memory));
   models_.back()->poll();
   gpu_budget_bytes_ += memory.gpu.budget_bytes;
 }
@@ -73,7 +81,7 @@ ViewedScene::Opening ViewedScene::open() {
   if (stage_) return {.is_open = true};
   for (const auto& model : models_) model->poll();
   while (models_.size() < scene_.models.size() &&
-         (models_.empty() || !models_.back()->isAwaited() || models_.back()->opener.targetIsServer()))
+         (models_.empty() || !models_.back()->isAwaited() || models_.back()->opener->targetIsServer()))
     openNext();
   const auto failed =
       std::ranges::find_if(models_, [](const auto& model) { return model->opened.error.has_value(); });
@@ -146,7 +154,7 @@ std::vector<std::string> ViewedScene::missing() const {
   for (const auto& model : models_)
     if (const auto& error = model->opened.error)
       missing.push_back(quoted(scene_.models[model->number].name) + " is missing: " + messageOf(*error) +
-                        (model->opener.retries() ? "; it is tried again every few seconds" : ""));
+                        (model->opener->retries() ? "; it is tried again every few seconds" : ""));
   return missing;
 }
 

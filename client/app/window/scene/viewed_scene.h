@@ -40,7 +40,8 @@ enum class MissingModels : uint8_t {
 /// window's thread.
 class ViewedScene {
  public:
-  /// Reads the scene that the target names. @throws Error.
+  /// Reads the scene that the target names, and begins to open its first model. Needs no OpenGL. @throws
+  /// Error.
   ViewedScene(const CommonOptions& options, MissingModels missing_models);
   ~ViewedScene();
 
@@ -124,6 +125,7 @@ class ViewedScene {
     size_t instance = 0;  ///< index in InstancedModel::instances
   };
 
+  std::unique_ptr<RetryingOpener> openerOf(size_t number) const;
   void openNext();
   Error errorOf(const InstancedModel& model) const;
   void setUp();
@@ -142,6 +144,7 @@ class ViewedScene {
   const CommonOptions options_;
   const MissingModels missing_models_;
   const core::Framing framing_;  ///< framing without a coarsest mesh, which framing() adds for a single model
+  std::unique_ptr<RetryingOpener> first_opener_;  ///< opener of the first model, until it is in models_
   std::vector<std::unique_ptr<InstancedModel>> models_;
   SceneMemory memory_;
   uint64_t gpu_budget_bytes_ = 0;  ///< GPU budget for the meshes of all models
