@@ -297,6 +297,7 @@ BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& 
     lock.removeEmptyFolder();
     throw;
   }
+  fs::remove(previewBeside(store).parent_path(), ignored);  // if it is empty, no preview was written
   writeRecord(folder, record);
   if (!ply.preview_only) removeOthers(of_source, folder);
   FileLock in_use = useStore(store);

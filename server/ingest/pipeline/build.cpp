@@ -75,10 +75,15 @@ void buildPreview(const BuildOptions& options, std::vector<std::string>& warning
   const std::filesystem::path parent = target.has_parent_path() ? target.parent_path() : ".";
   const TemporaryFolder folder(options.temporary_folder.empty() ? parent : options.temporary_folder);
   const ScannedModel model = scan(options, folder, progress, warnings);
+  if (options.strict && !warnings.empty())
+    throw Error(ErrorCode::kInput, warnings.front() + " (a warning, and --strict is set)");
   const uint64_t needed_bytes = previewBytes(model.input);
   if (needed_bytes > memory_bytes)
     throw Error(ErrorCode::kLimit, budgetBelowInWords(needed_bytes, "a preview of this file"));
-  writePreview(target, model.input, chooseLattice(model.input, options.input));
+  if (!writePreview(target, model.input, chooseLattice(model.input, options.input)))
+    throw Error(ErrorCode::kInput,
+                options.input.string() +
+                    ": no triangle has three different corners; export the model again, with its faces");
 }
 
 BuildReport build(const BuildOptions& given, const BuildProgress& progress) {

@@ -136,8 +136,8 @@ void ScanStage::writePreview() const {
   const uint64_t needed_bytes = previewBytes(*input_);
   if (needed_bytes > options.memory_bytes / 2)
     return session_.warn(budgetBelowInWords(2 * needed_bytes, "a preview") + "; no preview was written");
-  ingest::writePreview(options.preview, *input_, session_.facts().choice);
-  if (session_.progress()) session_.progress()(kPreviewStage, 1, 0, 0);
+  const bool is_written = ingest::writePreview(options.preview, *input_, session_.facts().choice);
+  if (is_written && session_.progress()) session_.progress()(kPreviewStage, 1, 0, 0);
 }
 
 void ScanStage::save(RecordWriter& record) const {

@@ -22,9 +22,9 @@ AttributeSet withoutTextures(AttributeSet attributes) noexcept {
 
 CellSums::CellSums(const PackedInput& input, const ClusterGrid& grid)
     : attributes_(withoutTextures(input.attributes())),
-      has_vertex_normals_(input.attributes().has(AttributeSet::kNormal)),
+      has_vertex_normals_(input.ofVertices().has(AttributeSet::kNormal)),
       sums_(grid.cellCount()) {
-  const bool has_colours = input.hasVertexAttributes() && attributes_.has(AttributeSet::kColour);
+  const bool has_colours = input.ofVertices().has(AttributeSet::kColour);
   input.readVertices(0, input.vertexCount(),
                      [&](uint64_t number, glm::dvec3, const VertexAttributes& attributes) {
                        const auto vertex = static_cast<uint32_t>(number);
@@ -39,13 +39,13 @@ CellSums::CellSums(const PackedInput& input, const ClusterGrid& grid)
                      });
 }
 
-bool CellSums::addTriangle(const ClusterGrid& grid, glm::u32vec3 vertices, glm::u32vec3 cells,
+void CellSums::addTriangle(const ClusterGrid& grid, glm::u32vec3 vertices, glm::u32vec3 cells,
                            const glm::u8vec4* colour) {
   const glm::dvec3 a = grid.positionOf(vertices.x), b = grid.positionOf(vertices.y),
                    c = grid.positionOf(vertices.z);
   const glm::dvec3 normal = glm::cross(b - a, c - a);
   const double length = glm::length(normal);
-  if (length == 0) return false;
+  if (length == 0) return;
   for (int k = 0; k < 3; ++k) {
     if ((k > 0 && cells[k] == cells[0]) || (k == 2 && cells[2] == cells[1])) continue;
     Sum& sum = sums_[cells[k]];
@@ -56,7 +56,6 @@ bool CellSums::addTriangle(const ClusterGrid& grid, glm::u32vec3 vertices, glm::
     sum.colour += glm::u64vec4(*colour);
     ++sum.colours;
   }
-  return true;
 }
 
 glm::uvec3 CellSums::pointOf(const ClusterGrid& grid, uint32_t cell) const {

@@ -20,9 +20,9 @@ class CellSums {
 
   /// Returns the attributes of the cells' vertices: those of the input without textures, and normals.
   AttributeSet attributes() const noexcept { return attributes_; }
-  /// Adds a triangle to the cells of its corners.
-  /// @param colour  colour of the face, or null. @return false if the triangle has no area.
-  bool addTriangle(const ClusterGrid& grid, glm::u32vec3 vertices, glm::u32vec3 cells,
+  /// Adds a triangle to the cells of its corners, unless it has no area. @param colour  colour of the face,
+  /// or null.
+  void addTriangle(const ClusterGrid& grid, glm::u32vec3 vertices, glm::u32vec3 cells,
                    const glm::u8vec4* colour);
   /// Returns the lattice point in the cell that fits the cell's triangles best.
   glm::uvec3 pointOf(const ClusterGrid& grid, uint32_t cell) const;

@@ -29,7 +29,7 @@ ClusterGrid::ClusterGrid(const PackedInput& input, const Lattice& lattice, glm::
 
 void ClusterGrid::coarsen() {
   ++shift_;
-  assign(UINT32_MAX);
+  assign(cellCount());  // wider cells are never more
 }
 
 /// Assigns each vertex to its cell. @return false if there are more than `max_cells` cells.

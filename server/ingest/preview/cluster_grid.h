@@ -27,6 +27,11 @@ class ClusterGrid {
   uint32_t cellCount() const noexcept { return static_cast<uint32_t>(corners_.size()); }
   uint32_t cellOf(uint32_t vertex) const noexcept { return cells_[vertex]; }
   glm::uvec3 positionOf(uint32_t vertex) const noexcept { return unpackPosition(positions_[vertex]); }
+  /// Returns true if two corners of a triangle have the same lattice point. The build drops such triangles.
+  bool coincide(glm::u32vec3 t) const noexcept {
+    return positions_[t.x] == positions_[t.y] || positions_[t.y] == positions_[t.z] ||
+           positions_[t.z] == positions_[t.x];
+  }
   /// Returns the smallest lattice point of a cell. @param cell  smaller than cellCount().
   glm::uvec3 cornerOf(uint32_t cell) const noexcept { return corners_[cell]; }
   /// Returns the width of the cells in lattice steps.

@@ -34,14 +34,17 @@ class CellTriangles {
   void removeDuplicates() {
     std::ranges::sort(triangles_, {}, [](glm::u32vec3 t) { return std::tuple(t.x, t.y, t.z); });
     triangles_.erase(std::unique(triangles_.begin(), triangles_.end()), triangles_.end());
-    next_check_ = std::max<size_t>(kFirstCheck, 2 * triangles_.size());
+    unique_ = triangles_.size();
+    next_check_ = std::max<size_t>(kFirstCheck, 2 * unique_);
   }
+  /// Returns the number of triangles after the last removal of duplicates.
+  size_t uniqueCount() const noexcept { return unique_; }
   const std::vector<glm::u32vec3>& all() const noexcept { return triangles_; }
 
  private:
   static constexpr size_t kFirstCheck = 1 << 20;
   std::vector<glm::u32vec3> triangles_;
-  size_t next_check_ = kFirstCheck;
+  size_t next_check_ = kFirstCheck, unique_ = 0;
 };
 
 /// First triangle of each pair of cells, and of each cell, whose corners lie only there.
@@ -105,7 +108,8 @@ std::optional<SortedTriangles> sortTriangles(const PackedInput& input, const Clu
   while (cursor.next(block)) {
     forEachTriangle(block, grid, [&](glm::u32vec3 vertices, const glm::u8vec4* colour) {
       const glm::u32vec3 cells(grid.cellOf(vertices.x), grid.cellOf(vertices.y), grid.cellOf(vertices.z));
-      if (!sums.addTriangle(grid, vertices, cells, colour)) return;  // without area
+      if (grid.coincide(vertices)) return;
+      sums.addTriangle(grid, vertices, cells, colour);
       if (cells.x == cells.y && cells.y == cells.z)
         sorted.flat.addInCell(cells.x, vertices);
       else if (cells.x == cells.y || cells.y == cells.z || cells.z == cells.x)
@@ -113,9 +117,7 @@ std::optional<SortedTriangles> sortTriangles(const PackedInput& input, const Clu
       else
         sorted.of_three.add(cells);
     });
-    if (sorted.of_three.all().size() + sorted.flat.countBetween() <= max_triangles) continue;
-    sorted.of_three.removeDuplicates();
-    if (sorted.of_three.all().size() > max_triangles ||
+    if (sorted.of_three.uniqueCount() > max_triangles ||
         sorted.flat.countBetween() > 2 * size_t{max_triangles})
       return std::nullopt;
   }

@@ -18,9 +18,10 @@ uint64_t previewBytes(const PackedInput& input) noexcept {
   return input.vertexCount() * ClusterGrid::kVertexBytes + kMeshBytes;
 }
 
-void writePreview(const std::filesystem::path& path, const PackedInput& input, const LatticeChoice& choice) {
+bool writePreview(const std::filesystem::path& path, const PackedInput& input, const LatticeChoice& choice) {
   const ClusteredMesh clustered = clusterInput(input, choice.lattice, choice.extent);
   const Mesh& mesh = clustered.mesh;
+  if (mesh.triangles.empty()) return false;
   const EncodedPayload payload = encodePayload(mesh, choice.lattice.step);
   store::Writer writer(path);
   Node root;
@@ -37,6 +38,7 @@ void writePreview(const std::filesystem::path& path, const PackedInput& input, c
   summary.attributes = mesh.attributes;
   summary.triangles_per_node = lod.triangles;
   writer.finish(std::move(summary), {std::move(root)});
+  return true;
 }
 
 }  // namespace lode::ingest

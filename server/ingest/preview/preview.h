@@ -12,7 +12,9 @@ uint64_t previewBytes(const PackedInput& input) noexcept;
 
 /// Writes a store of one node with one LOD, which shows the whole model before the build is finished. The
 /// store is on the lattice of the finished store, so that a server can replace it by the finished store while
-/// clients view it. The error of the LOD is an upper bound. @throws Error kIo.
-void writePreview(const std::filesystem::path& path, const PackedInput& input, const LatticeChoice& choice);
+/// clients view it. The error of the LOD is an upper bound.
+/// @return false, and writes nothing, if every triangle has two corners at one lattice point. @throws Error
+/// kIo.
+bool writePreview(const std::filesystem::path& path, const PackedInput& input, const LatticeChoice& choice);
 
 }  // namespace lode::ingest

@@ -56,6 +56,8 @@ class PackedInput {
   void setUvGrid(const UvGrid& grid) noexcept { uv_grid_ = grid; }
   const UvGrid& uvGrid() const noexcept { return uv_grid_; }
 
+  /// Returns the attributes that are stored per vertex.
+  AttributeSet ofVertices() const noexcept { return vertex_attributes_; }
   /// Returns true if vertices have attributes. Attributes of corners and faces do not count.
   bool hasVertexAttributes() const noexcept { return vertex_attributes_.bits != 0; }
   /// Passes vertices first..first+count to sink(number, position, attributes).

@@ -32,30 +32,33 @@ void endBuild() {
 
 class OpenedPly : public testing::Test {
  protected:
-  OpenedPly() { setenv("XDG_CACHE_HOME", cache_.path().c_str(), 1); }
+  OpenedPly() {
+    setenv("XDG_CACHE_HOME", cache_.path().c_str(), 1);
+    opener_.emplace(app::PlyFile{ply_}, stream::StreamOptions(), core::Framing(), kPatience, true);
+  }
 
   /// Polls until the condition holds. @return false if it does not hold in time.
   template <class Condition>
   bool eventually(Condition condition) {
     const auto end = std::chrono::steady_clock::now() + kPatience;
-    while (std::chrono::steady_clock::now() < end && !condition(opener_.progress()))
+    while (std::chrono::steady_clock::now() < end && !condition(opener_->progress()))
       std::this_thread::sleep_for(5ms);
-    return condition(opener_.progress());
+    return condition(opener_->progress());
   }
   static bool showsPreview(const app::ModelOpener::Progress& now) { return now.streamer && now.is_preview; }
 
   const std::filesystem::path ply_ = std::filesystem::path(LODE_BIN_DIR) / "test-models" / "painted.ply";
   const WorkFolder cache_;
-  app::ModelOpener opener_{app::PlyFile{ply_}, {}, {}, kPatience, true};
+  std::optional<app::ModelOpener> opener_;
 };
 
 TEST_F(OpenedPly, showsItsPreviewAndThenItsStoreInTheSameStream) {
   ASSERT_TRUE(eventually(showsPreview));
-  const app::ModelOpener::Progress preview = opener_.progress();
+  const app::ModelOpener::Progress preview = opener_->progress();
   EXPECT_EQ(preview.model->nodes, 1u);
   EXPECT_TRUE(preview.streamer->status().cut);
   ASSERT_TRUE(eventually([](const auto& now) { return now.streamer && !now.is_preview; }));
-  const app::ModelOpener::Progress store = opener_.progress();
+  const app::ModelOpener::Progress store = opener_->progress();
   EXPECT_EQ(store.streamer, preview.streamer);
   EXPECT_GT(store.model->nodes, 1u);
   EXPECT_EQ(store.model->lattice, preview.model->lattice);
@@ -67,7 +70,7 @@ TEST_F(OpenedPly, keepsItsPreviewWithAWarningIfTheBuildFails) {
   ASSERT_TRUE(eventually(showsPreview));
   endBuild();
   ASSERT_TRUE(eventually([](const auto& now) { return !now.warnings.empty(); }));
-  const app::ModelOpener::Progress now = opener_.progress();
+  const app::ModelOpener::Progress now = opener_->progress();
   EXPECT_TRUE(showsPreview(now));
   EXPECT_FALSE(now.error);
   EXPECT_EQ(now.warnings.front().find("only a preview is shown: "), 0u) << now.warnings.front();

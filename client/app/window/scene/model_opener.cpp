@@ -109,8 +109,13 @@ void ModelOpener::buildAndOpen(const PlyFile& ply, std::optional<Opened>& opened
   watch.on_step = [&](const BuildStep& step) { report(phase + "\n" + stepInWords(step), step.fraction); };
   if (previews_)
     watch.on_preview = [&](const std::filesystem::path& preview) {
-      opened.emplace(serveStore({preview, {}}, ply.path, options_, stopping_.get_token()));
-      show(*opened, true);
+      try {
+        opened.emplace(serveStore({preview, {}}, ply.path, options_, stopping_.get_token()));
+        show(*opened, true);
+      } catch (const Error&) {  // the store will be shown instead
+        opened.reset();
+        if (stopping_.stop_requested()) throw;
+      }
     };
   BuiltStore store = builtStore(ply, true, stopping_.get_token(), watch);
   if (opened) return replacePreview(*opened, std::move(store));
@@ -139,20 +144,19 @@ void ModelOpener::show(Opened& opened, bool is_preview) {
 void ModelOpener::replacePreview(Opened& opened, BuiltStore store) {
   const std::filesystem::path served = previewBeside(store.path);
   const std::filesystem::path link = served.parent_path() / "store";
-  std::filesystem::create_symlink(store.path, link);
-  std::filesystem::rename(link, served);
-  opened.target.child->reload();
-  const Digest preview = opened.summaries.back().build_id;
-  const auto deadline = std::chrono::steady_clock::now() + timeout_;
+  std::error_code failed, ignored;
+  std::filesystem::remove(link, ignored);
+  std::filesystem::create_symlink(store.path, link, failed);
+  if (!failed) std::filesystem::rename(link, served, failed);
   std::optional<ModelSummary> model;
-  while (!stopping_.stop_requested() && (!(model = opened.streamer.model()) || model->build_id == preview)) {
-    if (std::chrono::steady_clock::now() > deadline)
-      throw Error(ErrorCode::kTimeout, "the server did not open " + store.path.string());
-    opened.streamer.waitForNews(kLookAgain);
+  if (!failed) {
+    opened.target.child->reload();
+    model = waitForStore(opened);
   }
-  std::error_code ignored;
   std::filesystem::remove_all(served.parent_path(), ignored);
-  if (!model) return;  // stopping
+  if (stopping_.stop_requested()) return;
+  if (!model)
+    throw Error(ErrorCode::kIo, store.path.string() + " is built, but cannot be shown; open the file again");
   opened.target.in_use = std::move(store.in_use);
   const std::lock_guard lock(mutex_);
   progress_.phase.clear();
@@ -160,6 +164,19 @@ void ModelOpener::replacePreview(Opened& opened, BuiltStore store) {
   progress_.model = &opened.summaries.emplace_back(std::move(*model));
   progress_.is_preview = false;
   progress_.warnings = std::move(store.warnings);
+}
+
+/// Waits until the stream of a preview has opened the store. @return nothing if the stream ends, if the store
+/// does not come in time, or at a stop request.
+std::optional<ModelSummary> ModelOpener::waitForStore(Opened& opened) {
+  const Digest preview = opened.summaries.back().build_id;
+  const auto deadline = std::chrono::steady_clock::now() + timeout_;
+  while (!stopping_.stop_requested() && std::chrono::steady_clock::now() < deadline) {
+    std::optional<ModelSummary> model = opened.streamer.model();
+    if (model && model->build_id != preview) return model;
+    if (opened.streamer.waitForNews(kLookAgain).ended) return std::nullopt;
+  }
+  return std::nullopt;
 }
 
 RetryingOpener::RetryingOpener(std::string target, std::filesystem::path textures_folder,

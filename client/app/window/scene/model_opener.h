@@ -55,6 +55,7 @@ class ModelOpener {
   void openTarget(std::optional<Opened>& opened);
   void buildAndOpen(const PlyFile& ply, std::optional<Opened>& opened);
   void replacePreview(Opened& opened, BuiltStore store);
+  std::optional<ModelSummary> waitForStore(Opened& opened);
   void show(Opened& opened, bool is_preview);
   void report(std::string phase, double part = -1);
   void fail(const Error& error);

@@ -58,12 +58,14 @@ ViewedScene::ViewedScene(const CommonOptions& options, MissingModels missing_mod
 
 ViewedScene::~ViewedScene() = default;
 
-/// Begins to open a model's target. Needs no OpenGL.
+/// Begins to open a model's target. Needs no OpenGL. Only a single model is shown by its preview, because the
+/// models of a scene are built one after another.
 std::unique_ptr<RetryingOpener> ViewedScene::openerOf(size_t number) const {
+  const bool shows_previews = missing_models_ == MissingModels::kAllowed && scene_.models.size() == 1;
   return std::make_unique<RetryingOpener>(
       scene_.models[number].target, options_.textures_folder,
       withShare(streamOptionsOf(options_, scene_), app::shareMemory(memory_.parts()[number])), framing_,
-      options_.timeout(), missing_models_ == MissingModels::kAllowed);
+      options_.timeout(), shows_previews);
 }
 
 void ViewedScene::openNext() {

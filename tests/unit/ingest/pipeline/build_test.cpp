@@ -92,6 +92,27 @@ TEST_F(Build, warnsAndBuildsOnIfThePreviewNeedsTooMuchMemory) {
   EXPECT_NE(report.warnings[0].find("no preview was written"), std::string::npos) << report.warnings[0];
 }
 
+TEST_F(Build, failsWithoutTrianglesAsWithoutAPreview) {
+  std::ofstream(folder_ / "a.ply")
+      << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+         "end_header\n0 0 0\n0 0 0\n2 0 0\n3 0 1 2\n";
+  const auto messageOf = [this](const std::filesystem::path& preview) -> std::string {
+    BuildOptions given = options();
+    given.preview = preview;
+    try {
+      build(given);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::filesystem::path preview = folder_ / "a.preview.lode";
+  EXPECT_NE(messageOf(preview), "");
+  EXPECT_EQ(messageOf(preview), messageOf(""));
+  EXPECT_FALSE(std::filesystem::exists(preview));
+}
+
 TEST_F(Build, writesOnlyAPreview) {
   makeSample(40000, 0);
   BuildOptions given = options();

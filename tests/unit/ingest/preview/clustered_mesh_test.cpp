@@ -115,6 +115,20 @@ Shape largeTriangles(uint32_t seed) {
   return shape;
 }
 
+/// Long triangles without an area, which a build keeps.
+Shape collinear(uint32_t seed) {
+  std::mt19937 random(seed);
+  Shape shape;
+  for (int i = 0; i < 500; ++i) {
+    const glm::dvec3 a = glm::round(0.5 * randomPoint(random)), step = glm::round(0.2 * randomPoint(random));
+    const uint64_t first = shape.addVertex(a);
+    shape.addVertex(a + step);
+    shape.addVertex(a + 2.0 * step);
+    shape.addFace({first, first + 1, first + 2});
+  }
+  return shape;
+}
+
 struct Kind {
   const char* name;
   Shape (*make)(uint32_t seed);
@@ -195,7 +209,7 @@ INSTANTIATE_TEST_SUITE_P(
     Shapes, Clustered,
     testing::Combine(testing::Values(Kind{"bumpySphere", bumpySphere}, Kind{"sheetOfQuads", sheetOfQuads},
                                      Kind{"needles", needles}, Kind{"confetti", confetti},
-                                     Kind{"largeTriangles", largeTriangles}),
+                                     Kind{"collinear", collinear}, Kind{"largeTriangles", largeTriangles}),
                      testing::Values(1u, 2u)),
     [](const auto& shown) {
       return std::string(std::get<0>(shown.param).name) + std::to_string(std::get<1>(shown.param));
@@ -223,6 +237,25 @@ TEST_F(ClusteredInput, hasTheMeanColourOfEachCell) {
   ASSERT_EQ(mesh.positions.size(), 3u);
   EXPECT_EQ(mesh.vertex_attributes[0].colour, glm::u8vec4(20, 20, 20, 255));
   EXPECT_EQ(mesh.vertex_attributes[1].colour, glm::u8vec4(100, 0, 0, 255));
+}
+
+TEST_F(ClusteredInput, hasTheColoursOfFacesOnlyIfFacesHaveThem) {
+  Shape shape;
+  const uint64_t first = shape.addVertex({0, 0, 0});
+  shape.addVertex({kExtent, 0, 0});
+  shape.addVertex({0, kExtent, 0});
+  shape.addFace({first, first + 1, first + 2});
+  shape.faces.colours = {glm::u8vec4(40, 50, 60, 255)};
+  const TemporaryFolder folder(testing::TempDir());
+  PackedInput input(folder, AttributeSet{AttributeSet::kColour | AttributeSet::kNormal}, false,
+                    AttributeSet{AttributeSet::kColour});
+  input.addVertices(shape.vertices);
+  input.addFaces(shape.faces);
+  input.flush();
+  const Mesh mesh = clusterInput(input, kLattice, glm::uvec3(kExtent)).mesh;
+  ASSERT_EQ(mesh.positions.size(), 3u);
+  for (const VertexAttributes& attributes : mesh.vertex_attributes)
+    EXPECT_EQ(attributes.colour, glm::u8vec4(40, 50, 60, 255));
 }
 
 TEST_F(ClusteredInput, hasNormalsOfItsTrianglesIfTheInputHasNone) {
