@@ -10,7 +10,7 @@ targets=(lodestreamd lodestream lodestream_library)
 stamp="$build/built"  # as old as the start of the last build that succeeded
 compile_cpu_s=150
 sample_triangles=2000000
-flags="--json --no-fade --offline --unlit --version"  # options of the client without a value
+flags="--json --no-fade --offline --preview --unlit --version"  # options of the client without a value
 
 usage() {
   cat <<'EOF'

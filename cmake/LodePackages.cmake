@@ -1,4 +1,4 @@
-# What is installed beside the programs, and Debian packages of it.
+# Installs files beside the programs, and makes Debian packages of them.
 #   cmake --build BUILD --target programs && cmake --install BUILD --component programs --prefix WHERE
 #   cmake --build BUILD && cpack --config BUILD/CPackConfig.cmake     packages lodestream, lodestreamd, liblodestream-dev
 
