@@ -44,7 +44,7 @@ TEST(MemoryReserve, endsAndIsRefilled) {
   const auto count = [] {
     size_t given = 0;
     while (void* const block = MemoryReserve::take(kLittle)) {
-      std::free(block);
+      std::free(block);  // NOLINT(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory)
       ++given;
     }
     return given;
