@@ -17,13 +17,12 @@ struct LodRule {
 };
 
 /// Returns the triangle counts of a node's reduced LODs, in descending order. The last LOD is the input of
-/// the node's parent. Its count is at most max(triangles_per_node, 4 * locked, min(8 * locked, large)). Here
-/// `large` bounds the parent's input: it is 8 * triangles_per_node, but at most 2^17, and at depth 2 or
-/// deeper at least 2^14. At depth 1, if the leaves below the node have at least 16 * triangles_per_node
-/// triangles, 12
-/// * locked replaces 8 * locked. The root locks nothing, and its LODs end at kRootTriangles. Returns at least
-/// one count, unless the root is a leaf and already small. Omits counts above kMaxLodTriangles, the limit of
-/// a store.
+/// the node's parent. Its count is at most max(triangles_per_node, 4 * locked, min(8 * locked, large)), where
+/// `large` bounds the parent's input: 8 * triangles_per_node, but at most 2^17, and at depth 2 or deeper at
+/// least 2^14. At depth 1 the factor 12 replaces 8 if the leaves below the node have at least
+/// 16 * triangles_per_node triangles. The root locks nothing, and its LODs end at kRootTriangles. Returns at
+/// least one count, unless the root is a leaf and already small. Omits counts above kMaxLodTriangles, the
+/// limit of a store.
 ///
 /// The factor determines how many vertices of the parent's input were locked in the children: about a quarter
 /// with factor 8, a sixth with factor 12, half with factor 4. With factor 4, a picture does not improve when

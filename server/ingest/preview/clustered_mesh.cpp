@@ -42,7 +42,7 @@ class CellTriangles {
   const std::vector<glm::u32vec3>& all() const noexcept { return triangles_; }
 
  private:
-  static constexpr size_t kFirstCheck = 1 << 20;
+  static constexpr size_t kFirstCheck = 1 << 19;
   std::vector<glm::u32vec3> triangles_;
   size_t next_check_ = kFirstCheck, unique_ = 0;
 };
@@ -117,8 +117,7 @@ std::optional<SortedTriangles> sortTriangles(const PackedInput& input, const Clu
       else
         sorted.of_three.add(cells);
     });
-    if (sorted.of_three.uniqueCount() > max_triangles ||
-        sorted.flat.countBetween() > 2 * size_t{max_triangles})
+    if (sorted.of_three.uniqueCount() > max_triangles || sorted.flat.countBetween() > max_triangles)
       return std::nullopt;
   }
   sorted.of_three.removeDuplicates();

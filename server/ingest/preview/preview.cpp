@@ -10,7 +10,7 @@ namespace lode::ingest {
 namespace {
 
 /// Memory for the cells, for the mesh and for its encoding, whose sizes ClusterLimits bounds.
-constexpr uint64_t kMeshBytes = 192u << 20;
+constexpr uint64_t kMeshBytes = 256u << 20;
 
 }  // namespace
 

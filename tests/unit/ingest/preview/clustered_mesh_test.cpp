@@ -31,6 +31,12 @@ struct Shape {
     faces.corner_counts.push_back(static_cast<uint32_t>(corners.size()));
     faces.corners.insert(faces.corners.end(), corners);
   }
+  void addTriangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
+    const uint64_t first = addVertex(a);
+    addVertex(b);
+    addVertex(c);
+    addFace({first, first + 1, first + 2});
+  }
   void addGrid(uint32_t across, const std::function<glm::dvec3(double, double)>& at, bool has_quads = false) {
     const uint64_t first = vertices.size();
     for (uint32_t i = 0; i <= across; ++i)
@@ -81,10 +87,7 @@ Shape needles(uint32_t seed) {
   Shape shape;
   for (int i = 0; i < 3000; ++i) {
     const glm::dvec3 a = randomPoint(random), b = randomPoint(random);
-    const uint64_t first = shape.addVertex(a);
-    shape.addVertex(b);
-    shape.addVertex(b + glm::dvec3(7, 3, 5));
-    shape.addFace({first, first + 1, first + 2});
+    shape.addTriangle(a, b, b + glm::dvec3(7, 3, 5));
   }
   return shape;
 }
@@ -95,10 +98,7 @@ Shape confetti(uint32_t seed) {
   Shape shape;
   for (int i = 0; i < 5000; ++i) {
     const glm::dvec3 a = randomPoint(random);
-    const uint64_t first = shape.addVertex(a);
-    shape.addVertex(a + glm::dvec3(9, 0, 4));
-    shape.addVertex(a + glm::dvec3(0, 8, 1));
-    shape.addFace({first, first + 1, first + 2});
+    shape.addTriangle(a, a + glm::dvec3(9, 0, 4), a + glm::dvec3(0, 8, 1));
   }
   return shape;
 }
@@ -107,10 +107,8 @@ Shape largeTriangles(uint32_t seed) {
   std::mt19937 random(seed);
   Shape shape;
   for (int i = 0; i < 4000; ++i) {
-    const uint64_t first = shape.addVertex(randomPoint(random));
-    shape.addVertex(randomPoint(random));
-    shape.addVertex(randomPoint(random));
-    shape.addFace({first, first + 1, first + 2});
+    const glm::dvec3 a = randomPoint(random), b = randomPoint(random), c = randomPoint(random);
+    shape.addTriangle(a, b, c);
   }
   return shape;
 }
@@ -121,10 +119,7 @@ Shape collinear(uint32_t seed) {
   Shape shape;
   for (int i = 0; i < 500; ++i) {
     const glm::dvec3 a = glm::round(0.5 * randomPoint(random)), step = glm::round(0.2 * randomPoint(random));
-    const uint64_t first = shape.addVertex(a);
-    shape.addVertex(a + step);
-    shape.addVertex(a + 2.0 * step);
-    shape.addFace({first, first + 1, first + 2});
+    shape.addTriangle(a, a + step, a + 2.0 * step);
   }
   return shape;
 }
