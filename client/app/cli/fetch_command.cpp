@@ -123,7 +123,8 @@ class Fetch {
     KeyResult key;
     key.t = t;
     streamer.setView(target.viewAt(t, size_), options_.common.pixels);
-    if (streamer.waitForCut(left()).cut) key.first_image_ms = msSince(start);
+    if (const stream::StreamStatus first = streamer.waitForCut(left()); first.current && first.cut)
+      key.first_image_ms = msSince(start);
     const stream::StreamStatus seen = streamer.waitForConvergence(left());
     if (hasConverged(seen)) {
       key.converged_ms = msSince(start);

@@ -38,10 +38,11 @@ core::Framing frameCoarsely(core::Framing framing, stream::Streamer& streamer, c
   streamer.setView(view, std::numeric_limits<float>::max());
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   stream::StreamStatus status;
-  while (!status.cut && !status.ended && !status.exhausted && !status.settled && !stop.stop_requested() &&
+  const auto has_cut = [&] { return status.current && status.cut; };
+  while (!has_cut() && !status.ended && !status.exhausted && !status.settled && !stop.stop_requested() &&
          std::chrono::steady_clock::now() < deadline)
     status = streamer.waitForCut(std::min(kLook, timeout));
-  if (status.cut && status.cut->parts.size() == 1) framing.coarse = status.cut->parts.front().mesh;
+  if (has_cut() && status.cut->parts.size() == 1) framing.coarse = status.cut->parts.front().mesh;
   return framing;
 }
 

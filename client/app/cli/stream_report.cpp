@@ -56,7 +56,7 @@ Json prefetchReport(const core::PrefetchCounts& counts) {
 }
 
 bool hasConverged(const stream::StreamStatus& status) {
-  return status.cut && status.cut->converged && status.cut->lost_tiles == 0;
+  return status.current && status.cut && status.cut->converged && status.cut->lost_tiles == 0;
 }
 
 void refuseUnconverged(const std::string& where, const stream::StreamStatus& status,

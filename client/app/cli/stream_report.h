@@ -21,8 +21,9 @@ void reportGaps(nlohmann::ordered_json& json, const stream::StreamStatus& status
 /// Returns the statistics of prefetching as --json prints them.
 nlohmann::ordered_json prefetchReport(const core::PrefetchCounts& counts);
 
-/// Returns true if the cut has converged and no visible texture tile is lost. A view that shows the original
-/// triangles has converged, even if the eye is so near that a lattice step exceeds the error threshold.
+/// Returns true if the cut of the view that was set last has converged and no visible texture tile is lost. A
+/// view that shows the original triangles has converged, even if the eye is so near that a lattice step
+/// exceeds the error threshold.
 bool hasConverged(const stream::StreamStatus& status);
 
 /// Throws an Error with the reason why a view did not converge, and the remedy.

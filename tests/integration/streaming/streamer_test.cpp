@@ -13,6 +13,7 @@
 
 #include "client/app/cli/child_server.h"
 #include "client/app/cli/cut_export.h"
+#include "client/app/cli/stream_report.h"
 #include "common/error.h"
 #include "tests/integration/streaming/streaming_fixture.h"
 #include "tests/support/own_entries.h"
@@ -219,6 +220,18 @@ TEST_F(Streaming, convergesWithoutAServerIfAllMeshesAreResident) {
   const StreamStatus status = streamer.waitUntilSettled(kPatience);
   EXPECT_EQ(status.failure, "");
   EXPECT_TRUE(status.settled && status.cut && status.cut->converged);
+}
+
+TEST_F(Streaming, neverTakesTheCutOfAnEarlierViewForAConvergedOne) {
+  Streamer streamer(served_, {});
+  const ModelSummary& model = streamer.waitForModel(kPatience);
+  streamer.setView(viewAt(1, model), kOnlyTheRootPx);
+  ASSERT_TRUE(app::hasConverged(streamer.waitForConvergence(kPatience)));
+  stopServer();
+  for (int step = 2; step < 50; ++step) {  // no wait is long enough to refine for the new view
+    streamer.setView(viewAt(step, model), 0.001f);
+    EXPECT_FALSE(app::hasConverged(streamer.waitForConvergence(0ms))) << "step " << step;
+  }
 }
 
 TEST_F(Streaming, wakesWaitersForNewsOnlyUntilItHasSettled) {

@@ -23,7 +23,7 @@ stream::StreamStatus makeStatus(const core::View& view, uint64_t received_bytes)
   cut->converged = true;
   status.cut = std::move(cut);
   status.view_cuts = std::make_shared<core::ViewCuts>();
-  status.settled = true;
+  status.settled = status.current = true;
   status.counts.received_bytes = received_bytes;
   return status;
 }
@@ -51,6 +51,12 @@ TEST_F(SceneStatus, addsUpTheMissingTilesOfItsModels) {
     status->cut = std::move(cut);
   }
   EXPECT_EQ(merged().cut->lost_tiles, 4u);
+}
+
+TEST_F(SceneStatus, isCurrentOnceEachModelIs) {
+  EXPECT_TRUE(merged().current);
+  second_.current = false;
+  EXPECT_FALSE(merged().current);
 }
 
 TEST_F(SceneStatus, hasConvergedAndSettledOnceEachModelHas) {

@@ -90,7 +90,7 @@ RenderedScene::Picture RenderedScene::draw(double t, const render::Framebuffer& 
     const stream::StreamStatus status = model.streamer.waitForConvergence(timeout_);
     if (picture.has_converged) picture.status = status;
     picture.has_converged = picture.has_converged && hasConverged(status);
-    picture.is_drawn = status.cut && status.cut->converged;
+    picture.is_drawn = status.current && status.cut && status.cut->converged;
     if (!picture.is_drawn) return picture;
     picture.max_error_px = std::max(picture.max_error_px, status.cut->max_error_px);
     if (!scene_.is_single_model)

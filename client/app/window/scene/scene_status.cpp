@@ -10,13 +10,14 @@ stream::StreamStatus sceneStatus(std::span<const ModelStatus> models, const core
   stream::StreamStatus all;
   auto cut = std::make_shared<core::Cut>();
   cut->threshold_px = 0;
-  cut->converged = all.settled = true;
+  cut->converged = all.settled = all.current = true;
   all.ended = !models.empty();
   bool is_shown = true, is_for_view = true;
   for (const auto& [one, view] : models) {
     all.counts += one.counts;
     all.limited = all.limited || one.limited;
     all.settled = all.settled && one.settled;
+    all.current = all.current && one.current;
     all.exhausted = all.exhausted || one.exhausted;
     all.ended = all.ended && one.ended;
     if (all.failure.empty() || (all.failure_may_pass && !one.failure.empty() && !one.failure_may_pass)) {
