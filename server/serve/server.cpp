@@ -237,11 +237,11 @@ void Server::State::startWorkers() {
       std::min({options.handshake_deadline, options.idle_deadline, options.write_deadline}) / 4;
   const auto sweep_every =
       std::clamp<std::chrono::milliseconds>(shortest, std::chrono::milliseconds(5), std::chrono::seconds(1));
+  const WorkerShared shared{*log, readers, budget, rate, wrong_tokens, limits()};
   const std::lock_guard lock(published_mutex);
   try {
     for (unsigned i = 0; i < threads; ++i)
-      workers.push_back(std::make_unique<Worker>(published, *log, metrics.ofThread(i + 1), readers, budget,
-                                                 rate, wrong_tokens, limits()));
+      workers.push_back(std::make_unique<Worker>(published, shared, metrics.ofThread(i + 1)));
     for (auto& worker : workers) worker->start(sweep_every);
   } catch (const std::system_error& error) {
     throw Error(ErrorCode::kIo, "cannot start " + std::to_string(threads) + " threads: " + error.what() +

@@ -21,17 +21,16 @@ constexpr auto kCheckMemoryEvery = std::chrono::milliseconds(20);
 
 }  // namespace
 
-Worker::Worker(Published published, Log& log, ThreadCounters& counters, DiskReaders& readers,
-               MemoryBudget& budget, ByteRate& rate, WrongTokens& wrong_tokens, ConnectionLimits limits)
-    : budget_(budget), limits_(limits), guard_(context_.get_executor()), tick_(context_) {
+Worker::Worker(Published published, const WorkerShared& shared, ThreadCounters& counters)
+    : budget_(shared.budget), limits_(shared.limits), guard_(context_.get_executor()), tick_(context_) {
   host_.served = std::move(published.served);
   host_.tls = std::move(published.tls);
-  host_.log = &log;
+  host_.log = &shared.log;
   host_.counters = &counters;
-  host_.readers = &readers;
-  host_.rate = &rate;
-  host_.budget = &budget;
-  host_.wrong_tokens = &wrong_tokens;
+  host_.readers = &shared.readers;
+  host_.rate = &shared.rate;
+  host_.budget = &shared.budget;
+  host_.wrong_tokens = &shared.wrong_tokens;
 }
 
 void Worker::start(Clock::duration sweep_every) {

@@ -22,12 +22,21 @@ struct Published {
   std::shared_ptr<asio::ssl::context> tls;
 };
 
+/// Parts of the server that all workers share. They outlive the workers.
+struct WorkerShared {
+  Log& log;
+  DiskReaders& readers;
+  MemoryBudget& budget;
+  ByteRate& rate;
+  WrongTokens& wrong_tokens;
+  ConnectionLimits limits;
+};
+
 /// One thread of the server with its event loop and connections. Thread safe, except for construction,
 /// start() and join().
 class Worker {
  public:
-  Worker(Published published, Log& log, ThreadCounters& counters, DiskReaders& readers, MemoryBudget& budget,
-         ByteRate& rate, WrongTokens& wrong_tokens, ConnectionLimits limits);
+  Worker(Published published, const WorkerShared& shared, ThreadCounters& counters);
 
   /// Starts the thread. Call it once. @throws std::system_error.
   void start(Clock::duration sweep_every);

@@ -49,8 +49,8 @@ class WorkerTest : public testing::Test {
     options.hot_reads = false;
     models.push_back(openModel(always_cold, options));
     catalog_ = std::make_shared<const Catalog>(std::move(models));
-    worker_.emplace(Published{{catalog_, nullptr}, nullptr}, log_, counters_, disk_, budget_, rate_,
-                    wrong_tokens_, ConnectionLimits{});
+    worker_.emplace(Published{{catalog_, nullptr}, nullptr},
+                    WorkerShared{log_, disk_, budget_, rate_, wrong_tokens_, {}}, counters_);
     worker_->start(10ms);
   }
   ~WorkerTest() override {
