@@ -113,7 +113,7 @@ void Model::requireRoomFor(const Lod& first) const {
   if (needed_bytes <= memory_budget_bytes_ + kMaxFirstLodExcessBytes) return;
   throw Error(ErrorCode::kLimit, "the coarsest LOD of the model takes " + std::to_string(needed_bytes) +
                                      " bytes, and the memory budget is " +
-                                     std::to_string(memory_budget_bytes_) + ": allow more");
+                                     std::to_string(memory_budget_bytes_) + ": raise the memory budget");
 }
 
 void Model::startDecode(const BlobRef& blob, const BlobUse& use, std::vector<std::byte> bytes) {

@@ -31,8 +31,9 @@ ServedModel parseServedModel(std::string_view text) {
     throw Error(ErrorCode::kUsage, "'" + std::string(text) + "' names no model; " + kModelForm);
   std::string model(rest.substr(slash + 1));
   if (model.size() > kMaxModelNameBytes || model.find('/') != std::string::npos)
-    throw Error(ErrorCode::kUsage, "'" + std::string(text) + "': a model's name has no slash and at most " +
-                                       std::to_string(kMaxModelNameBytes) + " bytes");
+    throw Error(ErrorCode::kUsage, "'" + std::string(text) +
+                                       "' is not a model's name: a name contains no slash and is at most " +
+                                       std::to_string(kMaxModelNameBytes) + " bytes long");
   return {net::parseAddress(rest.substr(0, slash)), std::move(model), encrypted};
 }
 

@@ -27,7 +27,7 @@ std::vector<std::filesystem::path> writeMesh(const std::filesystem::path& path, 
   const MeshFormat format = meshFormatOf(path);
   if (mesh.attributes.bits != 0 && mesh.vertex_attributes.size() != mesh.positions.size())
     throw Error(ErrorCode::kInternal,
-                path.string() + ": the mesh declares attributes but has none for some vertices");
+                path.string() + ": some vertices lack attributes that the mesh declares");
   std::vector<std::filesystem::path> beside = images.written;
   if (format == MeshFormat::kPly) writePly(path, mesh, lattice, images.set);
   if (format == MeshFormat::kGlb) writeGlb(path, mesh, lattice, images);

@@ -40,7 +40,7 @@ void noteReloads() {
 class Signals {
  public:
   explicit Signals(serve::Server& server) : server_(server), signals_(context_, SIGTERM, SIGINT, SIGHUP) {
-    // Never destroy this set, so that a signal during exit does not kill the process.
+    // This set is never destroyed: otherwise a signal during exit would kill the process.
     [[maybe_unused]] static const auto* const kept =
         new asio::signal_set(*new asio::io_context, SIGTERM, SIGINT, SIGHUP);
     if (asked_to_reload != 0) askToReload();

@@ -20,10 +20,10 @@ class GyroidGrid {
  public:
   static constexpr int kCells = 27;
 
-  /// Crossing of the surface with a grid edge, relative to a cell. The edge starts at a grid point of the
-  /// cell, or of the next cell along some axes, and has one of 7 directions.
+  /// The point where the surface crosses a grid edge, stored relative to a cell. The start of the edge lies
+  /// in this cell, or one cell farther along x, y or z. The edge has one of 7 directions.
   struct Crossing {
-    uint8_t neighbour = 0;  ///< bits 0, 1 and 2 are set if the edge starts in the next cell along x, y and z
+    uint8_t neighbour = 0;  ///< bits 0, 1 and 2 are set if the edge starts one cell farther along x, y and z
     /// 7 * (index of the start point in its cell) + direction - 1; a direction has one bit per axis.
     uint32_t edge = 0;
   };

@@ -137,7 +137,7 @@ FileHeader decodeHeader(std::span<const std::byte, kHeaderBytes> bytes, uint64_t
   if (const auto version = take.get<uint32_t>(); version != kFormatVersion)
     throw Error(ErrorCode::kInput, "has format version " + std::to_string(version) +
                                        ", this program reads version " + std::to_string(kFormatVersion) +
-                                       ": rebuild it with this program");
+                                       ": build the store anew, or use a program of its version");
   Take sum(bytes.last<sizeof(uint64_t)>());
   if (sum.get<uint64_t>() != checksum(bytes.first<kHeaderChecksumAt>()))
     fail("header: the checksum does not match");

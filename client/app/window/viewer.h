@@ -48,7 +48,7 @@ class Viewer {
  private:
   using Clock = std::chrono::steady_clock;
 
-  // viewer.cpp: opening, frames and drawing.
+  // Defined in viewer.cpp: opening of models, the frame loop and drawing.
   static double secondsSince(Clock::time_point start);
   bool isInteractive() const;
   void frame();

@@ -44,8 +44,8 @@ class CutProbe {
 
   const std::shared_ptr<const Cut>& cut() const noexcept { return cut_; }
   double step() const noexcept { return step_; }
-  /// Returns the nearest hit on the front or back of a triangle. @param shown  numbers of the drawn parts:
-  /// see shownParts().
+  /// Returns the nearest hit on either side of a triangle.
+  /// @param shown  indices of the parts that are drawn, as shownParts() returns them.
   std::optional<Hit> cast(const Ray& ray, std::span<const uint32_t> shown) const;
 
  private:

@@ -17,8 +17,8 @@ namespace {
 constexpr float kPagePriorityFactor = 16;
 // Factor that puts blobs of hidden nodes after all visible blobs.
 constexpr float kHiddenPriorityFactor = 1e-6f;
-// A hidden node's coarsest LOD is requested as a stand-in if its size is at most 1/2 of the wanted bytes at
-// and below the node.
+// A hidden node's coarsest LOD is requested as a stand-in if it has at most 1/2 of the bytes of the wanted
+// parts at the node and below.
 constexpr uint64_t kStandInBytesRatio = 2;
 
 /// One refinement: builds the best cut that the resident meshes allow, and the requests for the rest.

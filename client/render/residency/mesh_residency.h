@@ -135,7 +135,8 @@ class MeshResidency {
   StagingRing staging_;
   Entries entries_;
   std::shared_ptr<const core::ViewCuts> newest_, target_, before_, rejected_;
-  /// Cuts that all instances draw; null while cuts are mixed.
+  /// One cut per instance, set while each instance draws its cut and nothing else. Null while an instance
+  /// still draws parts of an older cut.
   std::shared_ptr<const core::ViewCuts> complete_;
   std::vector<DrawnInstance> instances_;
   std::optional<CutExchange> exchange_;  ///< plan of the switch to target_

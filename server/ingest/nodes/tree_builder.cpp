@@ -325,9 +325,9 @@ class Scheduler {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<std::unique_ptr<BuiltNode>> built_;  ///< built nodes that their parents have not used yet
-  std::vector<Finished> finished_;                 ///< built nodes that are not logged yet
-  std::vector<bool> logged_;                       ///< true for each node that the log contains
-  uint32_t being_logged_ = kNoNode;  ///< node that the log writes now, temporarily moved out of built_
+  std::vector<Finished> finished_;                 ///< built nodes that the journal does not contain yet
+  std::vector<bool> logged_;                       ///< true for each node that the journal contains
+  uint32_t being_logged_ = kNoNode;  ///< node that the journal writes now, temporarily moved out of built_
   /// For each node, the number of triangles that its children built so far contribute to its input.
   std::vector<uint32_t> input_triangles_;
   std::vector<uint8_t> waiting_for_;  ///< number of children of each node that are not built yet

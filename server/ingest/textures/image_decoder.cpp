@@ -18,9 +18,10 @@ namespace {
 constexpr uint64_t kTexelBytes = sizeof(glm::u8vec4);
 /// Memory per texel in addition to the image, for the next coarser level or the decoder's rows.
 constexpr uint64_t kUsualTexelBytes = 2;
-/// Additional memory per texel for a JPEG with several scans. Its decoder stores the coefficients of whole
-/// blocks.
-constexpr uint64_t kCoefficientBytes = 6, kJpegBlockPx = 32;
+/// Additional memory per texel for a progressive JPEG: the decoder keeps the coefficients of the whole image.
+constexpr uint64_t kCoefficientBytes = 6;
+/// For these coefficients, width and height are rounded up to a multiple of this size.
+constexpr uint64_t kJpegBlockPx = 32;
 /// Memory of the tables for decoding lossless WebP or lossless alpha. Files of the reference encoder need no
 /// more, but a crafted file can.
 constexpr uint64_t kWebpTableBytes = 1u << 20;

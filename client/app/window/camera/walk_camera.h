@@ -13,7 +13,7 @@ namespace lode::app {
 
 /// The ground below a point, according to the loaded data.
 struct Ground {
-  double depth_model = 0;        ///< distance from the point straight down to the ground
+  double depth_model = 0;        ///< height of the point above the ground
   double uncertainty_model = 0;  ///< distance by which finer data may raise or lower the ground
 };
 /// Function that returns the ground below a point, or nothing.
