@@ -338,7 +338,7 @@ void Streamer::keep(std::vector<std::shared_ptr<const core::Cut>> cuts) {
 
 StreamStatus Streamer::status() const {
   const std::lock_guard lock(state_->mutex);
-  return state_->status;
+  return state_->statusOfView();
 }
 
 std::optional<ModelSummary> Streamer::model() const {

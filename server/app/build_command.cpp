@@ -197,9 +197,15 @@ void addBuildCommand(CLI::App& program) {
       ->type_name("DIR");
   addTexturesFolder(*command, options.textures_folder);
   ingest::forEachResultOption([&](const auto& option) { addResultOption(*command, option, options); });
-  command->add_flag("--resume", options.resume,
-                    "continue a killed or interrupted build of the same command; if this build is "
-                    "interrupted too, keep its work");
+  CLI::Option* const resume =
+      command->add_flag("--resume", options.resume,
+                        "continue a killed or interrupted build of the same command; if this build is "
+                        "interrupted too, keep its work");
+  command
+      ->add_flag(
+          "--restart-if-changed", options.restart_if_changed,
+          "with --resume: start from the beginning if the input, its images or the options have changed")
+      ->needs(resume);
   command->add_flag("--json", arguments->json, "print the result as one JSON object");
   CLI::Option* const quiet = command->add_flag("--quiet", arguments->quiet, "print warnings only");
   command

@@ -219,6 +219,7 @@ Json build(const PlyFile& source, const fs::path& store, const FolderLock& lock,
            const std::stop_token& stop, const BuildWatch& watch) {
   std::vector<std::string> arguments{"build", source.path.string(), source.preview_only ? "--preview" : "-o",
                                      store.string(), "--json"};
+  if (!source.preview_only) arguments.insert(arguments.end(), {"--resume", "--restart-if-changed"});
   if (!source.textures_folder.empty())
     arguments.insert(arguments.end(), {"--textures", source.textures_folder.string()});
   if (!shows_progress) arguments.emplace_back(watch.on_step ? "--json-progress" : "--quiet");
@@ -293,7 +294,7 @@ BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& 
       record.images.push_back({name, image, versionSince(image, start)});
     }
   } catch (...) {
-    fs::remove_all(folder, ignored);
+    if (!stop.stop_requested()) fs::remove_all(folder, ignored);  // else the next use resumes the build
     lock.removeEmptyFolder();
     throw;
   }

@@ -30,7 +30,7 @@ std::filesystem::path previewBeside(const std::filesystem::path& store);
 /// recently used stores until the cache is within its limit.
 /// @param announce   true to print progress on stderr: a bar on a terminal, else a line every five seconds.
 /// @param stop       stop token; a stop request aborts the wait or the build, and the function throws an
-///                   Error.
+///                   Error. The next call for the same file resumes the build.
 /// @param watch      watch of the build.
 /// @param max_bytes  limit for all stores in the cache together; storeCacheBytes() by default.
 /// @throws Error.

@@ -54,15 +54,15 @@ void BuildSession::resume() {
         folder_.journal(),
         [this](uint32_t kind, std::span<const std::byte> bytes) { recorded_.add(kind, bytes); }));
   } catch (const Error&) {
-    if (options_.resume) throw;
+    if (options_.resume && !options_.restart_if_changed) throw;
   }
   if (options_.resume && recorded_.identity) {
     const std::string difference = recorded_.identity->difference(identity_);
-    if (!difference.empty()) {
+    if (!difference.empty() && !options_.restart_if_changed) {
       throw Error(ErrorCode::kInput,
                   "cannot resume the build of " + options_.output.string() + ": " + difference);
     }
-    if (!recorded_.isPast(BuildEntry::kPacked) || isPackedAlready()) {
+    if (difference.empty() && (!recorded_.isPast(BuildEntry::kPacked) || isPackedAlready())) {
       files_.emplace(folder_.openFiles());
       return;
     }

@@ -79,6 +79,9 @@ struct BuildOptions : ResultOptions {
   /// True continues a killed or failed build of the same input, output and options. If this build fails for
   /// lack of memory or through an I/O error, it keeps its own finished work, too.
   bool resume = false;
+  /// With `resume`: starts from the beginning, instead of failing, if the earlier build had another input or
+  /// other options, or if its files are damaged.
+  bool restart_if_changed = false;
 };
 
 struct BuildReport {

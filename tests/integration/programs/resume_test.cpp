@@ -149,6 +149,31 @@ TEST_F(ResumedBuild, isRefusedAfterAChangeOfInputOrOptionsAndContinuesWithTheOld
   expectDone();
 }
 
+TEST_F(ResumedBuild, restartsAfterAChangeIfAskedTo) {
+  makeModel(60000, 1024);
+  const Strings restart = with({"--resume", "--restart-if-changed"});
+  const auto resumedFrom = [](const Outcome& done) { return Json::parse(done.out)["resumed_from"]; };
+  ASSERT_EQ(signalAfterScan({}, SIGKILL).status, kKilled);
+  Strings other = restart;
+  *std::find(other.begin(), other.end(), "1024") = "1025";
+  const Outcome changed = lodestreamd(other);
+  ASSERT_EQ(changed.status, 0) << changed.err;
+  EXPECT_TRUE(resumedFrom(changed).is_null());
+
+  ASSERT_EQ(signalAfterScan({}, SIGKILL).status, kKilled);
+  const Outcome same = lodestreamd(restart);
+  ASSERT_EQ(same.status, 0) << same.err;
+  EXPECT_TRUE(resumedFrom(same).is_string());
+  expectDone();
+
+  ASSERT_EQ(signalAfterScan({}, SIGKILL).status, kKilled);
+  writeBytes(folder_ / ".a.lode.building/journal", "damaged");
+  const Outcome damaged = lodestreamd(restart);
+  ASSERT_EQ(damaged.status, 0) << damaged.err;
+  EXPECT_TRUE(resumedFrom(damaged).is_null());
+  expectDone();
+}
+
 TEST_F(ResumedBuild, keepsItsWorkOnASignalOnlyWithResume) {
   makeModel(60000, 1024);
   const Outcome plain = signalAfterScan({}, SIGTERM);

@@ -1,11 +1,17 @@
 // Tests of a PLY file as target. The client builds a store by lodestreamd and reports the progress.
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <stop_token>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "client/app/cli/child_server.h"
+#include "common/error.h"
+#include "tests/integration/programs/programs.h"
 #include "tests/support/work_folder.h"
 
 namespace lode::test {
@@ -31,6 +37,27 @@ TEST(BuildOfATarget, reportsItsStagesAndProgressUnlessTheStoreExists) {
   stages.clear();
   app::builtStore({ply}, true, {}, watch);
   EXPECT_TRUE(stages.empty());
+}
+
+TEST(BuildOfATarget, continuesAfterItWasCancelled) {
+  const WorkFolder folder;
+  setenv("XDG_CACHE_HOME", folder.path().c_str(), 1);
+  const std::filesystem::path ply = std::filesystem::path(LODE_BIN_DIR) / "test-models" / "painted.ply";
+  std::stop_source stop;
+  std::vector<std::string> stages;
+  app::BuildWatch watch;
+  watch.on_step = [&](const app::BuildStep& step) {
+    stages.push_back(step.doing);
+    if (step.doing == "simplifying") stop.request_stop();
+  };
+  EXPECT_THROW(app::builtStore({ply}, false, stop.get_token(), watch), Error);
+  ASSERT_EQ(stages.front(), "reading the file");
+  stages.clear();
+  watch.on_step = [&](const app::BuildStep& step) { stages.push_back(step.doing); };
+  const app::BuiltStore store = app::builtStore({ply}, false, {}, watch);
+  EXPECT_EQ(std::ranges::count(stages, "reading the file"), 0);
+  const Outcome verdict = Program("lodestreamd", {"verify", store.path.string()}).wait();
+  EXPECT_EQ(verdict.status, 0) << verdict.err;
 }
 
 /// Two files, and cache space for the store of one of them.
