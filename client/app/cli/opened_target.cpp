@@ -6,6 +6,7 @@
 #include "client/app/cli/target.h"
 #include "client/core/view/framing.h"
 #include "common/error.h"
+#include "common/up_axis.h"
 
 namespace lode::app {
 
@@ -14,7 +15,7 @@ core::Framing wantedFraming(const CommonOptions& options) {
   const PictureSize size = options.size();
   framing.aspect = static_cast<double>(size.width_px) / size.height_px;
   if (options.up_text.empty()) return framing;
-  framing.up = core::parseAxis(options.up_text);
+  framing.up = parseAxis(options.up_text);
   if (!framing.up)
     throw Error(ErrorCode::kUsage,
                 "'" + options.up_text + "' is not an axis; write --up y or z, or x, -x, -y, -z");

@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <optional>
-#include <string_view>
 
 #include <glm/glm.hpp>
 
@@ -11,14 +10,6 @@
 #include "common/mesh.h"
 
 namespace lode::core {
-
-/// Parses an axis such as "y" or "-z". Returns nothing for other text.
-std::optional<glm::dvec3> parseAxis(std::string_view text) noexcept;
-
-/// Guesses the up axis of a model, y or z, because files do not record the up axis. Compares areas of a
-/// coarse mesh: terrain faces up, and standing objects have a flat foot and no flat top. Returns y if neither
-/// rule decides. The section "Up axis" of docs/architecture.md gives the rules in full.
-glm::dvec3 guessUp(const Mesh& coarse);
 
 /// Input for the default camera.
 struct Framing {

@@ -1,10 +1,10 @@
+#include "common/up_axis.h"
+
 #include <array>
 
 #include <gtest/gtest.h>
 
-#include "client/core/view/framing.h"
-
-namespace lode::core {
+namespace lode {
 namespace {
 
 constexpr glm::dvec3 kY(0, 1, 0), kZ(0, 0, 1);
@@ -83,4 +83,4 @@ TEST(UpAxis, isReadWithItsSign) {
 }
 
 }  // namespace
-}  // namespace lode::core
+}  // namespace lode
