@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,9 +39,38 @@ enum class MeshSource { kFile, kSimplified, kFarLod };
 /// @throws Error kInternal if Draco fails. Thread safe.
 EncodedPayload encodePayload(const Mesh& mesh, double step, MeshSource source = MeshSource::kSimplified);
 
+/// Ids of the attributes of a payload's Draco stream. The extension KHR_draco_mesh_compression of glTF refers
+/// to attributes by these ids. An id is empty if the stream lacks the attribute.
+struct StreamIds {
+  uint32_t position = 0;
+  std::optional<uint32_t> normal, colour, texture, material;
+  uint32_t colour_components = 0;  ///< 3, 4 with alpha, or 0 without colours
+
+  bool operator==(const StreamIds&) const = default;
+};
+
 /// Decodes a payload from an untrusted source. Checks the header and all counts before it allocates memory,
 /// and every index, position and attribute afterwards (docs/protocol.md).
+/// @param ids  if not null, receives the ids of the stream's attributes.
 /// @throws Error kFormat or kLimit. Thread safe.
-Mesh decodePayload(std::span<const std::byte> bytes, double step, const PayloadExpectation& expected);
+Mesh decodePayload(std::span<const std::byte> bytes, double step, const PayloadExpectation& expected,
+                   StreamIds* ids = nullptr);
+
+/// Number of bits per component of the colours of encodeForGltf(). Equal colours of two streams decode to
+/// equal floats, because all streams share the grid k / 1023.
+constexpr int kGltfColourBits = 10;
+
+/// A Draco stream for glTF, which no payload decoder accepts.
+struct GltfStream {
+  std::vector<std::byte> bytes;
+  uint32_t vertices = 0;  ///< number of vertices after decoding
+  StreamIds ids;
+};
+
+/// Encodes positions, normals and colours of an LOD for glTF, which requires colours in linear light. COLOR
+/// consists of floats from 0 to 1 and has alpha only if alpha is neither 255 nor 0 everywhere. Positions and
+/// normals decode to the same floats as those of a payload. Texture coordinates and materials are left out.
+/// @throws Error kInternal if Draco fails. Thread safe.
+GltfStream encodeForGltf(const Mesh& mesh, double step);
 
 }  // namespace lode

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -231,9 +232,27 @@ std::span<const std::byte> decodeGuarded(std::span<const std::byte> bytes, const
   return bytes.last(rest);
 }
 
+StreamIds idsOf(const draco::Mesh& in) {
+  const auto idOf = [&](GeometryAttribute::Type type) -> std::optional<uint32_t> {
+    const PointAttribute* const attribute = in.GetNamedAttribute(type);
+    return attribute == nullptr ? std::nullopt : std::optional(attribute->unique_id());
+  };
+  StreamIds ids;
+  ids.position = *idOf(GeometryAttribute::POSITION);
+  ids.normal = idOf(GeometryAttribute::NORMAL);
+  ids.colour = idOf(GeometryAttribute::COLOR);
+  ids.texture = idOf(GeometryAttribute::TEX_COORD);
+  ids.material = idOf(GeometryAttribute::GENERIC);
+  if (ids.colour)
+    ids.colour_components =
+        static_cast<uint32_t>(in.GetNamedAttribute(GeometryAttribute::COLOR)->num_components());
+  return ids;
+}
+
 }  // namespace
 
-Mesh decodePayload(std::span<const std::byte> bytes, double step, const PayloadExpectation& expected) {
+Mesh decodePayload(std::span<const std::byte> bytes, double step, const PayloadExpectation& expected,
+                   StreamIds* ids) {
   if (!isLatticeStep(step)) refuse("a store cannot hold this lattice step");
   Mesh mesh;
   mesh.attributes = expected.attributes;
@@ -244,6 +263,7 @@ Mesh decodePayload(std::span<const std::byte> bytes, double step, const PayloadE
   readTriangles(decoded, mesh);
   readPositions(decoded, step, expected.box, mesh);
   readAttributes(decoded, mesh);
+  if (ids != nullptr) *ids = idsOf(decoded);
   if (leavesNormalsOut(decoded, expected.attributes))
     giveNormals(mesh, rest);
   else if (!rest.empty())

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdio>
@@ -6,6 +7,7 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <draco/compression/expert_encode.h>
@@ -17,6 +19,7 @@
 #include "common/codec/octahedral.h"
 #include "common/codec/surface_normals.h"
 #include "common/error.h"
+#include "common/image/image.h"
 #include "common/limits.h"
 
 namespace lode {
@@ -124,10 +127,11 @@ void setExplicitQuantization(draco::ExpertEncoder& encoder, int id, int bits, co
   encoder.options().SetAttributeOptions(id, options);
 }
 
-bool hasTransparency(const Mesh& mesh) {
+// Returns true if a vertex has another alpha than `value`.
+bool hasAlphaOtherThan(uint8_t value, const Mesh& mesh) {
   return mesh.attributes.has(AttributeSet::kAlpha) &&
          std::any_of(mesh.vertex_attributes.begin(), mesh.vertex_attributes.end(),
-                     [](const VertexAttributes& a) { return a.colour.a != 255; });
+                     [value](const VertexAttributes& a) { return a.colour.a != value; });
 }
 
 void addPositions(draco::Mesh& out, const Mesh& mesh, double step) {
@@ -145,18 +149,22 @@ struct AttributeIds {
   std::optional<int> normal, texture;
 };
 
+int addNormals(draco::Mesh& out, const Mesh& mesh) {
+  const std::vector<VertexAttributes>& in = mesh.vertex_attributes;
+  return addAttribute<float>(out, GeometryAttribute::NORMAL, draco::DT_FLOAT32, 3, false, in.size(),
+                             [&](size_t i, float* n) {
+                               const glm::vec3 value = decodeOctahedral(in[i].normal);
+                               std::memcpy(n, &value, sizeof value);
+                             });
+}
+
 AttributeIds addAttributes(draco::Mesh& out, const Mesh& mesh, double step) {
   AttributeIds ids;
   addPositions(out, mesh, step);
   const std::vector<VertexAttributes>& in = mesh.vertex_attributes;
-  if (mesh.attributes.has(AttributeSet::kNormal))
-    ids.normal = addAttribute<float>(out, GeometryAttribute::NORMAL, draco::DT_FLOAT32, 3, false, in.size(),
-                                     [&](size_t i, float* n) {
-                                       const glm::vec3 value = decodeOctahedral(in[i].normal);
-                                       std::memcpy(n, &value, sizeof value);
-                                     });
+  if (mesh.attributes.has(AttributeSet::kNormal)) ids.normal = addNormals(out, mesh);
   if (mesh.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha)) {
-    const int components = hasTransparency(mesh) ? 4 : 3;
+    const int components = hasAlphaOtherThan(255, mesh) ? 4 : 3;
     addAttribute<uint8_t>(
         out, GeometryAttribute::COLOR, draco::DT_UINT8, components, true, in.size(),
         [&](size_t i, uint8_t* c) { std::memcpy(c, &in[i].colour, static_cast<size_t>(components)); });
@@ -205,23 +213,20 @@ uint32_t verticesOf(std::span<const std::byte> payload) {
   return header.varint();
 }
 
-EncodedPayload encodeByDraco(const Mesh& mesh, double step, MeshSource source) {
-  draco::Mesh in;
-  in.SetNumFaces(mesh.triangles.size());
+void addTriangles(draco::Mesh& out, const Mesh& mesh) {
+  out.SetNumFaces(mesh.triangles.size());
   for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const glm::u32vec3 t = mesh.triangles[i];
-    in.SetFace(draco::FaceIndex(i), {draco::PointIndex(t.x), draco::PointIndex(t.y), draco::PointIndex(t.z)});
+    out.SetFace(draco::FaceIndex(i),
+                {draco::PointIndex(t.x), draco::PointIndex(t.y), draco::PointIndex(t.z)});
   }
-  in.set_num_points(static_cast<uint32_t>(mesh.positions.size()));
-  const AttributeIds ids = addAttributes(in, mesh, step);
+  out.set_num_points(static_cast<uint32_t>(mesh.positions.size()));
+}
 
-  draco::ExpertEncoder encoder(in);
+EncodedPayload run(draco::ExpertEncoder& encoder, int speed) {
   encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
-  const bool positions_alone = source == MeshSource::kFile && mesh.attributes.bits == 0;
-  const int speed = positions_alone ? kSpeedOfPositionsAlone : kSpeed;
   encoder.SetSpeedOptions(speed, speed);
   encoder.options().SetGlobalBool("split_mesh_on_seams", true);
-  setQuantization(encoder, ids, boxOf(mesh), step, source);
   draco::EncoderBuffer buffer;
   const draco::Status status = encoder.EncodeToBuffer(&buffer);
   if (!status.ok())
@@ -231,6 +236,29 @@ EncodedPayload encodeByDraco(const Mesh& mesh, double step, MeshSource source) {
   payload.bytes.assign(bytes.begin(), bytes.end());
   payload.vertices = verticesOf(payload.bytes);
   return payload;
+}
+
+EncodedPayload encodeByDraco(const Mesh& mesh, double step, MeshSource source) {
+  draco::Mesh in;
+  addTriangles(in, mesh);
+  const AttributeIds ids = addAttributes(in, mesh, step);
+  draco::ExpertEncoder encoder(in);
+  setQuantization(encoder, ids, boxOf(mesh), step, source);
+  const bool positions_alone = source == MeshSource::kFile && mesh.attributes.bits == 0;
+  return run(encoder, positions_alone ? kSpeedOfPositionsAlone : kSpeed);
+}
+
+// Adds colours in linear light. Returns the attribute's id.
+int addLinearColours(draco::Mesh& out, const Mesh& mesh, int components) {
+  std::array<float, 256> linear{};
+  for (size_t byte = 0; byte < linear.size(); ++byte)
+    linear[byte] = static_cast<float>(linearOf(static_cast<uint8_t>(byte)));
+  return addAttribute<float>(out, GeometryAttribute::COLOR, draco::DT_FLOAT32, components, false,
+                             mesh.vertex_attributes.size(), [&](size_t i, float* c) {
+                               const glm::u8vec4 colour = mesh.vertex_attributes[i].colour;
+                               for (int k = 0; k < 3; ++k) c[k] = linear[colour[k]];
+                               if (components == 4) c[3] = static_cast<float>(colour.a) / 255;
+                             });
 }
 
 /// Encodes a mesh without its normals, if the build computed them and most of them follow from the mesh's own
@@ -270,6 +298,39 @@ EncodedPayload encodePayload(const Mesh& given, double step, MeshSource source) 
   const Mesh& mesh = spread ? *spread : given;
   if (std::optional<EncodedPayload> payload = encodeWithoutNormals(mesh, step, source)) return *payload;
   return encodeByDraco(mesh, step, source);
+}
+
+GltfStream encodeForGltf(const Mesh& given, double step) {
+  requireSound(given);
+  const std::optional<Mesh> spread = spreadTriangles(given);
+  const Mesh& mesh = spread ? *spread : given;
+  draco::Mesh in;
+  addTriangles(in, mesh);
+  addPositions(in, mesh, step);
+  AttributeIds ids;
+  GltfStream stream;
+  if (mesh.attributes.has(AttributeSet::kNormal)) stream.ids.normal = ids.normal = addNormals(in, mesh);
+  std::optional<int> colour;
+  if (mesh.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha)) {
+    // Alpha that is 0 everywhere was never filled.
+    const int components = hasAlphaOtherThan(255, mesh) && hasAlphaOtherThan(0, mesh) ? 4 : 3;
+    stream.ids.colour = colour = addLinearColours(in, mesh, components);
+    stream.ids.colour_components = static_cast<uint32_t>(components);
+  }
+  draco::ExpertEncoder encoder(in);
+  setQuantization(encoder, ids, boxOf(mesh), step, MeshSource::kSimplified);
+  if (colour) {
+    draco::Options options;
+    options.SetInt("quantization_bits", kGltfColourBits);
+    options.SetString("quantization_origin", "0 0 0 0");
+    options.SetString("quantization_range", "1");
+    options.SetInt("prediction_scheme", draco::MESH_PREDICTION_PARALLELOGRAM);
+    encoder.options().SetAttributeOptions(*colour, options);
+  }
+  EncodedPayload encoded = run(encoder, kSpeed);
+  stream.bytes = std::move(encoded.bytes);
+  stream.vertices = encoded.vertices;
+  return stream;
 }
 
 }  // namespace lode

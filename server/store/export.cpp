@@ -84,22 +84,27 @@ ImageFiles exportTextures(const Reader& reader, const std::filesystem::path& mes
   return files;
 }
 
-Mesh readLod(const Reader& reader, const Node& node, uint32_t lod_number) {
+DecodedLod decodeLod(const Reader& reader, const Node& node, uint32_t lod_number) {
   const Lod& lod = node.lods[lod_number];
-  Mesh mesh;
-  mesh.attributes = reader.summary().attributes;
-  if (!lod.payload) return mesh;
-  const std::vector<std::byte> bytes = reader.readBlob(lod.payload.number);
+  DecodedLod decoded;
+  decoded.mesh.attributes = reader.summary().attributes;
+  if (!lod.payload) return decoded;
+  decoded.payload = reader.readBlob(lod.payload.number);
   const PayloadExpectation expected{.triangles = lod.triangles,
                                     .vertices = lod.vertices,
                                     .attributes = reader.summary().attributes,
                                     .box = node.box};
   try {
-    return decodePayload(bytes, reader.summary().lattice.step, expected);
+    decoded.mesh = decodePayload(decoded.payload, reader.summary().lattice.step, expected, &decoded.ids);
+    return decoded;
   } catch (const Error& error) {
     throw Error(error.code(), reader.path().string() + ": node " + describeKey(node.key) + ", LOD " +
                                   std::to_string(lod_number) + ": " + error.what());
   }
+}
+
+Mesh readLod(const Reader& reader, const Node& node, uint32_t lod) {
+  return decodeLod(reader, node, lod).mesh;
 }
 
 Mesh assembleCut(const Reader& reader, const Cut& cut) {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <vector>
 
+#include "common/codec/draco_codec.h"
 #include "common/io/mesh_materials.h"
 #include "common/mesh.h"
 #include "server/store/cut.h"
@@ -16,8 +18,18 @@ namespace lode::store {
 /// @throws Error kIo, kFormat, kLimit.
 ImageFiles exportTextures(const Reader& reader, const std::filesystem::path& mesh);
 
+/// A payload with its mesh.
+struct DecodedLod {
+  std::vector<std::byte> payload;  ///< empty for an LOD without triangles
+  Mesh mesh;
+  StreamIds ids;  ///< ids of the attributes in the payload's Draco stream
+};
+
 /// Reads, decodes and validates one (node, LOD). For an LOD without triangles, returns an empty mesh.
 /// @throws Error kIo, kFormat or kLimit, naming file and node. Thread safe.
+DecodedLod decodeLod(const Reader& reader, const Node& node, uint32_t lod);
+
+/// Returns the mesh of decodeLod(). @throws Error like decodeLod(). Thread safe.
 Mesh readLod(const Reader& reader, const Node& node, uint32_t lod);
 
 /// Joins a cut into one mesh. Merges vertices with equal position and attributes, and numbers vertices in
