@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "server/store/cut.h"
+#include "server/store/reader.h"
+#include "server/tiles/lod_chain.h"
+
+namespace lode::tiles {
+
+/// One JSON file of a tileset, and the files to which it refers.
+struct TilesetPage {
+  std::string json;
+  std::vector<store::CutItem> contents;  ///< tiles with triangles, each in a GLB of its own
+  std::vector<NodeKey> pages;            ///< owners of the pages below
+  uint64_t tiles = 0;                    ///< number of tiles that stand for LODs
+};
+
+/// Converts parts of a store to the files of a tileset in the format 3D Tiles 1.1. All functions are pure:
+/// the bytes of a file depend only on the store, the root's transform and the arguments. Names of all files
+/// but tileset.json follow from the contents, so that a file never changes under its name. Thread safe.
+///
+/// A node's LODs form a chain of tiles from the coarsest to the finest, each the only child of the one before
+/// (tileChain()). The chains of the node's children follow below the finest. Refinement replaces a tile by
+/// its children, so that the tiles that a viewer draws are a cut of the store and fit together without
+/// cracks. Each page of the store's hierarchy is an external tileset.
+class TileWriter {
+ public:
+  /// @param reader  must outlive the writer.
+  TileWriter(const store::Reader& reader, const glm::dmat4& root_transform)
+      : reader_(reader), root_transform_(root_transform) {}
+
+  /// Returns the page that the root or another node owns (store::pageOwner()).
+  TilesetPage page(NodeKey owner) const;
+  /// Returns "tileset.json" for the root's page, else a path like "p/0123456789abcdef0123456789abcdef.json".
+  std::string pageName(NodeKey owner) const;
+
+  /// Returns the GLB of an LOD with triangles. @throws Error kIo, kFormat or kLimit, naming file and node.
+  std::vector<std::byte> glb(store::CutItem item) const;
+  /// Returns a path like "g/0123456789abcdef0123456789abcdef.1.glb".
+  std::string glbName(store::CutItem item) const;
+
+ private:
+  class PageMaker;
+
+  const Node& nodeOf(NodeKey key) const;
+  std::string pageName(const Node& owner, double error_model) const;
+  double errorOfTileset() const;
+  /// Returns the error of the finest tile of a node.
+  double finestError(NodeKey key) const;
+
+  const store::Reader& reader_;
+  const glm::dmat4 root_transform_;
+};
+
+}  // namespace lode::tiles
