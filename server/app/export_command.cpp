@@ -7,6 +7,7 @@
 #include "common/printable.h"
 #include "server/app/command.h"
 #include "server/app/json_output.h"
+#include "server/app/tiles_options.h"
 #include "server/store/export.h"
 
 namespace lode::app {
@@ -16,6 +17,7 @@ struct ExportArguments {
   std::filesystem::path store, output;
   std::optional<double> error;
   std::optional<uint64_t> triangles, seed;
+  TilesArguments tiles;
   bool json = false;
 };
 
@@ -92,9 +94,10 @@ void addExportCommand(CLI::App& program) {
   const auto arguments = std::make_shared<ExportArguments>();
   CLI::App* command = addCommand(
       program, "export",
-      "Write a cut of a store with its attributes as PLY, OBJ or GLB, and its textures in files beside it");
+      "Write a cut of a store with its attributes as PLY, OBJ or GLB, and its textures in files beside it; "
+      "or write the whole store as 3D Tiles");
   command->add_option("store", arguments->store, "the store")->required()->type_name("STORE");
-  CLI::Option_group* which = command->add_option_group("cut", "cut to write");
+  CLI::Option_group* which = command->add_option_group("cut", "cut to write, or --tiles");
   which
       ->add_option(
           "--error", arguments->error,
@@ -105,12 +108,29 @@ void addExportCommand(CLI::App& program) {
       ->check(wholeNumber)
       ->type_name("N");
   which->add_option("--random", arguments->seed, "a random cut")->check(wholeNumber)->type_name("SEED");
+  CLI::Option* const tiles =
+      which
+          ->add_option("--tiles", arguments->tiles.folder,
+                       "all LODs as 3D Tiles 1.1, for CesiumJS, three.js and other viewers, in a new folder")
+          ->type_name("DIR");
   which->require_option(1);
-  command->add_option("-o,--output", arguments->output, "the file to write; its extension selects the format")
-      ->required()
-      ->type_name("CUT.ply|.obj|.glb");
+  CLI::Option* const output =
+      command
+          ->add_option("-o,--output", arguments->output,
+                       "the file to write for a cut; its extension selects the format")
+          ->excludes(tiles)
+          ->type_name("CUT.ply|.obj|.glb");
+  addTilesOptions(*command, *tiles, arguments->tiles);
   command->add_flag("--json", arguments->json, "print one JSON object");
-  command->callback([arguments] { runExport(*arguments); });
+  command->callback([arguments, tiles, output] {
+    if (tiles->count() == 0) {
+      if (output->count() == 0) throw CLI::RequiredError("--output");
+      return runExport(*arguments);
+    }
+    arguments->tiles.store = arguments->store;
+    arguments->tiles.json = arguments->json;
+    exportAsTiles(arguments->tiles);
+  });
 }
 
 }  // namespace lode::app
