@@ -1,5 +1,6 @@
 #include "server/app/tiles_options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <vector>
@@ -115,7 +116,8 @@ void exportAsTiles(const TilesArguments& arguments) {
       .folder = arguments.folder,
       .root_transform = tiles::rootTransform(reader.summary(), up, place(arguments.at)),
       .threads = arguments.threads > 0 ? arguments.threads : ingest::defaultThreads()};
-  const bool lacks_textures = !reader.textures().textures.empty();
+  const bool lacks_textures = std::ranges::any_of(
+      reader.textures().textures, [](const Texture& texture) { return !texture.tiles.empty(); });
   if (lacks_textures)
     std::fprintf(stderr, "lodestreamd: warning: %s: the tiles will lack the model's textures\n",
                  arguments.store.c_str());
