@@ -90,6 +90,7 @@ class JsonPage(unittest.TestCase):
         self.assertIn("against", self.expect_named("lodestreamd verify", "b.lode", "--against", "b.ply"))
         self.assertIn("fault", self.expect_named("lodestreamd verify", "b.ply", status=1))
         self.expect_named("lodestreamd export", "b.lode", "--error", "0.01", "-o", "cut.ply")
+        self.expect_named("lodestreamd export", "b.lode", "--tiles", "tiles")
         self.expect_named("lodestreamd info", "b.lode", "--nodes")
 
     def test_names_all_fields_for_a_model_without_its_image(self):
