@@ -199,9 +199,11 @@ constexpr std::array kModes{
                     .name = "unlit",
                     .explanation = "surface colours without light",
                     .draw_flags = kDrawUnlit},
-    ColorModeTraits{.mode = ColorMode::kWireframe,
-                    .name = "wireframe",
-                    .explanation = "triangle edges; triangles too small for lines are shown as a surface"},
+    ColorModeTraits{
+        .mode = ColorMode::kWireframe,
+        .name = "wireframe",
+        .explanation =
+            "triangle edges over the surface; where triangles are very small, the edges darken it"},
     ColorModeTraits{
         .mode = ColorMode::kNormals, .name = "normals", .draw_flags = kDrawNormals, .legend = normalLegend},
     ColorModeTraits{

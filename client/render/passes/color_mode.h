@@ -20,7 +20,7 @@ namespace lode::render {
 enum class ColorMode : uint8_t {
   kSurface,    ///< surface colours with light
   kUnlit,      ///< surface colours without light
-  kWireframe,  ///< triangle edges without hidden lines
+  kWireframe,  ///< triangle edges over the lit surface, without hidden lines
   kNormals,    ///< normals, with x, y and z as red, green and blue
   kTexels,     ///< number of texture texels per pixel
   kNodes,      ///< nodes, each in its own colour

@@ -204,7 +204,7 @@ void main() {
   // Show the normal in the model frame.
   if ((flags & 32u) != 0u) seen = pow((n * view_rotation) * 0.5 + 0.5, vec3(2.2));
 #ifdef WIRE
-  seen *= wire();
+  seen = withEdges(seen);
 #endif
   pixel = vec4(seen, coverage);
 #endif
@@ -243,22 +243,32 @@ const char* const kWireShader = R"glsl(
 #ifdef WIRE
 in vec3 shares;
 
-const float kLinePx = 1.1;
-// Sizes of a triangle at which its lines begin to appear and are fully drawn.
-const float kCrowdedPx = 3.0, kRoomyPx = 8.0;
-const float kCrowded = 0.55, kBetween = 0.25;
+// Half of a line's width, in pixels, and its limit as a part of the triangle's least height. In small triangles,
+// lines get thinner, so that the surface between them stays visible.
+const float kHalfPx = 0.6, kMostOfHeight = 0.08;
+// Least heights of a triangle below which its lines are replaced by their mean, and above which they are drawn.
+const float kCrowdedPx = 1.5, kRoomyPx = 4.0;
+const float kMeanCover = 0.4;  // part of a triangle that lines of width kMostOfHeight cover
+const float kEdgeOpacity = 0.9;
+// The surface below the edges: a little brighter than without them, so that dark edges show on dark paint.
+const float kDimmed = 0.85, kLifted = 0.05;
+const vec3 kEdge = vec3(0.004);
 
-/// Returns the brightness of the pixel: high on lines and low between them. Lines fade out in triangles that
-/// are too small for them.
-float wire() {
+/// Returns the part of the pixel that the triangle's edges cover.
+float edgeCover() {
   vec3 across = dFdx(shares), down = dFdy(shares);
   vec3 heights_px = inversesqrt(max(across * across + down * down, 1e-12));
-  float area = 0.5 / max(length(cross(across, down)), 1e-12) * 1.7320508;
-  float room = smoothstep(kCrowdedPx, kRoomyPx, sqrt(area));
-  vec3 from_edges_px = shares * heights_px;
+  float height_px = min(min(heights_px.x, heights_px.y), heights_px.z);
+  vec3 from_edges_px = abs(shares) * heights_px;
   float nearest_px = min(min(from_edges_px.x, from_edges_px.y), from_edges_px.z);
-  float line = clamp(kLinePx - nearest_px, 0.0, 1.0);
-  return mix(kCrowded, mix(kBetween, 1.0, line), room);
+  float half_px = min(kHalfPx, kMostOfHeight * height_px);
+  float cover = max(0.0, min(half_px, nearest_px + 0.5) - max(-half_px, nearest_px - 0.5));
+  return mix(kMeanCover, cover, smoothstep(kCrowdedPx, kRoomyPx, height_px));
+}
+
+/// Draws the triangle's edges over the surface.
+vec3 withEdges(vec3 surface) {
+  return mix(surface * kDimmed + kLifted, kEdge, kEdgeOpacity * min(edgeCover(), 1.0));
 }
 #endif
 )glsl";

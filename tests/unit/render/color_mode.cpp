@@ -1,5 +1,7 @@
 #include "client/render/passes/color_mode.h"
 
+#include <cmath>
+#include <numeric>
 #include <set>
 
 #include "client/render/passes/light.h"
@@ -19,12 +21,34 @@ render::DrawItem partOf(NodeKey node, uint32_t lod = 0, float error_rad = 0) {
   return part;
 }
 
+/// Returns a square of 1000 units as a grid of squares, each of two triangles.
+std::vector<Mesh> gridOf(uint32_t side, glm::u8vec4 colour) {
+  std::vector<Mesh> meshes;
+  const uint32_t size = 1000 / side;
+  for (uint32_t i = 0; i < side * side; ++i)
+    meshes.push_back(squareAt(i % side * size, i / side * size, 0, size, colour));
+  return meshes;
+}
+
 class Shown : public GlTest {
  protected:
   static render::DrawStyle showing(ColorMode show) {
     render::DrawStyle style = magentaBehind();
     style.show = show;
     return style;
+  }
+
+  /// Returns the green values in the middle of a picture of a grid, whose squares have a side of `side_px`.
+  static std::multiset<int> greensOf(uint32_t side, double side_px, ColorMode show, glm::u8vec4 colour) {
+    const double distance = 1000.0 / side * kHeightPx / (2 * std::tan(core::View().fov_y_rad / 2) * side_px);
+    render::DrawStyle style = magentaBehind();
+    style.show = show;
+    const render::Image image =
+        drawMeshes(gridOf(side, colour), 1, lookAt({503, 507, distance}, {503, 507, 0}), style);
+    std::multiset<int> greens;
+    for (uint32_t x = kWidthPx / 2 - 15; x < kWidthPx / 2 + 15; ++x)
+      for (uint32_t y = kHeightPx / 2 - 15; y < kHeightPx / 2 + 15; ++y) greens.insert(image.pixel(x, y)[1]);
+    return greens;
   }
 };
 
@@ -51,40 +75,41 @@ TEST_F(Shown, normalsAreColoursOfTheModelsAxes) {
   }
 }
 
-TEST_F(Shown, wireframeHasBrightLinesAroundDimOpaqueTriangles) {
+double meanOf(const std::multiset<int>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+TEST_F(Shown, wireframeHasDarkEdgesOverTheLitSurfaceWithoutHiddenLines) {
   std::vector<Mesh> meshes{squareAt(0, 0, 500, 1000, {255, 255, 255, 255})};
-  for (uint32_t i = 0; i < 400; ++i)
-    meshes.push_back(squareAt(i % 20 * 50, i / 20 * 50, 0, 50, {255, 255, 255, 255}));
-  const render::Image image =
-      drawMeshes(meshes, 1, lookAt({500, 500, 1300}, {500, 500, 0}), showing(ColorMode::kWireframe));
+  for (const Mesh& behind : gridOf(20, {255, 255, 255, 255})) meshes.push_back(behind);
+  const core::View view = lookAt({500, 500, 1300}, {500, 500, 0});
+  const render::Image image = drawMeshes(meshes, 1, view, showing(ColorMode::kWireframe));
+  const render::Image lit = drawMeshes({meshes.front()}, 1, view, showing(ColorMode::kSurface));
   std::set<int> row;  // crosses the diagonal in the middle
   for (uint32_t x = kWidthPx / 2 + 10; x < kWidthPx / 2 + 40; ++x)
     row.insert(image.pixel(x, kHeightPx / 2)[1]);
   EXPECT_LE(*row.rbegin() - *row.begin(), 3) << "lines of what is behind";
-  int brightest = 0;
+  EXPECT_NEAR(*row.begin(), lit.pixel(kWidthPx / 2 + 20, kHeightPx / 2)[1], 25) << "the lit surface";
+  int darkest = 255;
   for (uint32_t x = kWidthPx / 2 - 3; x < kWidthPx / 2 + 3; ++x)
-    brightest = std::max(brightest, int{image.pixel(x, kHeightPx / 2)[1]});
-  EXPECT_GT(brightest, *row.rbegin() + 25) << "the diagonal";
+    darkest = std::min(darkest, int{image.pixel(x, kHeightPx / 2)[1]});
+  EXPECT_LT(darkest, *row.begin() - 100) << "the diagonal";
 }
 
-TEST_F(Shown, wireframeHasNoLinesWhereTrianglesAreTooSmallForThem) {
-  std::vector<Mesh> meshes;
-  for (uint32_t i = 0; i < 10'000; ++i)
-    meshes.push_back(squareAt(i % 100 * 10, i / 100 * 10, 0, 10, {255, 255, 255, 255}));
-  const core::View view = lookAt({500, 500, 1300}, {500, 500, 0});
-  const auto brightness = [&](const Mesh& mesh, ColorMode show) {
-    const render::Image image = drawMeshes({mesh}, 1, view, showing(show));
-    return int{image.pixel(kWidthPx / 2 + 20, kHeightPx / 2 + 7)[1]};
-  };
-  const render::Image image = drawMeshes(meshes, 1, view, showing(ColorMode::kWireframe));
-  std::set<int> middle;
-  for (uint32_t x = kWidthPx / 2 - 20; x < kWidthPx / 2 + 20; ++x)
-    for (uint32_t y = kHeightPx / 2 - 20; y < kHeightPx / 2 + 20; ++y) middle.insert(image.pixel(x, y)[1]);
-  EXPECT_LE(*middle.rbegin() - *middle.begin(), 3);
-  const Mesh square = squareAt(0, 0, 0, 1000, {255, 255, 255, 255});
-  EXPECT_GT(*middle.begin(), brightness(square, ColorMode::kWireframe) + 25) << "brighter than between lines";
-  EXPECT_LT(*middle.rbegin(), brightness(square, ColorMode::kSurface))
-      << "less than the surface in its light";
+TEST_F(Shown, wireframeHasEdgesAndSurfaceAtAnyDensityOfTriangles) {
+  const glm::u8vec4 white(255, 255, 255, 255), dark(20, 20, 20, 255);
+  for (const glm::u8vec4 colour : {white, dark}) {
+    for (const double side_px : {60.0, 24.0, 12.0, 8.0}) {
+      const auto greens = greensOf(20, side_px, ColorMode::kWireframe, colour);
+      EXPECT_GT(*greens.rbegin() - *greens.begin(), 30) << "edges of " << side_px << " px";
+    }
+    for (const double side_px : {4.0, 2.0, 1.0}) {
+      const double mean = meanOf(greensOf(100, side_px, ColorMode::kWireframe, colour));
+      const double between = *greensOf(20, 60, ColorMode::kWireframe, colour).rbegin();
+      EXPECT_GT(mean, between * 0.6) << side_px << ": the surface stays visible";
+      EXPECT_LT(mean, between * 0.95) << side_px << ": edges darken it";
+    }
+  }
 }
 
 TEST_F(Shown, whiteInTheSunKeepsItsShading) {
