@@ -65,6 +65,12 @@ std::optional<glm::dvec3> parseAxis(std::string_view text) noexcept {
   return axis;
 }
 
+std::string nameOfAxis(const glm::dvec3& axis) {
+  for (const char* name : {"x", "y", "z", "-x", "-y"})
+    if (parseAxis(name) == axis) return name;
+  return "-z";
+}
+
 glm::dvec3 guessUp(const Mesh& coarse) {
   constexpr glm::dvec3 kY(0, 1, 0), kZ(0, 0, 1);
   const Areas areas = measure(coarse);

@@ -68,6 +68,24 @@ glm::dvec3 directionToEye(const std::vector<glm::dvec3>& points, const Stand& st
          std::sin(tilt) * stand.up;
 }
 
+glm::dvec3 directionTo(Side side, const Stand& stand) {
+  switch (side) {
+    case Side::kFront:
+      return stand.front;
+    case Side::kBack:
+      return -stand.front;
+    case Side::kLeft:
+      return -stand.right;
+    case Side::kRight:
+      return stand.right;
+    case Side::kTop:
+      return stand.up;
+    case Side::kBottom:
+      break;
+  }
+  return -stand.up;
+}
+
 /// The nearest eye position from which all points lie between two opposite sides of the picture: left and
 /// right, or bottom and top. `across` is the eye's coordinate in the direction from the first of these sides
 /// to the second, and `out` its coordinate towards the viewer.
@@ -125,8 +143,13 @@ CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
     for (glm::dvec3& point : *points) point -= centre;
 
   CameraPath path;
-  const glm::dvec3 to_eye = directionToEye(shape.points, standOf(up));
-  const glm::dvec3 right = glm::normalize(glm::cross(up, to_eye)), above = glm::cross(to_eye, right);
+  path.fov_y_deg = framing.fov_y_deg;
+  const Stand stand = standOf(up);
+  const glm::dvec3 to_eye =
+      framing.side ? directionTo(*framing.side, stand) : directionToEye(shape.points, stand);
+  const bool is_along_up = framing.side == Side::kTop || framing.side == Side::kBottom;
+  const glm::dvec3 right = is_along_up ? stand.right : glm::normalize(glm::cross(up, to_eye));
+  const glm::dvec3 above = glm::cross(to_eye, right);
   const double slope = std::tan(glm::radians(path.fov_y_deg) / 2) / kMargin;
   // Slope of the direction through the middle of the uncovered part of the picture. `beside` is `right`,
   // sheared so that points in that direction have coordinate 0.
@@ -140,7 +163,7 @@ CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
   const double across = centred(shape.points, beside, to_eye, horizontal.across, out) - middle_slope * out;
   const glm::dvec3 aside =
       centre + across * right + centred(shape.points, above, to_eye, vertical.across, out) * above;
-  path.keys.push_back({0, aside + out * to_eye, aside + depth.middle() * to_eye, up});
+  path.keys.push_back({0, aside + out * to_eye, aside + depth.middle() * to_eye, is_along_up ? above : up});
   return path;
 }
 

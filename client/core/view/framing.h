@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include <glm/glm.hpp>
 
@@ -10,6 +13,10 @@
 #include "common/mesh.h"
 
 namespace lode::core {
+
+/// Side of a model, as its viewer sees it. The front is at +z if y is up, and at -y if z is up.
+enum class Side : uint8_t { kFront, kBack, kLeft, kRight, kTop, kBottom };
+constexpr std::array<std::string_view, 6> kSideNames{"front", "back", "left", "right", "top", "bottom"};
 
 /// Input for the default camera.
 struct Framing {
@@ -21,6 +28,9 @@ struct Framing {
   double aspect = 1;  ///< width / height of the picture
   /// Fraction of the picture's width that a panel covers on the left; the model fills the rest.
   double covered = 0;
+  /// Side to look at squarely. If unset, the camera looks at the model in a three-quarter view.
+  std::optional<Side> side = std::nullopt;
+  double fov_y_deg = 45;
 };
 
 /// Returns the up direction for the camera and the light.

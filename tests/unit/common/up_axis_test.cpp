@@ -79,6 +79,7 @@ TEST(UpAxis, isYByDefault) {
 TEST(UpAxis, isReadWithItsSign) {
   EXPECT_EQ(parseAxis("y"), kY);
   EXPECT_EQ(parseAxis("-z"), -kZ);
+  for (const char* text : {"x", "y", "z", "-x", "-y", "-z"}) EXPECT_EQ(nameOfAxis(*parseAxis(text)), text);
   for (const char* text : {"", "-", "w", "xy", "+x", "--x", "Y"}) EXPECT_FALSE(parseAxis(text)) << text;
 }
 

@@ -1,6 +1,7 @@
 #include "client/core/view/framing.h"
 
 #include <algorithm>
+#include <array>
 
 #include <gtest/gtest.h>
 
@@ -76,6 +77,25 @@ TEST(Framing, fillsTheUncoveredPartOfThePicture) {
     filled.low.x = (filled.low.x - kCovered) / (1 - kCovered);
     filled.high.x = (filled.high.x - kCovered) / (1 - kCovered);
     expectFull(filled);
+  }
+}
+
+TEST(Framing, looksSquarelyAtEachSideWithAnyFieldOfView) {
+  const LatticeBox box{{500, 500, 500}, {1300, 900, 700}};
+  const ModelSummary model = modelOf(box);
+  const std::array<glm::dvec3, 6> forward{
+      {{0, 1, 0}, {0, -1, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 0, -1}, {0, 0, 1}}};  // z is up
+  for (const double fov_y_deg : {45.0, 0.1}) {
+    for (size_t side = 0; side < forward.size(); ++side) {
+      const Framing framing{
+          .up = glm::dvec3(0, 0, 1), .aspect = 1.5, .side = static_cast<Side>(side), .fov_y_deg = fov_y_deg};
+      const CameraPath path = framingCamera(model, framing);
+      EXPECT_EQ(path.fov_y_deg, fov_y_deg);
+      expectFull(fill(path, model, cornersOf(box), 900, 600));
+      const View view = toView(path.keys[0], path.fov_y_deg, 900, 600, model);
+      EXPECT_LT(glm::distance(view.forward, forward[side]), 1e-9) << kSideNames[side];
+      if (side >= 4) EXPECT_GT(glm::cross(view.forward, view.up).x, 0.999) << "x points to the right";
+    }
   }
 }
 
