@@ -219,6 +219,14 @@ constexpr std::array kModes{
                     .shows_time = true,
                     .colour = ageColour,
                     .legend = ageLegend},
+    ColorModeTraits{.mode = ColorMode::kClay,
+                    .name = "clay",
+                    .explanation = "the shape in mid-grey, without the surface's colours",
+                    .draw_flags = kDrawClay},
+    ColorModeTraits{.mode = ColorMode::kMatcap,
+                    .name = "matcap",
+                    .explanation = "the shape in a studio's light, without the surface's colours",
+                    .draw_flags = kDrawMatcap},
 };
 
 constexpr bool isInOrder() {

@@ -13,9 +13,11 @@ struct DrawStyle {
   glm::dvec3 up{0};             ///< the model's up axis, towards the sky; 0 selects the view's up axis
   ShownInstance instance = {};  ///< instance to draw; its number selects the node colours
   float exposure = 1;           ///< brightness factor of the light; > 0
+  glm::dvec2 sun_turn_rad{0};   ///< angles by which the sun is turned to the right and down: see lightFor()
   glm::vec3 background_top_srgb{0.30f, 0.34f, 0.39f};  ///< sRGB colour, 0..1
   glm::vec3 background_bottom_srgb{0.10f, 0.11f, 0.13f};
-  bool over = false;  ///< if true, draws over the target's colours and depth, without a background
+  bool hides_sky = false;  ///< if true, the background colours replace the sky of a scene
+  bool over = false;       ///< if true, draws over the target's colours and depth, without a background
 
   bool operator==(const DrawStyle&) const = default;
 };

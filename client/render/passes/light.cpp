@@ -1,10 +1,25 @@
 #include "client/render/passes/light.h"
 
+#include <cmath>
+
 #include "client/render/gl/eye.h"
 
 namespace lode::render {
 
-Light lightFor(const core::View& view, const glm::dvec3& up) noexcept {
+namespace {
+
+/// Turns a direction of the view frame to the right and down.
+glm::vec3 turned(const glm::vec3& direction, const glm::vec2& turn_rad) noexcept {
+  const float down = std::cos(turn_rad.y), down_sine = std::sin(turn_rad.y);
+  const glm::vec3 lowered(direction.x, direction.y * down - direction.z * down_sine,
+                          direction.y * down_sine + direction.z * down);
+  const float right = std::cos(turn_rad.x), right_sine = std::sin(turn_rad.x);
+  return {lowered.x * right + lowered.z * right_sine, lowered.y, lowered.z * right - lowered.x * right_sine};
+}
+
+}  // namespace
+
+Light lightFor(const core::View& view, const glm::dvec3& up, const glm::dvec2& turn_rad) noexcept {
   const glm::dvec3 above = glm::normalize(up), right = glm::cross(view.forward, view.up);
   // `back` is the horizontal direction towards the viewer. If the camera is rolled by 90 degrees, `back` is
   // opposite to the view direction.
@@ -12,8 +27,8 @@ Light lightFor(const core::View& view, const glm::dvec3& up) noexcept {
   const glm::dvec3 back = glm::length(level) > 0.1 ? glm::normalize(level) : -view.forward;
   const glm::dvec3 left = glm::cross(back, above);
   const glm::mat3 rotation = viewRotation(view);
-  return {rotation * glm::vec3(glm::normalize(0.35 * left + 0.78 * above + 0.52 * back)),
-          rotation * glm::vec3(above)};
+  const glm::vec3 to_sun = rotation * glm::vec3(glm::normalize(0.35 * left + 0.78 * above + 0.52 * back));
+  return {turn_rad == glm::dvec2(0) ? to_sun : turned(to_sun, turn_rad), rotation * glm::vec3(above)};
 }
 
 const char* const kLightShader = R"glsl(

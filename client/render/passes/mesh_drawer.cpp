@@ -170,7 +170,7 @@ void MeshDrawer::setCamera(const core::View& view, double lattice_step, const Dr
   glUniform1f(kLatticeStep, static_cast<float>(lattice_step));
   glUniformMatrix3fv(kViewRotation, 1, GL_FALSE, &rotation[0][0]);
   glUniform3f(kProjection, projection.scale.x, projection.scale.y, projection.near_model);
-  const Light light = lightFor(view, style.up == glm::dvec3(0) ? view.up : style.up);
+  const Light light = lightFor(view, style.up == glm::dvec3(0) ? view.up : style.up, style.sun_turn_rad);
   glUniform3fv(kToSun, 1, &light.to_sun.x);
   glUniform3fv(kUp, 1, &light.up.x);
   glUniform1f(kExposure, style.exposure);

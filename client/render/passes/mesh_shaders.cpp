@@ -169,6 +169,21 @@ bool isShared() {
   return place >= (share & 0xffffu) && place < share >> 16;
 }
 
+#ifdef VIEWS
+const vec3 kClay = vec3(0.21, 0.205, 0.195);
+
+/// Returns the colour of a studio-lit sphere where its normal is n (a matcap): a key light from the upper left, a
+/// cool light along the rim. The light does not depend on the model's up axis.
+vec3 matcap(vec3 n, vec3 to_eye) {
+  vec3 right = normalize(vec3(to_eye.z, 0.0, -to_eye.x));
+  vec3 on_sphere = vec3(dot(n, right), dot(n, cross(to_eye, right)), dot(n, to_eye));
+  float key = max(dot(on_sphere, vec3(-0.42, 0.62, 0.663)), 0.0);
+  float rim = 1.0 - clamp(on_sphere.z, 0.0, 1.0);
+  float bright = pow(key, 32.0);
+  return vec3(0.30, 0.27, 0.25) * (0.06 + 0.85 * key) + 0.18 * bright + vec3(0.10, 0.14, 0.20) * rim * rim * rim;
+}
+#endif
+
 void main() {
 #ifdef FADING
   if (!isShared()) discard;
@@ -199,8 +214,10 @@ void main() {
   if ((flags & 72u) == 72u) albedo = texelColour();
 #endif
   if ((flags & 4u) != 0u) albedo = tint;
+  if ((flags & 128u) != 0u) albedo = kClay;
   vec3 seen = toned(lit(albedo, n, to_eye));
   if ((flags & 16u) != 0u) seen = albedo;
+  if ((flags & 256u) != 0u) seen = toned(exposure * matcap(n, to_eye));
   // Show the normal in the model frame.
   if ((flags & 32u) != 0u) seen = pow((n * view_rotation) * 0.5 + 0.5, vec3(2.2));
 #ifdef WIRE

@@ -16,6 +16,6 @@ extern const char* const kMeshFragmentShader;
 
 /// Bits of DrawState::flags. The shaders hard-code the same values.
 constexpr unsigned kDrawHasNormals = 1, kDrawHasColour = 2, kDrawTinted = 4, kDrawTextured = 8,
-                   kDrawUnlit = 16, kDrawNormals = 32, kDrawTexels = 64;
+                   kDrawUnlit = 16, kDrawNormals = 32, kDrawTexels = 64, kDrawClay = 128, kDrawMatcap = 256;
 
 }  // namespace lode::render
