@@ -2,7 +2,8 @@
 ...]
 
 Each test has its own Xvfb. xdotool presses keys and moves the pointer; xclip reads the clipboard. The tests
-check the results of the window: recorded cameras (P), pictures (F12), copied texts (C), its exit status. """
+check the results of the window: recorded cameras (P), pictures (F12), copied texts (C), its exit status. Pictures
+do not have the panel; screen() reads the window with its panel from the display. """
 import contextlib
 import ctypes
 import json
@@ -161,6 +162,27 @@ class Window:
             return png
         return self.saved("png", whole)
 
+    def screen(self):
+        """Returns the rows of the window's pixels on the display, with its panel, once all earlier keys have had
+        their effect."""
+        self.picture()
+        return self.pixels()
+
+    def pixels(self):
+        """Returns the rows of the window's pixels on the display as they are now. Needs display(folder)."""
+        at = dict(line.split("=") for line in self.xdotool("getwindowgeometry", "--shell", self.id).split())
+        left, top, width, height = (int(at[name]) for name in ("X", "Y", "WIDTH", "HEIGHT"))
+        dump = (self.folder / "Xvfb_screen0").read_bytes()
+        header = struct.unpack(">25I", dump[:100])  # X11/XWDFile.h
+        start, row_bytes = header[0] + 12 * header[19], header[12]
+        rows = []
+        for y in range(top, top + height):
+            line = dump[start + y * row_bytes + 4 * left:start + y * row_bytes + 4 * (left + width)]
+            row = bytearray(3 * width)
+            row[0::3], row[1::3], row[2::3] = line[2::4], line[1::4], line[0::4]
+            rows.append(row)
+        return rows
+
     def recorded(self, act):
         """Records the camera during act(). Returns the keys of the recorded path."""
         self.key("p")
@@ -228,9 +250,12 @@ def pixels_of(png):
 
 
 def lower_half(png):
-    """Returns the pixels below the panel. The panel itself differs, because it names the last saved
-    picture."""
-    rows = pixels_of(png)
+    """Returns the pixels of the lower half of a picture."""
+    return lower_rows(pixels_of(png))
+
+
+def lower_rows(rows):
+    """Returns the pixels of the lower half of rows."""
     return b"".join(rows[len(rows) // 2:])
 
 
@@ -250,7 +275,7 @@ def moved(keys):
 class WindowTest(unittest.TestCase):
     @contextlib.contextmanager
     def window(self, target=STORE, *options, is_open=True, **pipes):
-        with tempfile.TemporaryDirectory() as folder, display() as screen, \
+        with tempfile.TemporaryDirectory() as folder, display(folder) as screen, \
                 Window(screen, folder, target, *options, **pipes) as window:
             if is_open:
                 window.picture()  # the first key closes the help of the first start

@@ -10,13 +10,13 @@ import subprocess
 import tempfile
 import urllib.request
 
-from driven_window import BIN, HEIGHT, MIDDLE, STORE, WIDTH, Window, WindowTest, lower_half, main, pixels_of, place_of, size_of
+from driven_window import BIN, HEIGHT, MIDDLE, STORE, WIDTH, Window, WindowTest, lower_half, main, place_of, size_of
 from processes import display, eventually, free_port, running
 
 
-def reds_of(png):
+def reds_of(rows):
     """Counts the pixels that have the colour of errors."""
-    pixels = b"".join(pixels_of(png))
+    pixels = b"".join(rows)
     return sum(r > 200 and g < 150 and b < 140 for r, g, b in zip(pixels[::3], pixels[1::3], pixels[2::3]))
 
 
@@ -43,7 +43,7 @@ class Failure(WindowTest):
                                                                                                             # further
                                                                                                             # lines
                         self.assertEqual(size_of(window.picture()), (WIDTH, HEIGHT))
-                        self.assertGreater(reds_of(window.picture()), 100)
+                        self.assertGreater(reds_of(window.screen()), 100)
                         window.key(key)
                         self.assertEqual(window.process.wait(timeout=120), 1)
                         self.assertEqual(list(lines), [])
@@ -76,7 +76,7 @@ class IncompleteScene(WindowTest):
             for said in ('scene.json: "gone" is missing: ', 'scene.json: "away" is missing: cannot connect'):
                 self.assertIn(said, next(line for line in map(bytes.decode, stderr) if line.startswith("lodestream")))
             eventually(lambda: self.picked(window, MIDDLE))
-            self.assertGreater(reds_of(window.picture()), 100)
+            self.assertGreater(reds_of(window.screen()), 100)
             self.assertEqual(window.leave(), 0)
 
     def test_shows_a_model_once_its_server_starts(self):

@@ -11,9 +11,9 @@ import subprocess
 import tempfile
 import unittest
 
-from driven_window import (BIN, HEIGHT, MIDDLE, MODELS, STORE, WIDTH, Window, WindowTest, direction, lower_half, main, moved, place_of, pixels_of,
-                           served_without_blobs, size_of)
-from processes import eventually
+from driven_window import (BIN, HEIGHT, MIDDLE, MODELS, STORE, WIDTH, Window, WindowTest, direction, lower_half, lower_rows, main, moved, place_of,
+                           pixels_of, served_without_blobs, size_of)
+from processes import display, eventually
 
 
 class Opening(WindowTest):
@@ -69,6 +69,59 @@ class Camera(WindowTest):
                 self.assertLess(math.dist(start["eye"], end["eye"]), 1e-6 * math.dist(start["eye"], start["target"]), back)
 
 
+class Views(WindowTest):
+    def test_show_the_sides_of_the_model_by_keys(self):
+        with self.window() as window:
+            seen = {name: direction(window.recorded(lambda name=name: window.key(f"alt+{number}"))[-1])
+                    for number, name in enumerate(("front", "back", "left", "right", "top", "bottom"), 1)}
+            for one, other in (("front", "back"), ("left", "right"), ("top", "bottom")):
+                self.assertLess(math.dist(seen[one], [-part for part in seen[other]]), 1e-6)
+            self.assertAlmostEqual(sum(a * b for a, b in zip(seen["front"], seen["left"])), 0, places=6)
+            self.assertLess(math.dist(seen["top"], (0, -1, 0)), 1e-6)  # y is up
+
+    def test_have_parallel_projection_and_perspective_by_a_key(self):
+        with self.window() as window:
+            fields = []
+            for _ in range(3):
+                window.key("p")
+                window.picture()
+                window.key("p")
+                fields.append(window.saved("json", json.loads)["fov_y_deg"])
+                window.key("n")
+            for field, wanted in zip(fields, (45, 0.1, 45)):
+                self.assertAlmostEqual(field, wanted, places=6)
+
+    def test_keep_the_up_axis_of_a_model(self):
+        with tempfile.TemporaryDirectory() as folder, display(folder) as screen:
+            with Window(screen, folder, STORE) as window:
+                window.picture()
+                window.key("u")
+                turned = window.recorded(lambda: None)[0]
+            with Window(screen, folder, STORE) as window:
+                window.picture()
+                kept = window.recorded(lambda: None)[0]
+            with Window(screen, folder, STORE, "--up", "y") as window:
+                window.picture()
+                wanted = window.recorded(lambda: None)[0]
+        self.assertEqual(kept["up"], turned["up"])
+        self.assertLess(math.dist(kept["eye"], turned["eye"]), 1e-6)
+        self.assertEqual(wanted["up"], [0, 1, 0])
+
+    def test_have_a_light_that_turns_without_the_camera(self):
+        with self.window() as window:
+            before = lower_half(window.picture())
+
+            def turn():
+                window.xdotool("keydown", "l")
+                window.drag(MIDDLE, (MIDDLE[0] + 120, MIDDLE[1] + 60))
+                window.xdotool("keyup", "l")
+            keys = window.recorded(turn)
+            self.assertEqual({tuple(key["eye"]) for key in keys}, {tuple(keys[0]["eye"])})
+            self.assertNotEqual(lower_half(window.picture()), before)
+            window.key("r")
+            self.assertEqual(lower_half(window.picture()), before)
+
+
 class Walk(WindowTest):
     def test_keeps_the_eye_above_the_ground(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -121,7 +174,7 @@ class Walk(WindowTest):
 
 
 def at_rest(window):
-    """Returns the figures of a settled picture; None if the picture still changes."""
+    """Returns the rows of a settled picture; None if the picture still changes."""
     one, two = (pixels_of(window.picture()) for _ in range(2))
     return two if one == two else None
 
@@ -134,7 +187,7 @@ class Picks(WindowTest):
             self.assertRegex(one, r"^-?[\d.]+ -?[\d.]+ -?[\d.]+\nnode root[/\d]*, LOD \d+, error [\d.]+ px\ncolour #[\da-f]{6}\n$")
             window.click((MIDDLE[0] + 40, MIDDLE[1] + 20))
             two = window.copied()
-            distance = float(re.search(r"^distance ([\d.]+)$", two, re.M).group(1))
+            distance = float(re.search(r"^distance ([\d.]+) ± [\d.]+$", two, re.M).group(1))
             self.assertAlmostEqual(distance, math.dist(place_of(one), place_of(two)), delta=0.01 * distance)
             self.assertGreater(distance, 0)
 
@@ -165,7 +218,7 @@ class Picks(WindowTest):
                 window.picture()  # when the picture is complete
                 window.click(MIDDLE)
                 last = window.copied()
-                distance = float(re.search(r"^distance ([\d.]+)$", last, re.M).group(1))
+                distance = float(re.search(r"^distance ([\d.]+) ± [\d.]+$", last, re.M).group(1))
                 self.assertAlmostEqual(distance, math.dist(one, place_of(last)), delta=0.01 * distance)
 
 
@@ -173,22 +226,55 @@ class Shown(WindowTest):
     def test_panel_is_hidden_and_shown_by_a_key(self):
         with self.window() as window:
             window.key("h")
-            bare = lower_half(window.picture())
+            bare = lower_rows(window.screen())
             window.key("h")
-            self.assertFalse(lower_half(window.picture()) == bare)
+            self.assertFalse(lower_rows(window.screen()) == bare)
             window.key("h")
-            self.assertTrue(lower_half(window.picture()) == bare)
+            self.assertTrue(lower_rows(window.screen()) == bare)
+
+    def test_pictures_have_no_panel_or_settings(self):
+        with self.window() as window:
+            bare = eventually(lambda: at_rest(window))
+            window.key("o")
+            self.assertEqual(pixels_of(window.picture()), bare)
+            self.assertNotEqual(lower_rows(window.screen()), lower_rows(bare))
+            window.key("h")  # hides the scale bar and the axes too
+            self.assertEqual([row[:3 * 200] for row in pixels_of(window.picture())], [row[:3 * 200] for row in bare])
+
+    def test_screenshot_has_no_panel(self):
+        with tempfile.TemporaryDirectory() as folder, display() as screen:
+            window = Window(screen, folder, STORE, "--screenshot", "a.png")
+            subprocess.run(window.command, env=window.environment, cwd=folder, check=True, timeout=120)
+            rows = pixels_of(pathlib.Path(folder, "a.png").read_bytes())
+        sky = [tuple(row[3 * 20:3 * 20 + 3]) for row in rows[30:150]]
+        self.assertTrue(all(a[2] >= b[2] - 1 for a, b in zip(sky, sky[1:])), "only the background, which darkens downwards")
+
+    def test_panel_settings_and_help_do_not_overlap(self):
+        with self.window() as window:
+            window.xdotool("windowsize", "--sync", window.id, 700, 420)
+            panel_end = 12 + 280 + 16
+            settings_begin = 700 - 12 - 21 * 15
+            window.move((600, 400))
+            window.picture()
+            bare = pixels_of(window.picture())
+
+            def differ(begin, end):
+                shown = window.screen()
+                return any(a[3 * begin:3 * end] != b[3 * begin:3 * end] for a, b in zip(shown[:350], bare))
+            window.key("o")
+            self.assertFalse(differ(panel_end, settings_begin))
+            self.assertTrue(differ(settings_begin, settings_begin + 50))
+            self.assertTrue(differ(20, panel_end))
 
     def test_panel_leaves_the_right_half_and_lower_edge_of_a_window_free(self):
         with self.window() as window:
             for size in ((WIDTH, HEIGHT), (420, 240)):
                 window.xdotool("windowsize", "--sync", window.id, *size)
+                window.move((20, 20))
                 window.picture()
                 window.xdotool("key", "--delay", "0", *["v"] * 5)  # the mode "nodes" has the longest legend
-                window.key("h")
                 bare = eventually(lambda: at_rest(window))
-                window.key("h")
-                shown = pixels_of(window.picture())
+                shown = window.screen()
                 self.assertEqual([row[3 * size[0] // 2:] for row in shown], [row[3 * size[0] // 2:] for row in bare])
                 self.assertEqual(shown[-8:], bare[-8:])
                 self.assertNotEqual(shown[size[1] // 2:], bare[size[1] // 2:])
@@ -201,7 +287,7 @@ class Shown(WindowTest):
             for name in ("Жук", "Яма", "\u03a9\u03a3\u0394"):
                 shutil.copy(STORE, pathlib.Path(folder, f"{name}.lode"))
                 with self.window(pathlib.Path(folder, f"{name}.lode")) as window:
-                    titles.add(b"".join(row[3 * 16:3 * 100] for row in pixels_of(window.picture())[20:38]))
+                    titles.add(b"".join(row[3 * 16:3 * 100] for row in window.screen()[20:38]))
         self.assertEqual(len(titles), 3)
 
     def test_views_differ(self):
@@ -338,7 +424,7 @@ class Scrolling(WindowTest):
     @staticmethod
     def name_in(window):
         """Returns the pixels at the top of the panel, where the model's name is."""
-        return [row[3 * 16:3 * 80] for row in pixels_of(window.picture())[16:34]]
+        return [row[3 * 16:3 * 80] for row in window.screen()[16:34]]
 
 
 if __name__ == "__main__":

@@ -90,11 +90,11 @@ class Authority:
 
 
 @contextlib.contextmanager
-def display():
-    """Starts an invisible display. Yields its name."""
+def display(frames=None):
+    """Starts an invisible display. Yields its name. The folder `frames` gets the file Xvfb_screen0 with its pixels."""
     reader, writer = os.pipe()
-    with running(["Xvfb", "-displayfd", writer, "-screen", "0", "1400x900x24", "-nolisten", "tcp"], pass_fds=[writer],
-                 stderr=subprocess.DEVNULL):
+    command = ["Xvfb", "-displayfd", writer, "-screen", "0", "1400x900x24", "-nolisten", "tcp", *(["-fbdir", frames] if frames else [])]
+    with running(command, pass_fds=[writer], stderr=subprocess.DEVNULL):
         os.close(writer)
         with open(reader) as said:
             yield f":{said.readline().strip()}"

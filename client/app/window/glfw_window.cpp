@@ -1,6 +1,7 @@
 #include "client/app/window/glfw_window.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include <epoxy/gl.h>
@@ -20,6 +21,32 @@ constexpr double kClickReach = 4;
 constexpr double kDoubleClickS = 0.35;
 /// Longest time between the clicks of a double click, including the time spent on frames.
 constexpr double kLongestDoubleClickS = 1.2;
+
+/// Makes GLFW skip Wayland if the session has no folder for its sockets. Wayland's library would print
+/// "error: XDG_RUNTIME_DIR is invalid or not set in the environment." on stderr, then GLFW would use X11
+/// anyway. GLFW before 3.4 does not try Wayland.
+void skipUselessWayland() {
+#ifdef GLFW_PLATFORM
+  const char* const folder = std::getenv("XDG_RUNTIME_DIR");
+  const char* const screen = std::getenv("DISPLAY");
+  const bool has_folder = folder != nullptr && folder[0] == '/',
+             has_x11 = screen != nullptr && screen[0] != 0;
+  if (!has_folder && has_x11) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
+}
+
+/// Returns the side of the model that a key shows: Alt and a digit, or 1, 3 and 7 of the numeric keypad, with
+/// Ctrl for the opposite side.
+std::optional<core::Side> sideOf(int key, int modifiers) {
+  using enum core::Side;
+  const bool is_opposite = (modifiers & GLFW_MOD_CONTROL) != 0;
+  if (key == GLFW_KEY_KP_1) return is_opposite ? kBack : kFront;
+  if (key == GLFW_KEY_KP_3) return is_opposite ? kLeft : kRight;
+  if (key == GLFW_KEY_KP_7) return is_opposite ? kBottom : kTop;
+  const bool is_digit = key >= GLFW_KEY_1 && key < GLFW_KEY_1 + static_cast<int>(core::kSideNames.size());
+  if (!is_digit || (modifiers & GLFW_MOD_ALT) == 0) return std::nullopt;
+  return static_cast<core::Side>(key - GLFW_KEY_1);
+}
 
 std::string lastGlfwError() {
   const char* text = nullptr;
@@ -67,6 +94,7 @@ struct GlfwWindow::Callbacks {
 };
 
 GlfwWindow::GlfwWindow(uint32_t width_px, uint32_t height_px, const std::string& title) {
+  skipUselessWayland();
   if (glfwInit() == GLFW_FALSE) {
     throw Error(ErrorCode::kIo, "no window can be opened (" + lastGlfwError() +
                                     "): run this where there is a display, or use `lodestream render`");
@@ -163,6 +191,10 @@ void GlfwWindow::handleEvents(double wait_s) {
 
 void GlfwWindow::pressKey(int key, int modifiers) {
   if (key < GLFW_KEY_LEFT_SHIFT) pending_.any_key = true;  // modifier keys do not count
+  if (const auto side = sideOf(key, modifiers)) {
+    pending_.side = side;
+    return;
+  }
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) {
     pending_.bookmark = key - GLFW_KEY_1 + 1;
     pending_.set_bookmark = (modifiers & GLFW_MOD_CONTROL) != 0;
@@ -192,6 +224,16 @@ void GlfwWindow::pressKey(int key, int modifiers) {
       break;
     case GLFW_KEY_H:
       pending_.toggle_panel = !pending_.toggle_panel;
+      break;
+    case GLFW_KEY_G:
+      ++pending_.next_clay;
+      break;
+    case GLFW_KEY_N:
+    case GLFW_KEY_KP_5:
+      pending_.toggle_parallel = !pending_.toggle_parallel;
+      break;
+    case GLFW_KEY_M:
+      pending_.toggle_messages = !pending_.toggle_messages;
       break;
     case GLFW_KEY_F11:
       pending_.toggle_full_screen = !pending_.toggle_full_screen;
@@ -236,6 +278,8 @@ void GlfwWindow::moveTo(glm::dvec2 position) {
   const bool left = held(GLFW_MOUSE_BUTTON_LEFT);
   if (held(GLFW_MOUSE_BUTTON_RIGHT) || held(GLFW_MOUSE_BUTTON_MIDDLE) || (left && shift)) {
     pending_.shifted_px += moved;
+  } else if (left && glfwGetKey(window_, GLFW_KEY_L) == GLFW_PRESS) {
+    pending_.light_px += moved;
   } else if (left) {
     pending_.turned_px += moved;
   }

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <glm/glm.hpp>
 
 #include "client/app/window/camera/cameras.h"
+#include "client/core/view/framing.h"
 
 namespace lode::app {
 
@@ -13,6 +15,7 @@ struct Input {
   glm::dvec2 turned_px{0};  ///< distance dragged with the left button
   /// Distance dragged with the right or middle button, or with the left button and Shift.
   glm::dvec2 shifted_px{0};
+  glm::dvec2 light_px{0};    ///< distance dragged with the left button while L is held
   double wheel = 0;          ///< wheel steps, forward is positive
   glm::dvec2 pointer_px{0};  ///< current pointer position
   bool pressed = false;      ///< a mouse button went down
@@ -27,15 +30,18 @@ struct Input {
   // Keys that were pressed since the last frame. Two presses of a toggle key cancel each other.
   bool reset_camera = false;
   bool toggle_wireframe = false, toggle_panel = false, toggle_help = false, toggle_settings = false;
-  bool toggle_full_screen = false;
+  bool toggle_full_screen = false, toggle_messages = false;
   bool any_key = false;  ///< a key other than Shift, Ctrl, Alt or Super was pressed
   int bookmark = 0;      ///< 1 to 9: number of the bookmark to use; 0: none
   /// True stores the camera in the bookmark; false moves the camera to the bookmark.
   bool set_bookmark = false;
-  int next_camera = 0;  ///< number of steps through the kinds of cameras
-  int next_axis = 0;    ///< number of steps through the up axes
-  int next_show = 0;    ///< number of steps through the colour modes; negative steps go back
-  int finer = 0;        ///< number of steps by which to lower the threshold; negative steps raise it
+  int next_clay = 0;               ///< number of steps through clay, matcap and surface
+  bool toggle_parallel = false;    ///< switch between perspective and parallel projection
+  std::optional<core::Side> side;  ///< side of the model to look at
+  int next_camera = 0;             ///< number of steps through the kinds of cameras
+  int next_axis = 0;               ///< number of steps through the up axes
+  int next_show = 0;               ///< number of steps through the colour modes; negative steps go back
+  int finer = 0;  ///< number of steps by which to lower the threshold; negative steps raise it
   bool screenshot = false, copy = false, record = false, quit = false;
   /// Q was pressed; it quits if the scene failed to open, and otherwise moves the camera down.
   bool quit_where_idle = false;
@@ -46,11 +52,11 @@ struct Input {
   bool damaged = false;     ///< the system has lost the window's contents; draw them again
 
   bool any() const noexcept {
-    return turned_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 ||
-           fly.up != 0 || fly.forward != 0 || pad_turn != glm::dvec2(0) || next_camera != 0 || reset_camera ||
-           next_axis != 0 || toggle_wireframe || toggle_panel || next_show != 0 || bookmark != 0 ||
-           finer != 0 || screenshot || copy || record || pressed || clicked || any_key || quit ||
-           over_panel || !dropped.empty();
+    return turned_px != glm::dvec2(0) || light_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) ||
+           wheel != 0 || fly.right != 0 || fly.up != 0 || fly.forward != 0 || pad_turn != glm::dvec2(0) ||
+           next_camera != 0 || reset_camera || next_axis != 0 || toggle_wireframe || toggle_panel ||
+           next_show != 0 || bookmark != 0 || finer != 0 || screenshot || copy || record || pressed ||
+           clicked || any_key || quit || over_panel || !dropped.empty();
   }
 };
 

@@ -39,6 +39,7 @@ void Pacing::measure(double work_ms, const std::optional<render::Coarsening>& co
 void Pacing::step(double seconds, bool moved, TimePoint now) noexcept {
   if (moved && control_.isResting()) began_to_move_ = now;
   control_.step(seconds, moved);
+  is_moving_ = (is_moving_ || moved) && !control_.isResting();
   asked_px_ = threshold_px_ * static_cast<float>(is_fixed_ ? 1 : control_.coarsening());
 }
 

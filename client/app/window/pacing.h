@@ -52,6 +52,9 @@ class Pacing {
   bool asksForFinest() const noexcept { return asked_px_ <= threshold_px_ && scale() == 1; }
   double workMs() const noexcept { return work_ms_; }  ///< time of the last measured frame
   bool isResting() const noexcept { return control_.isResting(); }
+  /// Returns true from the camera's motion until it rests. Unlike isResting(), it does not count the coarse
+  /// first pictures of a camera that has not moved.
+  bool isMoving() const noexcept { return is_moving_; }
   /// Returns the time that a frame may take; 0 if the threshold is fixed.
   double targetMs() const noexcept { return is_fixed_ ? 0 : control_.targetMs(); }
   /// Returns true if drawing should wait, because a much coarser cut, which is faster to draw, will arrive
@@ -68,6 +71,7 @@ class Pacing {
   double work_ms_ = 0;
   double drawn_coarsening_ = 1;
   TimePoint drawn_, began_to_move_;
+  bool is_moving_ = false;
 };
 
 }  // namespace lode::app

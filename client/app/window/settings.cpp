@@ -12,6 +12,11 @@ size_t memoryStepAt(uint64_t bytes) noexcept {
   return static_cast<size_t>(std::ranges::min_element(kMemorySteps, {}, distance) - kMemorySteps.begin());
 }
 
+size_t unitNumber(std::string_view unit) noexcept {
+  const auto* const found = std::ranges::find(kUnits, unit);
+  return found == kUnits.end() ? 0 : static_cast<size_t>(found - kUnits.begin());
+}
+
 void ColorModeSwitch::step(int steps) noexcept {
   const auto count = static_cast<int>(render::colorModes().size());
   shown_ = static_cast<render::ColorMode>((static_cast<int>(shown_) + steps % count + count) % count);
@@ -21,6 +26,11 @@ void ColorModeSwitch::toggleWireframe() noexcept {
   const bool is_on = shown_ == render::ColorMode::kWireframe;
   if (!is_on) filled_ = shown_;
   shown_ = is_on ? filled_ : render::ColorMode::kWireframe;
+}
+
+void ColorModeSwitch::nextClay() noexcept {
+  using enum render::ColorMode;
+  shown_ = shown_ == kClay ? kMatcap : shown_ == kMatcap ? kSurface : kClay;
 }
 
 }  // namespace lode::app

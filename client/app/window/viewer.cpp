@@ -7,7 +7,9 @@
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/remedy_words.h"
 #include "client/app/cli/store_cache.h"
+#include "client/app/cli/target.h"
 #include "client/app/window/panel/notice.h"
+#include "client/app/window/panel/scale_bar.h"
 #include "client/app/window/panel/sharpness.h"
 #include "common/error.h"
 #include "common/printable.h"
@@ -20,7 +22,14 @@ constexpr double kIdleWaitS = 0.25;       ///< if all streams are settled
 constexpr double kStreamingWaitS = 0.01;  ///< if a stream is refining or the target is being opened
 constexpr double kCoarserWaitS = 0.002;   ///< if a coarser cut is about to be drawn
 constexpr double kFramesOfFade = 4;       ///< parts fade only if a fade takes at least this many frames
+constexpr double kScaleBarPx = 150;       ///< longest scale bar on a standard display
 constexpr double kNoteS = 6;              ///< time for which a note stays on the panel
+
+/// Adds the up axis that the user has chosen before, unless the command line names one.
+CommonOptions withUp(CommonOptions options, const std::string& up) {
+  if (options.up_text.empty()) options.up_text = up;
+  return options;
+}
 
 }  // namespace
 
@@ -28,11 +37,20 @@ double Viewer::secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// Returns the user's earlier choices about a model. Scenes have none, because their files set the up axis,
+/// and neither have pictures and flights, which others should be able to repeat.
+ModelChoices Viewer::keptChoices(const std::string& target) const {
+  if (!isInteractive() || namesScene(target)) return {};
+  return KeptChoices(cacheFolder(), target).read();
+}
+
 Viewer::Viewer(const ViewOptions& options)
     : options_(options),
+      choices_(keptChoices(options.common.target)),
       wanted_path_(wantedPath(options.common)),
-      scene_(std::make_unique<ViewedScene>(
-          options.common, isInteractive() ? MissingModels::kAllowed : MissingModels::kRefused)),
+      scene_(
+          std::make_unique<ViewedScene>(withUp(options.common, choices_.up),
+                                        isInteractive() ? MissingModels::kAllowed : MissingModels::kRefused)),
       window_(options.common.size().width_px, options.common.size().height_px,
               options.common.target + " - Lodestream"),
       panel_(window_.handle()),
@@ -110,6 +128,7 @@ void Viewer::frame() {
     takeTimes();
     pacing_.step(seconds, moved_, Clock::now());
     stream();
+    snapPicks();
   }
   describe();
   redraws_.add(difference(input), Clock::now());
@@ -184,9 +203,10 @@ void Viewer::openInstead(const std::string& file) {
   common.up_text.clear();
   common.offline = false;
   common.memory_text = std::to_string(memory_bytes_);  // the settings may have changed it
+  const ModelChoices choices = keptChoices(file);
   std::unique_ptr<ViewedScene> scene;
   try {
-    scene = std::make_unique<ViewedScene>(common, MissingModels::kAllowed);
+    scene = std::make_unique<ViewedScene>(withUp(common, choices.up), MissingModels::kAllowed);
   } catch (const Error& error) {
     return note(messageOf(error));
   }
@@ -194,6 +214,7 @@ void Viewer::openInstead(const std::string& file) {
   rig_.reset();  // refers to the scene
   scene_ = std::move(scene);
   options_.common = std::move(common);
+  choices_ = choices;
   wanted_path_.reset();
   failed_.reset();
   picks_.clear();
@@ -205,6 +226,7 @@ void Viewer::openInstead(const std::string& file) {
   content.title = file;
   content.visible = content_.visible;
   content.shows_settings = content_.shows_settings;
+  content.shows_messages = content_.shows_messages;
   content_ = std::move(content);
   setMemoryBudget(memory_bytes_);
   window_.setTitle(file + " - Lodestream");
@@ -310,9 +332,10 @@ void Viewer::draw() {
   drawn_ = {rig_ ? rig_->view() : view, scene_->drawnSerial(), isQuick(), content_};
   pacing_.draw(coarsening, Clock::now());
   panel_.prepare(window_.contentScale(), content_);
-  panel_.draw(content_);
-  if (const auto wanted = panel_.takeSettings()) apply(*wanted);
+  panel_.drawMarksOf(content_);
   saveScreenshots();
+  panel_.drawWindows();
+  if (const auto wanted = panel_.takeSettings()) apply(*wanted);
   content_.upload_ms = std::exchange(uploads_ms_, 0);
   content_.frame_ms = secondsSince(start) * 1e3 + content_.upload_ms;
   timer_.end(content_.frame_ms, coarsening);
@@ -327,21 +350,27 @@ void Viewer::describe() {
   content_.progress = cut ? progress_.update(cut->max_error_px, pacing_.askedPx(), content_.converged) : 0;
   if (rig_) {
     content_.model_triangles = scene_->summary().triangles;
-    content_.missing = missingText(scene_->missing());
-    content_.warning = warningOf(scene_->warnings());
+    content_.missing = missingText(scene_->missing(), content_.shows_messages);
+    content_.warning = warningOf(scene_->warnings(), content_.shows_messages);
     describeWaiting();
   }
   content_.threshold_px = pacing_.askedPx();
   content_.aimed_ms = pacing_.targetMs();
-  content_.target_ms = pacing_.asksForFinest() ? 0 : content_.aimed_ms;
+  content_.target_ms = pacing_.asksForFinest() || !pacing_.isMoving() ? 0 : content_.aimed_ms;
+  content_.final_threshold_px = pacing_.thresholdPx();
   content_.scale = isQuick() ? pacing_.scale() : 1;
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
-  content_.pick = picks_.lines();
+  content_.pick = picks_.lines(choices_.unit);
   content_.lost = rig_
                       ? lostSightText(core::toModelBox(scene_->summary().box, scene_->summary().lattice.step),
                                       rig_->view())
                       : "";
-  content_.marks = rig_ ? marksOf(picks_, rig_->view()) : PickMarks();
+  content_.marks = rig_ ? marksOf(picks_, choices_.unit, rig_->view()) : PickMarks();
+  content_.scale_marks.reset();
+  if (rig_ && shows_scale_)
+    content_.scale_marks = ScaleMarks{
+        scaleBarOf(rig_->view(), rig_->distanceModel(), kScaleBarPx * window_.contentScale(), choices_.unit),
+        axesInPicture(rig_->view())};
   content_.recording = recorder_.recording();
   content_.show = nameOf(style_.show);
   content_.explanation = traitsOf(style_.show).explanation;

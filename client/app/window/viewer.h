@@ -9,6 +9,7 @@
 #include "client/app/window/camera/flight.h"
 #include "client/app/window/camera/path_recorder.h"
 #include "client/app/window/glfw_window.h"
+#include "client/app/window/model_choices.h"
 #include "client/app/window/output/picture_writer.h"
 #include "client/app/window/pacing.h"
 #include "client/app/window/panel/first_start.h"
@@ -50,6 +51,7 @@ class Viewer {
 
   // Defined in viewer.cpp: opening of models, the frame loop and drawing.
   static double secondsSince(Clock::time_point start);
+  ModelChoices keptChoices(const std::string& target) const;
   bool isInteractive() const;
   void frame();
   void passUnseen();
@@ -85,14 +87,16 @@ class Viewer {
   void openOrCloseHelp(const Input& input);
   void pick(const Input& input);
   void pointAt(const Input& input);
+  void snapPicks();
   std::optional<PickedPoint> under(const glm::dvec2& pixel_px);
   double coveredShare() const;
   void fly();
   std::optional<glm::dvec3> startOfWalk(const glm::dvec2& pointer_px, const GroundBelow& ground);
-  void moveCamera(const Input& input, double seconds);
+  void moveCamera(Input input, double seconds);
   Settings settings() const;
   void apply(const Settings& wanted);
   void setMemoryBudget(uint64_t budget_bytes);
+  void keepChoices() const;
   void note(const std::string& message);
 
   // viewer_files.cpp: pictures and recorded camera paths.
@@ -103,6 +107,7 @@ class Viewer {
   void noteWritten(const PictureWriter::Written& written);
 
   ViewOptions options_;
+  ModelChoices choices_;
   std::optional<core::CameraPath> wanted_path_;
   std::unique_ptr<ViewedScene> scene_;  ///< never null; opens its first model while the window is made
   GlfwWindow window_;
@@ -125,13 +130,23 @@ class Viewer {
     PanelContent content;
   };
 
+  /// Camera changes that the user has chosen in the settings, for the next frame.
+  struct Chosen {
+    bool toggle_parallel = false;
+    std::optional<core::Side> side;
+  };
+
+  Chosen chosen_;
   Picks picks_;
+  uint64_t snapped_serial_ = 0;  ///< ViewedScene::drawnSerial() when the picks were last snapped
   RefiningProgress progress_;
   const FirstStart first_start_;
   PathRecorder recorder_;
   std::optional<Pilot> pilot_;  ///< set if --laps is given
   render::DrawStyle style_;
   ColorModeSwitch show_;
+  size_t background_ = 0;  ///< index into kBackgrounds
+  bool shows_scale_ = isInteractive();
   uint64_t memory_bytes_ = 0;
   bool fades_ = options_.common.fade;
   /// True to draw ambient occlusion. Off by default if the CPU draws, because a coarser threshold does not

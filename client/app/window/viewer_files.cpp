@@ -31,8 +31,8 @@ void Viewer::saveRecording() {
   }
 }
 
-/// Saves the pictures that are due. The picture of --screenshot is due once the cut has converged and the
-/// panel fits its final text; the program exits after saving it. A picture requested by a key is due once the
+/// Saves the pictures that are due, without the panel. The picture of --screenshot is due once the cut has
+/// converged and is at rest; the program exits after saving it. A picture requested by a key is due once the
 /// window is at rest: see PictureRequest.
 void Viewer::saveScreenshots() {
   if (!options_.screenshot.empty()) {

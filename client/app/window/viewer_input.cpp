@@ -1,11 +1,15 @@
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
+#include "client/app/cli/store_cache.h"
 #include "client/app/window/memory_shares.h"
 #include "client/app/window/panel/panel_font.h"
 #include "client/app/window/panel/panel_layout.h"
 #include "client/app/window/viewer.h"
+#include "client/core/view/framing.h"
 #include "client/render/residency/staging_ring.h"
+#include "common/up_axis.h"
 
 /// Part of Viewer that handles input: keys, mouse, camera and settings.
 namespace lode::app {
@@ -24,17 +28,24 @@ void Viewer::scrollPanel(Input& input) {
 }
 
 void Viewer::obeyKeys(Input& input) {
+  const Chosen chosen = std::exchange(chosen_, {});
+  input.toggle_parallel = input.toggle_parallel != chosen.toggle_parallel;
+  if (chosen.side) input.side = chosen.side;
   if (input.quit && !content_.help) done_ = true;
   if (input.quit_where_idle && failed_) done_ = true;
   openOrCloseHelp(input);
   if (input.toggle_wireframe) show_.toggleWireframe();
   show_.step(input.next_show);
+  for (int step = 0; step < input.next_clay; ++step) show_.nextClay();
   style_.show = show_.shown();
+  style_.sun_turn_rad += input.light_px * (std::numbers::pi / std::max(1u, window_.heightPx()));
+  if (input.reset_camera) style_.sun_turn_rad = {0, 0};
   if (scene_->hasFixedUp() && std::exchange(input.next_axis, 0) != 0)
     note("the scene's file sets the up axis");
   if (input.bookmark != 0) noteBookmark(input);
   if (input.toggle_panel) content_.visible = !content_.visible;
   if (input.toggle_settings) content_.shows_settings = !content_.shows_settings;
+  if (input.toggle_messages) content_.shows_messages = !content_.shows_messages;
   if (input.toggle_full_screen) window_.toggleFullScreen();
   if (input.screenshot) picture_request_.ask(Clock::now());
   pacing_.sharpen(input.finer);
@@ -70,7 +81,7 @@ void Viewer::pick(const Input& input) {
   if (input.pressed || input.clicked || input.double_clicked || input.wheel != 0) pointAt(input);
   if (!input.copy) return;
   std::string text;
-  for (const std::string& line : picks_.lines()) text += line + "\n";
+  for (const std::string& line : picks_.lines(choices_.unit)) text += line + "\n";
   if (!text.empty()) window_.copyToClipboard(text);
   note(text.empty() ? "click on the model first" : "copied");
 }
@@ -88,6 +99,16 @@ void Viewer::pointAt(const Input& input) {
   }
   rig_->turnAbout(hit->position_model);
   if (input.clicked) picks_.add(*hit);
+}
+
+/// Moves the picks to the drawn surface where it has become finer.
+void Viewer::snapPicks() {
+  if (picks_.points().empty() ||
+      std::exchange(snapped_serial_, scene_->drawnSerial()) == scene_->drawnSerial())
+    return;
+  for (size_t number = 0; number < picks_.points().size(); ++number)
+    if (auto finer = scene_->snapped(rig_->view(), picks_.points()[number]))
+      picks_.snap(number, *std::move(finer));
 }
 
 /// Returns the share of the window's width that the panel covers. Returns 0 with --screenshot and --laps, so
@@ -108,17 +129,31 @@ std::optional<glm::dvec3> Viewer::startOfWalk(const glm::dvec2& pointer_px, cons
   return std::nullopt;
 }
 
-void Viewer::moveCamera(const Input& input, double seconds) {
+void Viewer::moveCamera(Input input, double seconds) {
   const core::View before = rig_->view();
   const CameraKind kind_before = rig_->kind();
   const auto ground = [this](const glm::dvec3& point) -> std::optional<Ground> {
     return scene_->groundBelow(rig_->view(), point, rig_->up());
   };
+  if (recorder_.recording() && std::exchange(input.toggle_parallel, false))
+    note("a recorded path has one projection; P ends the recording");
   std::optional<glm::dvec3> start;
   if (input.next_camera != 0) start = startOfWalk(input.pointer_px, ground);
   rig_->apply(input, std::min(seconds, kLongestStepS), ground);
   if (start && rig_->kind() != kind_before) rig_->standAt(*start);
   moved_ = rig_->view() != before || rig_->isMoving();
+  if (input.side) note(std::string(core::kSideNames[static_cast<size_t>(*input.side)]) + " view");
+  if (input.toggle_parallel) note(rig_->isParallel() ? "parallel projection; N: perspective" : "perspective");
+  if (input.next_axis == 0) return;
+  choices_.up = nameOfAxis(rig_->up());
+  keepChoices();
+  note("up axis: " + choices_.up + ", kept for this model; U: next axis");
+}
+
+/// Keeps the user's choices about the model for the next time that it is opened.
+void Viewer::keepChoices() const {
+  if (isInteractive() && !scene_->hasFixedUp())
+    KeptChoices(cacheFolder(), options_.common.target).keep(choices_);
 }
 
 void Viewer::fly() {
@@ -136,7 +171,11 @@ Settings Viewer::settings() const {
           .fixes_threshold = pacing_.isFixed(),
           .threshold_px = pacing_.thresholdPx(),
           .fps = static_cast<float>(pacing_.fps()),
-          .memory_bytes = memory_bytes_};
+          .memory_bytes = memory_bytes_,
+          .parallel = rig_ && rig_->isParallel(),
+          .background = background_,
+          .shows_scale = shows_scale_,
+          .unit = unitNumber(choices_.unit)};
 }
 
 /// Applies the settings that the user has changed. Does not touch the others, because the command line may
@@ -151,6 +190,19 @@ void Viewer::apply(const Settings& wanted) {
   if (wanted.fixes_threshold != now.fixes_threshold) pacing_.fix(wanted.fixes_threshold);
   if (wanted.threshold_px != now.threshold_px) pacing_.setThreshold(wanted.threshold_px);
   if (wanted.fps != now.fps) pacing_.setRate(wanted.fps);
+  chosen_.toggle_parallel = wanted.parallel != now.parallel;
+  chosen_.side = wanted.side;
+  shows_scale_ = wanted.shows_scale;
+  if (wanted.background != now.background) {
+    background_ = wanted.background;
+    style_.background_top_srgb = kBackgrounds[background_].top_srgb;
+    style_.background_bottom_srgb = kBackgrounds[background_].bottom_srgb;
+    style_.hides_sky = background_ != 0;
+  }
+  if (wanted.unit != now.unit) {
+    choices_.unit = kUnits[wanted.unit];
+    keepChoices();
+  }
   if (wanted.memory_bytes == now.memory_bytes) return;
   scene_->setMemory(wanted.memory_bytes);
   setMemoryBudget(wanted.memory_bytes);

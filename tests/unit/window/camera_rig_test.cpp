@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "client/app/window/panel/projection.h"
+
 namespace lode::app {
 namespace {
 
@@ -61,6 +63,64 @@ TEST(CameraRig, reframesTheFirstViewWhenThePanelIsHidden) {
   rig.apply(input, 0.016, plainAt(0));
   EXPECT_EQ(rig.view(), CameraRig(model, zUp(), std::nullopt, 800, 600).view());
   EXPECT_NE(rig.view(), beside);
+}
+
+Input parallel() {
+  Input input;
+  input.toggle_parallel = true;
+  return input;
+}
+
+TEST(CameraRig, keepsThePictureOfTheOrbitedPlaneInParallelProjection) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  const glm::dvec3 pivot(400, 500, 300);
+  rig.turnAbout(pivot);
+  const core::View before = rig.view();
+  const glm::dvec3 right = glm::cross(before.forward, before.up);
+  rig.apply(parallel(), 0.016, plainAt(0));
+  EXPECT_TRUE(rig.isParallel());
+  for (const glm::dvec3& point : {pivot, pivot + 100.0 * right, pivot - 150.0 * before.up})
+    EXPECT_LT(glm::distance(*pointInPicture(before, point), *pointInPicture(rig.view(), point)), 1e-6);
+  rig.apply(parallel(), 0.016, plainAt(0));
+  EXPECT_FALSE(rig.isParallel());
+  EXPECT_LT(glm::distance(rig.view().eye_model, before.eye_model), 1e-6);
+}
+
+TEST(CameraRig, showsDepthsAndErrorsAlikeInParallelProjection) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  rig.apply(parallel(), 0.016, plainAt(0));
+  const core::View& view = rig.view();
+  const glm::dvec3 middle(512, 512, 256), aside = glm::cross(view.forward, view.up) * 300.0;
+  const auto error_px = [&](const glm::dvec3& point) {
+    return core::screenErrorPx(1, core::distanceToBox(view.eye_model, {point, point}), view);
+  };
+  for (const double depth : {-500.0, 500.0}) {
+    const glm::dvec3 point = middle + aside + depth * view.forward;
+    EXPECT_LT(glm::distance(*pointInPicture(view, point), *pointInPicture(view, middle + aside)), 1);
+    EXPECT_NEAR(error_px(point), error_px(middle), 2e-3 * error_px(middle));
+  }
+  const double unit_px =
+      glm::distance(*pointInPicture(view, middle + aside), *pointInPicture(view, middle)) / 300;
+  EXPECT_NEAR(error_px(middle), unit_px, 1e-3 * unit_px) << "an error of 1 is as large as a length of 1";
+}
+
+TEST(CameraRig, looksAtSidesInItsProjectionAndFliesInPerspective) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  rig.apply(parallel(), 0.016, plainAt(0));
+  Input side;
+  side.side = core::Side::kTop;
+  rig.apply(side, 0.016, plainAt(0));
+  EXPECT_TRUE(rig.isParallel());
+  EXPECT_LT(glm::distance(rig.view().forward, glm::dvec3(0, 0, -1)), 1e-9);
+  const glm::dvec2 corner = *pointInPicture(rig.view(), {0, 1024, 512});
+  EXPECT_TRUE(corner.x > 0 && corner.y > 0 && corner.x < 400 && corner.y < 60)
+      << corner.x << ", " << corner.y;
+  rig.apply(tab(), 0.016, plainAt(0));
+  EXPECT_EQ(rig.kind(), CameraKind::kFly);
+  EXPECT_FALSE(rig.isParallel());
 }
 
 /// A slow frame may contain several key presses.

@@ -96,21 +96,22 @@ TEST(Notice, showsOfflineAsAHintOnlyIfTheCacheIsComplete) {
   EXPECT_NE(lacking.text.find("without --offline"), std::string::npos);
 }
 
-TEST(Notice, saysTheFirstThatABuildHasWarnedOfAndHowManyMore) {
-  EXPECT_EQ(warningOf({}), "");
+TEST(Notice, saysTheFirstWarningOnOneLineWithTheKeyThatShowsAll) {
+  EXPECT_EQ(warningOf({}, true), "");
   const std::vector<std::string> warnings{"3 faces dropped", "no normals", "no colours"};
-  EXPECT_EQ(warningOf(std::span(warnings).first(1)), "build warning: 3 faces dropped");
-  EXPECT_EQ(warningOf(warnings), "build warning: 3 faces dropped\nand 2 more, on stderr");
+  EXPECT_EQ(warningOf(std::span(warnings).first(1), false), "1 build warning (M: show all): 3 faces dropped");
+  EXPECT_EQ(warningOf(warnings, false), "3 build warnings (M: show all): 3 faces dropped");
+  EXPECT_EQ(warningOf(warnings, true),
+            "3 build warnings (M: show less):\n3 faces dropped\nno normals\nno colours");
 }
 
-TEST(Notice, explainsUpToThreeMissingModels) {
-  EXPECT_EQ(missingText({}), "");
-  const std::vector<std::string> missing{"rock is missing: a.ply: no such file", "tree is missing", "c", "d"};
-  EXPECT_EQ(missingText(std::span(missing).first(1)),
-            "rock is missing: a.ply: no such file\nThe rest of the scene is shown.");
-  EXPECT_EQ(missingText(missing),
-            "rock is missing: a.ply: no such file\ntree is missing\nc\nand 1 more, on stderr\n"
-            "The rest of the scene is shown.");
+TEST(Notice, saysTheFirstMissingModelOnOneLineWithTheKeyThatShowsAll) {
+  EXPECT_EQ(missingText({}, false), "");
+  const std::vector<std::string> missing{"rock is missing: a.ply: no such file", "tree is missing"};
+  EXPECT_EQ(missingText(std::span(missing).first(1), false),
+            "1 missing model (M: show all): rock is missing: a.ply: no such file");
+  EXPECT_EQ(missingText(missing, true),
+            "2 missing models (M: show less):\nrock is missing: a.ply: no such file\ntree is missing");
 }
 
 TEST(Notice, explainsAFailedOpenAndHowToCloseTheWindow) {

@@ -24,6 +24,20 @@ TEST(Pacing, requestsTheUsersThresholdAtRestAndCoarserCutsInMotion) {
   EXPECT_GT(pacing.targetMs(), 0);
 }
 
+TEST(Pacing, movesFromTheCamerasMotionUntilItsRestAndNotAtTheStart) {
+  const Pacing::TimePoint start{};
+  Pacing pacing({.threshold_px = 1, .begin = FrameRateControl::Begin::kCoarse}, start);
+  pacing.step(0.01, false, start);
+  EXPECT_FALSE(pacing.isResting()) << "the first pictures are coarse";
+  EXPECT_FALSE(pacing.isMoving());
+  pacing.step(0.01, true, start);
+  EXPECT_TRUE(pacing.isMoving());
+  pacing.step(0.01, false, start);
+  EXPECT_TRUE(pacing.isMoving());
+  pacing.step(10, false, start);
+  EXPECT_FALSE(pacing.isMoving());
+}
+
 TEST(Pacing, requestsAFixedThresholdWhateverTheFrameTime) {
   Pacing pacing({.threshold_px = 2, .is_fixed = true, .begin = FrameRateControl::Begin::kCoarse}, kBegun);
   for (int i = 0; i < 10; ++i) {

@@ -33,7 +33,7 @@ TEST(PanelFigures, leaveOutUnmeasuredValues) {
 
 TEST(PanelFigures, showWhetherTheTargetRateIsReached) {
   PanelContent content;
-  content.threshold_px = 2;
+  content.threshold_px = content.final_threshold_px = 2;
   content.frame_ms = 132.7;
   EXPECT_EQ(valueOf(content, "threshold"), "2.00 px") << "at rest no rate is aimed at";
   content.target_ms = 1000.0 / 30;
@@ -41,6 +41,17 @@ TEST(PanelFigures, showWhetherTheTargetRateIsReached) {
             "2.00 px while moving, for at least 30 frames per second, not reached");
   content.frame_ms = 35;
   EXPECT_EQ(valueOf(content, "threshold"), "2.00 px while moving, for at least 30 frames per second");
+}
+
+TEST(PanelFigures, speakOfNoMotionWhileTheFirstPicturesAreCoarse) {
+  PanelContent content;
+  content.threshold_px = 8;
+  content.final_threshold_px = 1;
+  content.scale = 0.5;
+  content.frame_ms = 500;
+  content.aimed_ms = 1000.0 / 60;
+  EXPECT_EQ(valueOf(content, "threshold"), "8.00 px at first, then 1.00 px");
+  EXPECT_EQ(valueOf(content, "pixels"), "25 % at first");
 }
 
 TEST(PanelFigures, haveDistinctRanks) {

@@ -21,6 +21,11 @@ TEST(PanelFit, framesBesideThePanelIfThatLeavesEnoughRoom) {
   EXPECT_EQ(coveredShare({700, 1200}, 15), 0);
 }
 
+TEST(PanelFit, putsWindowsSideBySideOnlyWithMarginsAroundBoth) {
+  EXPECT_TRUE(fitSideBySide(300, 310, 12, 646));
+  EXPECT_FALSE(fitSideBySide(300, 310, 12, 645));
+}
+
 std::vector<render::LegendEntry> legendOf(size_t entries) {
   std::vector<render::LegendEntry> legend;
   for (size_t i = 0; i < entries; ++i) legend.push_back({{0, 0, 0}, "node " + std::to_string(i)});

@@ -25,15 +25,15 @@ core::View alongMinusZ() {
 TEST(PickMarks, joinTheTwoPointsByALineThatSaysHowLongItIs) {
   Picks picks;
   picks.add(pointAt({0, 0, 0}));
-  EXPECT_FALSE(marksOf(picks, alongMinusZ()).line);
+  EXPECT_FALSE(marksOf(picks, "m", alongMinusZ()).line);
   picks.add(pointAt({3, 0, 0}));
-  const PickMarks marks = marksOf(picks, alongMinusZ());
+  const PickMarks marks = marksOf(picks, "m", alongMinusZ());
   ASSERT_TRUE(marks.line);
   ASSERT_EQ(marks.points_px.size(), 2u);
   EXPECT_EQ(marks.points_px[0], glm::dvec2(100, 50)) << "in the model's frame, not at true coordinates";
   EXPECT_EQ(marks.line->from_px, marks.points_px[0]);
   EXPECT_EQ(marks.line->to_px, marks.points_px[1]);
-  EXPECT_EQ(marks.distance, "3");
+  EXPECT_EQ(marks.distance, "3 \u00b1 2 m");
 }
 
 /// Checks that all corners are on one side of the line, the nearest at the gap's distance.
@@ -66,7 +66,7 @@ TEST(PickMarks, areNotAtAPointBehindTheEye) {
   Picks picks;
   picks.add(pointAt({0, 0, 0}));
   picks.add(pointAt({0, 0, 2}));
-  const PickMarks marks = marksOf(picks, alongMinusZ());
+  const PickMarks marks = marksOf(picks, "m", alongMinusZ());
   EXPECT_EQ(marks.points_px.size(), 1u);
   EXPECT_TRUE(marks.line);
 }

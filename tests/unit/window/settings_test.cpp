@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "client/render/passes/draw_style.h"
+
 namespace lode::app {
 namespace {
 
@@ -35,6 +37,21 @@ TEST(ColorModeSwitch, switchesFromAnInitialWireframeToTheSurface) {
   ColorModeSwitch show(ColorMode::kWireframe);
   show.toggleWireframe();
   EXPECT_EQ(show.shown(), ColorMode::kSurface);
+}
+
+TEST(ColorModeSwitch, stepsFromAnyModeThroughClayAndMatcapToTheSurface) {
+  ColorModeSwitch show(ColorMode::kLods);
+  for (const ColorMode wanted :
+       {ColorMode::kClay, ColorMode::kMatcap, ColorMode::kSurface, ColorMode::kClay}) {
+    show.nextClay();
+    EXPECT_EQ(show.shown(), wanted);
+  }
+}
+
+TEST(Settings, beginWithTheBackgroundOfEveryPicture) {
+  const render::DrawStyle style;
+  EXPECT_EQ(kBackgrounds[0].top_srgb, style.background_top_srgb);
+  EXPECT_EQ(kBackgrounds[0].bottom_srgb, style.background_bottom_srgb);
 }
 
 }  // namespace

@@ -47,8 +47,12 @@ void CameraRig::frame() {
   if (view_.width_px > 0 && view_.height_px > 0)
     framing_.aspect = static_cast<double>(view_.width_px) / view_.height_px;
   startAt(core::framingCamera(model_, framing_));
+  orbitTheMiddle();
+}
+
+/// Orbits the centre of the model, which is not straight ahead if the panel covers a part of the picture.
+void CameraRig::orbitTheMiddle() {
   const core::ModelBox box = core::toModelBox(model_.box, model_.lattice.step);
-  // Orbit the centre of the model, which is not straight ahead if the panel covers a part of the picture.
   if (framing_.covered > 0) turnAbout((box.min + box.max) / 2.0);
 }
 
@@ -100,6 +104,42 @@ void CameraRig::turnUp() {
   frame();
 }
 
+void CameraRig::lookAtSide(core::Side side) {
+  core::Framing framing = framing_;
+  framing.up = up_;
+  framing.side = side;
+  framing.fov_y_deg = glm::degrees(view_.fov_y_rad);
+  if (view_.width_px > 0 && view_.height_px > 0)
+    framing.aspect = static_cast<double>(view_.width_px) / view_.height_px;
+  const core::CameraPath path = core::framingCamera(model_, framing);
+  const core::CameraKey& key = path.keys.front();
+  kind_ = CameraKind::kOrbit;
+  const bool was_parallel = isParallel();
+  restart(core::toView(key, path.fov_y_deg, view_.width_px, view_.height_px, model_),
+          std::max(glm::distance(key.eye, key.target), model_.lattice.step));
+  if (was_parallel) view_.fov_y_rad = glm::radians(kParallelFovDeg);
+  orbitTheMiddle();
+}
+
+void CameraRig::toggleParallel() {
+  kind_ = CameraKind::kOrbit;
+  if (!isParallel()) perspective_fov_rad_ = view_.fov_y_rad;
+  const double fov_rad = isParallel() ? perspective_fov_rad_ : glm::radians(kParallelFovDeg);
+  const double ratio = std::tan(view_.fov_y_rad / 2) / std::tan(fov_rad / 2);
+  const double distance_model = orbit_.distanceModel();
+  const glm::dvec3 point_model = orbit_.pointModel();
+  core::View view = view_;
+  view.eye_model -= view.forward * (distance_model * (ratio - 1));
+  view.fov_y_rad = fov_rad;
+  restart(view, distance_model * ratio);
+  orbit_.turnAbout(point_model);
+}
+
+/// Returns to perspective for a camera that moves through the model.
+void CameraRig::leaveParallel() {
+  if (isParallel()) toggleParallel();
+}
+
 void CameraRig::useBookmark(size_t number, bool set) {
   std::optional<Bookmark>& bookmark = bookmarks_[number - 1];
   if (set) bookmark = {view_, orbit_.distanceModel(), up_, kind_};
@@ -118,6 +158,7 @@ bool CameraRig::isSteered(const Input& input) const noexcept {
 }
 
 void CameraRig::startAgain() {
+  leaveParallel();
   up_ = core::upOf(framing_);
   if (starts_framed_)
     frame();
@@ -131,7 +172,10 @@ void CameraRig::apply(const Input& input, double seconds, const GroundBelow& gro
   if (input.reset_camera) startAgain();
   for (int i = 0; i < input.next_axis; ++i) turnUp();
   if (input.bookmark != 0) useBookmark(static_cast<size_t>(input.bookmark), input.set_bookmark);
+  if (input.toggle_parallel) toggleParallel();
+  if (input.side) lookAtSide(*input.side);
   if (input.next_camera != 0) {
+    leaveParallel();
     restart(view_, orbit_.distanceModel());
     kind_ = static_cast<CameraKind>((static_cast<int>(kind_) + input.next_camera) % kCameraKindCount);
   }

@@ -57,6 +57,7 @@ class OrbitCamera {
   /// point stays at the same pixel.
   void zoom(double steps) noexcept;
 
+  const glm::dvec3& pointModel() const noexcept { return point_model_; }
   /// Returns the distance to the orbited point along the view direction.
   double distanceModel() const noexcept { return offset_model_.z; }
   /// Sets eye, forward and up of a view.

@@ -7,15 +7,16 @@
 namespace lode::app {
 namespace {
 
-constexpr size_t kMostMissing = 3;
-
-/// Joins the first `most` lines, and adds a line with the number of the remaining lines. @param lines  at
-/// least one line.
-std::string firstOf(std::span<const std::string> lines, size_t most) {
-  std::string text = lines.front();
-  for (const std::string& line : lines.first(std::min(most, lines.size())).subspan(1)) text += "\n" + line;
-  if (lines.size() > most) text += "\nand " + std::to_string(lines.size() - most) + " more, on stderr";
+/// Joins lines below a heading, or returns the heading, the key that shows all lines, and the first line.
+std::string headed(const std::string& heading, std::span<const std::string> lines, bool all) {
+  if (!all) return heading + " (M: show all): " + lines.front();
+  std::string text = heading + " (M: show less):";
+  for (const std::string& line : lines) text += "\n" + line;
   return text;
+}
+
+std::string counted(size_t count, const std::string& one) {
+  return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
 }
 
 constexpr float kDotPx = 8;
@@ -56,12 +57,12 @@ Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu) 
   return {kHint, "offline: using the cache only"};
 }
 
-std::string warningOf(std::span<const std::string> warnings) {
-  return warnings.empty() ? "" : "build warning: " + firstOf(warnings, 1);
+std::string warningOf(std::span<const std::string> warnings, bool all) {
+  return warnings.empty() ? "" : headed(counted(warnings.size(), "build warning"), warnings, all);
 }
 
-std::string missingText(std::span<const std::string> missing) {
-  return missing.empty() ? "" : firstOf(missing, kMostMissing) + "\nThe rest of the scene is shown.";
+std::string missingText(std::span<const std::string> missing, bool all) {
+  return missing.empty() ? "" : headed(counted(missing.size(), "missing model"), missing, all);
 }
 
 Notice noticeOf(const Error& error) {

@@ -36,12 +36,11 @@ enum class OnGpu : uint8_t {
 /// Returns the most serious notice that applies to a stream's status. @param offline  true if only the cache
 /// is used.
 Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu);
-/// Summarizes the warnings of a build: the first warning, and the number of further warnings, which are on
-/// stderr.
-std::string warningOf(std::span<const std::string> warnings);
-/// Summarizes the missing models of a scene: the first three models, and the number of further models, which
-/// are on stderr.
-std::string missingText(std::span<const std::string> missing);
+/// Describes the warnings of a build. @param all  true to return all of them, a line each; false to return
+/// the first and the key that shows all, for one line that may be cut off at its end.
+std::string warningOf(std::span<const std::string> warnings, bool all);
+/// Describes the missing models of a scene like warningOf().
+std::string missingText(std::span<const std::string> missing, bool all);
 /// Returns a notice that the target could not be opened, with the reason and the key that closes the window.
 Notice noticeOf(const Error& error);
 

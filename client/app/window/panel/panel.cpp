@@ -8,12 +8,12 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
-#include "client/app/cli/build_step.h"
 #include "client/app/window/panel/panel_figures.h"
 #include "client/app/window/panel/panel_font.h"
 #include "client/app/window/panel/panel_help.h"
 #include "client/app/window/panel/panel_layout.h"
 #include "client/app/window/panel/panel_window.h"
+#include "client/app/window/panel/panel_words.h"
 #include "client/app/window/panel/pick_marks.h"
 #include "client/app/window/panel/sharpness.h"
 
@@ -21,43 +21,13 @@ namespace lode::app {
 namespace {
 
 constexpr float kNameEm = 5.5f;  ///< width of the column of names, in multiples of the font size
-const ImVec4 kGood(0.55f, 0.85f, 0.60f, 1), kWarning(1.0f, 0.72f, 0.40f, 1), kBad(1.0f, 0.50f, 0.45f, 1),
-    kBar(0.26f, 0.48f, 0.72f, 1);
+constexpr float kPanelAlpha = 0.65f, kHelpAlpha = 0.9f;
 
 float panelPx() { return fittingPx(panelWidthPx(ImGui::GetIO().DisplaySize.x, ImGui::GetFontSize())); }
 float namePx() { return std::min(ImGui::GetFontSize() * kNameEm, panelPx() / 2); }
 float valuePx() { return panelPx() - namePx(); }
 
 float lineGapPx() { return ImGui::GetStyle().ItemSpacing.y; }
-
-float textPx(const std::string& text, float width_px) {
-  return ImGui::CalcTextSize(text.c_str(), nullptr, false, width_px).y;
-}
-
-/// Returns true if the text fits on a bar of this width. A longer text is drawn above the bar.
-bool isOnBar(const std::string& text, float width_px) {
-  return ImGui::CalcTextSize(text.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x <= width_px;
-}
-
-float thinBarPx() { return ImGui::GetFontSize() * 0.4f; }
-
-float barPx(const std::string& text, float width_px) {
-  if (isOnBar(text, width_px)) return ImGui::GetFrameHeight();
-  return textPx(text, width_px) + lineGapPx() + thinBarPx();
-}
-
-/// Draws a progress bar with a text on it or above it.
-void bar(double part, const std::string& text, float width_px) {
-  const bool is_on = isOnBar(text, width_px);
-  if (!is_on) ImGui::TextUnformatted(text.c_str());
-  const ImVec2 at = ImGui::GetCursorScreenPos(), padding = ImGui::GetStyle().FramePadding;
-  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, kBar);
-  ImGui::ProgressBar(static_cast<float>(part), {width_px, is_on ? 0 : thinBarPx()}, "");
-  ImGui::PopStyleColor();
-  if (is_on)
-    ImGui::GetWindowDrawList()->AddText({at.x + padding.x, at.y + padding.y},
-                                        ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
-}
 
 float heightOf(const Figure& figure) {
   const float name_px = textPx(figure.name, namePx());
@@ -67,7 +37,8 @@ float heightOf(const Figure& figure) {
 
 void drawFigures(std::span<const Figure> figures, const std::vector<bool>& shown) {
   if (std::ranges::find(shown, true) == shown.end() ||
-      !ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit))
+      !ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit,
+                         {panelPx() + 2 * ImGui::GetStyle().CellPadding.x, 0}))
     return;
   // Fix the column widths, because widths that follow the contents would lag one frame behind.
   ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, namePx());
@@ -77,7 +48,7 @@ void drawFigures(std::span<const Figure> figures, const std::vector<bool>& shown
     if (!shown[i]) continue;
     nameRow(figures[i].name);
     if (figures[i].part >= 0)
-      bar(figures[i].part, figures[i].value, valuePx());
+      drawBar(figures[i].part, figures[i].value, valuePx());
     else
       ImGui::TextUnformatted(figures[i].value.c_str());
   }
@@ -112,7 +83,7 @@ float sharpnessPx(const PanelContent& content) {
 
 void drawSharpness(const PanelContent& content) {
   const std::string text = sharpnessOf(content);
-  if (isRefining(content)) return bar(content.progress, text, panelPx());
+  if (isRefining(content)) return drawBar(content.progress, text, panelPx());
   if (text.empty()) return;
   const ImVec4 plain = ImGui::GetStyleColorVec4(ImGuiCol_Text);
   ImGui::TextColored(!content.lost.empty() ? kWarning
@@ -176,72 +147,21 @@ void drawPick(const PanelContent& content) {
   for (const std::string& line : content.pick) ImGui::TextUnformatted(line.c_str());
 }
 
-constexpr const char* kCancel = "Esc cancels";
-
-void drawWaiting(const PanelContent& content) {
-  ImGui::TextUnformatted(content.waiting.c_str());
-  if (content.waiting_part >= 0) {
-    bar(content.waiting_part, percentInWords(content.waiting_part), panelPx());
-    ImGui::TextColored(kMuted, "%s", kCancel);
-    return;
-  }
-  const ImVec2 size(panelPx(), ImGui::GetFontSize() * 0.5f);
-  const ImVec2 at = ImGui::GetCursorScreenPos();
-  const auto phase = static_cast<float>(std::fmod(content.waited_s, 2.0) / 2.0);
-  const float left = at.x + (size.x * 1.25f) * phase - size.x * 0.25f;
-  ImDrawList* list = ImGui::GetWindowDrawList();
-  const ImVec2 end(at.x + size.x, at.y + size.y);
-  list->AddRectFilled(at, end, ImGui::GetColorU32(ImGuiCol_FrameBg), 3);
-  list->PushClipRect(at, end, true);
-  list->AddRectFilled({left, at.y}, {left + size.x * 0.25f, end.y},
-                      ImGui::GetColorU32(ImGuiCol_PlotHistogram), 3);
-  list->PopClipRect();
-  ImGui::Dummy(size);
-  ImGui::TextColored(kMuted, "%.0f s; %s", content.waited_s, kCancel);
-}
-
-struct Word {
-  std::string text;
-  ImVec4 colour;
-};
-
-/// Returns the texts at the top of the panel. Missing models, warnings and the explanation are included only
-/// while the panel is visible; the other texts are always shown.
-std::vector<Word> wordsOf(const PanelContent& content) {
-  const Notice& notice = content.notice;
-  const ImVec4& colour = notice.kind == Notice::Kind::kFailure   ? kBad
-                         : notice.kind == Notice::Kind::kTrouble ? kWarning
-                                                                 : kMuted;
-  std::vector<Word> words{{content.title, ImGui::GetStyleColorVec4(ImGuiCol_Text)}};
-  if (notice.kind != Notice::Kind::kNone) words.push_back({notice.text, colour});
-  if (content.recording) words.push_back({"recording the camera path; P stops", kBad});
-  if (!content.message.empty()) words.push_back({content.message, kWarning});
-  if (content.visible && !content.missing.empty()) words.push_back({content.missing, kBad});
-  if (content.visible && !content.warning.empty()) words.push_back({content.warning, kWarning});
-  if (content.visible && !content.explanation.empty())
-    words.push_back({std::string(content.show) + ": " + std::string(content.explanation), kMuted});
-  return words;
-}
-
-void drawWords(const PanelContent& content) {
-  for (const Word& word : wordsOf(content)) ImGui::TextColored(word.colour, "%s", word.text.c_str());
-}
-
-float wordsPx(const PanelContent& content) {
-  float height_px = 0;
-  for (const Word& word : wordsOf(content)) height_px += textPx(word.text, panelPx()) + lineGapPx();
-  return height_px;
-}
-
 constexpr int kRankOfSharpness = -3, kRankOfPick = -2, kRankOfKeys = -1, kRankOfFrameTimes = 100;
 constexpr const char* kKeys = "F1: help";
+
+/// Returns true if the panel is visible or has something to say although it is hidden.
+bool hasPanel(const PanelContent& content) {
+  return content.visible || !content.waiting.empty() || content.notice.kind != Notice::Kind::kNone ||
+         content.recording || !content.message.empty();
+}
 
 }  // namespace
 
 /// Draws the parts of the panel that fit into the window, then the other parts, which the user can scroll to.
 void Panel::drawOpen(const PanelContent& content) const {
   const float outside_px = 2 * (kPanelMarginPx + ImGui::GetStyle().WindowPadding.y);
-  float room_px = ImGui::GetIO().DisplaySize.y - outside_px - wordsPx(content);
+  float room_px = ImGui::GetIO().DisplaySize.y - outside_px - wordsPx(content, panelPx());
   const auto legend = legendThatFits(content.legend, legendRowPx(), room_px);
   room_px -= legendPx(legend);
   const std::vector<Figure> figures = figuresOf(content);
@@ -296,7 +216,7 @@ void Panel::prepare(double scale, const PanelContent& content) {
   if (is_new) setPanelFont(scale_, characters_);
 }
 
-void Panel::draw(const PanelContent& content) {
+void Panel::drawMarksOf(const PanelContent& content) {
   frames_ms_[next_frame_] = static_cast<float>(content.frame_ms);
   next_frame_ = (next_frame_ + 1) % kFramesShown;
   ImGui_ImplOpenGL3_NewFrame();
@@ -304,42 +224,64 @@ void Panel::draw(const PanelContent& content) {
   ImGui::EndFrame();
   layOut(content);  // lay out a second time, because ImGui knows all sizes only now
   ImGui::Render();
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  drawLists(true);
 }
 
+/// Draws the lists of the marks, or all other lists, of the last layout. ImGui has the marks in the list of
+/// the background.
+void Panel::drawLists(bool marks) {
+  ImDrawData data = *ImGui::GetDrawData();
+  const ImDrawList* const background = ImGui::GetBackgroundDrawList();
+  std::vector<ImDrawList*> lists;
+  for (ImDrawList* const list : std::span(data.CmdLists, static_cast<size_t>(data.CmdListsCount)))
+    if ((list == background) == marks) lists.push_back(list);
+  data.CmdLists = lists.data();
+  data.CmdListsCount = static_cast<int>(lists.size());
+  ImGui_ImplOpenGL3_RenderDrawData(&data);
+}
+
+/// Lays out the panel or the help at the left and the settings at the right. If the window is too narrow for
+/// both, leaves out the settings while the help is open, and else the panel.
 void Panel::layOut(const PanelContent& content) {
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
+  if (content.visible && content.scale_marks) drawScale(*content.scale_marks);
   if (content.visible) drawMarks(content.marks, kWarning);
-  ImGui::SetNextWindowPos({kPanelMarginPx, kPanelMarginPx});
-  ImGui::SetNextWindowBgAlpha(0.65f);
-  PanelScroll::limit();
-  const bool is_waiting = !content.waiting.empty();
-  if (content.visible || is_waiting || content.notice.kind != Notice::Kind::kNone || content.recording ||
-      !content.message.empty()) {
-    ImGui::Begin("panel", nullptr, kPlainWindow);
-    ImGui::PushTextWrapPos(panelPx() + ImGui::GetStyle().WindowPadding.x);
-    drawWords(content);
-    if (is_waiting)
-      drawWaiting(content);
-    else if (content.visible && content.is_open)
-      drawOpen(content);
-    ImGui::PopTextWrapPos();
-    scroll_.follow();
-    ImGui::End();
-  } else {
-    scroll_.leaveOut();
-  }
-  covered_.reset();
-  if (content.shows_settings && content.is_open) {
-    Settings settings = content.settings;
-    covered_ = drawSettings(kPanelMarginPx, settings);
-    if (settings != content.settings) changed_ = settings;
-  }
-  if (content.help)
-    drawHelp(content.camera, help_scroll_);
+  const bool shows_settings = content.shows_settings && content.is_open;
+  const float left_px = content.help ? helpWidthPx(content.camera) : panelPx();
+  const float left_outside_px = left_px + 2 * ImGui::GetStyle().WindowPadding.x;
+  const bool both_fit = fitSideBySide(left_outside_px, settingsWidthPx(kPanelMarginPx), kPanelMarginPx,
+                                      ImGui::GetIO().DisplaySize.x);
+  const bool is_left_free = both_fit || !shows_settings || content.help;
+  PanelScroll& scroll = content.help ? help_scroll_ : scroll_;
+  (content.help ? scroll_ : help_scroll_).leaveOut();
+  if (is_left_free && (content.help || hasPanel(content)))
+    drawLeft(content, left_px, scroll);
   else
-    help_scroll_.leaveOut();
+    scroll.leaveOut();
+  covered_.reset();
+  if (!shows_settings || (content.help && !both_fit)) return;
+  Settings settings = content.settings;
+  covered_ = drawSettings(kPanelMarginPx, settings);
+  if (settings != content.settings) changed_ = settings;
+}
+
+/// Draws the panel, or the help in its place: the title and notices are at the top of both.
+void Panel::drawLeft(const PanelContent& content, float width_px, PanelScroll& scroll) const {
+  ImGui::SetNextWindowPos({kPanelMarginPx, kPanelMarginPx});
+  ImGui::SetNextWindowBgAlpha(content.help ? kHelpAlpha : kPanelAlpha);
+  PanelScroll::limit();
+  ImGui::Begin(content.help ? "help" : "panel", nullptr, kPlainWindow);
+  ImGui::PushTextWrapPos(width_px + ImGui::GetStyle().WindowPadding.x);
+  drawWords(content, width_px);
+  if (!content.waiting.empty())
+    drawWaiting(content, width_px);
+  else if (content.visible && content.is_open && !content.help)
+    drawOpen(content);
+  if (content.help) drawHelp(content.camera, width_px);
+  ImGui::PopTextWrapPos();
+  scroll.follow();
+  ImGui::End();
 }
 
 PanelScroll* Panel::scrolledAt(const glm::dvec2& place_px) {

@@ -31,18 +31,23 @@ class Panel {
   /// Prepares draw(): reloads the font, which is slow, if the scale has changed or the content has new
   /// characters. @param scale  scale of the text, 1 on a standard display.
   void prepare(double scale, const PanelContent& content);
-  /// Draws into the window's framebuffer.
-  void draw(const PanelContent& content);
-  /// Returns the area that captured the mouse in the last draw().
+  /// Draws the marks of the picture into the window's framebuffer. A picture that is saved has the marks, but
+  /// neither the panel nor the help or the settings.
+  void drawMarksOf(const PanelContent& content);
+  /// Draws the panel, the help and the settings. Call it after drawMarksOf(), for the same content.
+  void drawWindows() { drawLists(false); }
+  /// Returns the area that captured the mouse in the last drawMarksOf().
   const std::optional<Covered>& covered() const noexcept { return covered_; }
-  /// Returns the scrollable panel window that covers a pixel of the picture since the last draw(), or null if
-  /// none does.
+  /// Returns the scrollable panel window that covers a pixel of the picture since the last drawMarksOf(), or
+  /// null if none does.
   PanelScroll* scrolledAt(const glm::dvec2& place_px);
   /// Returns the settings if the user has changed them since the last call.
   std::optional<Settings> takeSettings() { return std::exchange(changed_, std::nullopt); }
 
  private:
   void layOut(const PanelContent& content);
+  void drawLeft(const PanelContent& content, float width_px, PanelScroll& scroll) const;
+  static void drawLists(bool marks);
   void drawOpen(const PanelContent& content) const;
   void drawParts(const PanelContent& content, std::span<const Figure> figures, const std::vector<bool>& shown,
                  std::span<const render::LegendEntry> legend) const;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "client/app/window/camera/cameras.h"
 #include "client/app/window/panel/notice.h"
 #include "client/app/window/panel/pick_marks.h"
+#include "client/app/window/panel/scale_bar.h"
 #include "client/app/window/redraws.h"
 #include "client/app/window/scene/viewed_scene.h"
 #include "client/app/window/settings.h"
@@ -44,9 +46,11 @@ struct PanelContent {
   bool textured = false;
   uint64_t gpu_tiles = 0;  ///< number of texture tiles on the GPU
   float threshold_px = 1, error_px = 0;
-  double target_ms = 0;  ///< target frame time that the threshold is raised for; 0: not raised
-  double aimed_ms = 0;   ///< target frame time for a moving camera; 0: none
-  double scale = 1;      ///< scale of the picture's width and height; thresholds are in scaled pixels
+  float final_threshold_px = 1;  ///< threshold of a camera at rest; the first pictures may have a larger one
+  /// Target frame time that the threshold is raised for; 0: not raised, or the camera does not move.
+  double target_ms = 0;
+  double aimed_ms = 0;  ///< target frame time for a moving camera; 0: none
+  double scale = 1;     ///< scale of the picture's width and height; thresholds are in scaled pixels
   bool converged = false;
   bool limited = false;             ///< the memory budget prevents more detail
   bool exhausted = false;           ///< the program is offline, and the cache has no more detail
@@ -58,6 +62,7 @@ struct PanelContent {
   CameraKind camera = CameraKind::kOrbit;
   std::vector<std::string> pick;            ///< lines of text about the last picked point
   PickMarks marks;                          ///< marks of the last two picks in the picture
+  std::optional<ScaleMarks> scale_marks;    ///< scale bar and axes of the picture
   std::string_view show;                    ///< name of the colour mode
   std::vector<render::LegendEntry> legend;  ///< meanings of the colours in this mode
   std::string_view explanation;             ///< explanation of the colour mode, see render::ColorModeTraits
@@ -68,6 +73,7 @@ struct PanelContent {
   std::string message;                      ///< temporary message, for example the file name of a screenshot
   Settings settings;
   bool visible = true, help = false, shows_settings = false;
+  bool shows_messages = false;  ///< true to show all warnings and missing models instead of one line of each
 
   bool operator==(const PanelContent&) const = default;
 };

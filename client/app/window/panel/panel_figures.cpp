@@ -65,10 +65,14 @@ std::string tilesOf(const PanelContent& content) {
 }
 
 /// Describes the threshold, and the frame rate that the threshold is raised for. The actual rate can be
-/// higher, or lower if FrameRateControl reaches its limits.
+/// higher, or lower if FrameRateControl reaches its limits. Before the camera moves, the threshold is raised
+/// only for the first pictures.
 std::string thresholdOf(const PanelContent& content) {
   std::string text = formatted("%.2f px", content.threshold_px);
-  if (content.target_ms <= 0) return text;
+  if (content.target_ms <= 0) {
+    const bool is_first = content.threshold_px > content.final_threshold_px;
+    return is_first ? text + formatted(" at first, then %.2f px", content.final_threshold_px) : text;
+  }
   text += formatted(" while moving, for at least %.0f frames per second", 1000 / content.target_ms);
   if (content.frame_ms > kAlmostInTime * content.target_ms) text += ", not reached";
   return text;
@@ -89,10 +93,13 @@ std::vector<Figure> figuresOf(const PanelContent& content) {
   if (content.textured) figures.push_back({"textures", tilesOf(content), -1, 7});
   figures.push_back({"threshold", thresholdOf(content), -1, 0});
   if (content.scale < 1)
-    figures.push_back(
-        {"pixels", formatted("%.0f %% while moving", 100 * content.scale * content.scale), -1, 11});
+    figures.push_back({"pixels",
+                       formatted(content.target_ms > 0 ? "%.0f %% while moving" : "%.0f %% at first",
+                                 100 * content.scale * content.scale),
+                       -1, 11});
   figures.push_back({"view", std::string(content.show), -1, 9});
-  figures.push_back({"camera", nameOf(content.camera), -1, 10});
+  figures.push_back(
+      {"camera", nameOf(content.camera) + (content.settings.parallel ? ", parallel" : ""), -1, 10});
   figures.push_back(
       {"frame", formatted("%.1f ms, upload %.1f ms", content.frame_ms, content.upload_ms), -1, 2});
   return figures;

@@ -46,11 +46,14 @@ constexpr std::array kCommonHelp{
     KeyHelp{"Tab", "orbit, fly, or walk from the point under the pointer"},
     KeyHelp{"R  U", "reset the view; next up axis"},
     KeyHelp{"1 to 9", "go to a bookmark; with Ctrl: set it"},
+    KeyHelp{"Alt+1 to 6", "front, back, left, right, top, bottom"},
+    KeyHelp{"N", "perspective or parallel projection"},
     KeyHelp{"click  C", "measure; copy the measurement"},
-    KeyHelp{"V  F", "next colour mode; wireframe"},
+    KeyHelp{"V  F  G", "next colour mode; wireframe; clay"},
+    KeyHelp{"L and drag", "turn the light"},
     KeyHelp{"+  -", "finer or coarser detail"},
     KeyHelp{"P  F12", "record the camera path; save a screenshot"},
-    KeyHelp{"O", "settings"},
+    KeyHelp{"O  M", "settings; all warnings"},
     KeyHelp{"drop a file", "open it in this window"},
     KeyHelp{"H  F11  F1", "hide the panel; full screen; show this help"},
     KeyHelp{"Esc", "quit"},
@@ -70,6 +73,8 @@ std::span<const KeyHelp> cameraHelp(CameraKind camera) noexcept {
 
 constexpr float kKeysEm = 6.5f;
 
+float keysPx() { return ImGui::GetFontSize() * kKeysEm; }
+
 float widthOf(std::span<const KeyHelp> keys) {
   float width_px = 0;
   for (const KeyHelp& key : keys) width_px = std::max(width_px, ImGui::CalcTextSize(key.effect.data()).x);
@@ -85,27 +90,25 @@ void drawKeys(std::span<const KeyHelp> keys) {
 
 }  // namespace
 
-void drawHelp(CameraKind camera, PanelScroll& scroll) {
-  const ImVec2 size = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowBgAlpha(0.9f);
-  PanelScroll::limit();
-  ImGui::Begin("help", nullptr, kPlainWindow);
-  const float keys_px = ImGui::GetFontSize() * kKeysEm;
+float helpWidthPx(CameraKind camera) {
   const float effect_px = std::max(widthOf(cameraHelp(camera)), widthOf(kCommonHelp));
-  ImGui::PushTextWrapPos(0);  // wraps at the end of the column or window
-  if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-    ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed, keys_px);
+  return fittingPx(keysPx() + ImGui::GetStyle().CellPadding.x * 2 + effect_px);
+}
+
+/// The table and its columns have fixed widths. Otherwise they would follow the window, which is narrow when
+/// it appears, so that its first layout would be as tall as the display.
+void drawHelp(CameraKind camera, float width_px) {
+  if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit, {width_px, 0})) {
+    ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed, keysPx());
     ImGui::TableSetupColumn("effect", ImGuiTableColumnFlags_WidthFixed,
-                            fittingPx(keys_px + effect_px) - keys_px);
+                            width_px - keysPx() - ImGui::GetStyle().CellPadding.x * 2);
+    ImGui::PushTextWrapPos(0);  // wraps at the end of the column
     drawKeys(cameraHelp(camera));
     drawKeys(kCommonHelp);
+    ImGui::PopTextWrapPos();
     ImGui::EndTable();
   }
   ImGui::TextColored(kMuted, "Press any key to close; F1 or ? opens this help");
-  ImGui::PopTextWrapPos();
-  scroll.follow();
-  ImGui::End();
 }
 
 }  // namespace lode::app

@@ -1,11 +1,11 @@
 #pragma once
 
 #include "client/app/window/camera/cameras.h"
-#include "client/app/window/panel/panel_window.h"
-
 namespace lode::app {
 
-/// Draws the help about keys and mouse at the centre of the picture.
-void drawHelp(CameraKind camera, PanelScroll& scroll);
+/// Returns the width of the help about keys and mouse in the current window.
+float helpWidthPx(CameraKind camera);
+/// Draws the help into the current ImGui window. @param width_px  helpWidthPx().
+void drawHelp(CameraKind camera, float width_px);
 
 }  // namespace lode::app

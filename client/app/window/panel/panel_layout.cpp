@@ -29,6 +29,10 @@ double coveredShare(glm::vec2 window_px, float em_px) {
   return is_enough ? static_cast<double>(covered_px / window_px.x) : 0;
 }
 
+bool fitSideBySide(float left_px, float right_px, float margin_px, float window_px) noexcept {
+  return left_px + right_px + 3 * margin_px <= window_px;
+}
+
 std::vector<bool> partsThatFit(std::span<const PanelPart> parts, float room_px) {
   std::vector<size_t> by_rank(parts.size());
   std::iota(by_rank.begin(), by_rank.end(), size_t{0});

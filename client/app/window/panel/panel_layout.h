@@ -19,6 +19,9 @@ float panelWidthPx(float window_px, float em_px);
 /// Returns 0 if the rest is too narrow for a model. Pure.
 double coveredShare(glm::vec2 window_px, float em_px);
 
+/// Returns true if two windows fit beside each other into a width, with margins around both. Pure.
+bool fitSideBySide(float left_px, float right_px, float margin_px, float window_px) noexcept;
+
 /// A part of the panel. If the window is not tall enough for all parts, some are moved to the end of the
 /// panel.
 struct PanelPart {

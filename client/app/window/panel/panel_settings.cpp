@@ -1,6 +1,7 @@
 #include "client/app/window/panel/panel_settings.h"
 
 #include <algorithm>
+#include <string>
 
 #include <imgui.h>
 
@@ -19,15 +20,45 @@ void drawMemory(uint64_t& memory_bytes) {
   if (ImGui::SliderInt("memory", &step, 0, kMemorySteps.size() - 1, describeBytes(memory_bytes).c_str(),
                        kLinear))
     memory_bytes = kMemorySteps[static_cast<size_t>(step)];
-  ImGui::TextDisabled("half of it on the GPU; --memory-budget sets the initial value");
+  ImGui::TextDisabled("half of it on the GPU");
+}
+
+void drawBackground(size_t& background) {
+  auto number = static_cast<int>(background);
+  const std::string name(kBackgrounds[background].name);
+  if (ImGui::SliderInt("background", &number, 0, kBackgrounds.size() - 1, name.c_str(), kLinear))
+    background = static_cast<size_t>(number);
+}
+
+void drawUnit(size_t& unit) {
+  auto number = static_cast<int>(unit);
+  const std::string name(unit == 0 ? "not set" : kUnits[unit]);
+  if (ImGui::SliderInt("unit of length", &number, 0, kUnits.size() - 1, name.c_str(), kLinear))
+    unit = static_cast<size_t>(number);
+}
+
+/// Draws a button for each side of the model, three in a row.
+void drawSides(std::optional<core::Side>& side) {
+  const float gap_px = ImGui::GetStyle().ItemSpacing.x;
+  const float width_px = (ImGui::GetContentRegionAvail().x - 2 * gap_px) / 3;
+  for (size_t number = 0; number < core::kSideNames.size(); ++number) {
+    if (number % 3 != 0) ImGui::SameLine();
+    if (ImGui::Button(std::string(core::kSideNames[number]).c_str(), {width_px, 0}))
+      side = static_cast<core::Side>(number);
+  }
 }
 
 }  // namespace
 
+float settingsWidthPx(float margin_px) {
+  return std::min(kSettingsEm * ImGui::GetFontSize(),
+                  std::max(1.0f, ImGui::GetIO().DisplaySize.x - 2 * margin_px));
+}
+
 Covered drawSettings(float margin_px, Settings& settings) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   const float em = ImGui::GetFontSize();
-  const float width_px = std::min(kSettingsEm * em, std::max(1.0f, display.x - 2 * margin_px));
+  const float width_px = settingsWidthPx(margin_px);
   ImGui::SetNextWindowPos({display.x - margin_px, margin_px}, ImGuiCond_Always, {1, 0});
   ImGui::SetNextWindowSizeConstraints({width_px, 0}, {width_px, std::max(1.0f, display.y - 2 * margin_px)});
   ImGui::SetNextWindowBgAlpha(0.9f);
@@ -49,6 +80,12 @@ Covered drawSettings(float margin_px, Settings& settings) {
   ImGui::SliderFloat("frames per second", &settings.fps, kLeastFps, kLargestFps, "%.0f", kLogarithmic);
   ImGui::EndDisabled();
   drawMemory(settings.memory_bytes);
+  drawBackground(settings.background);
+  drawUnit(settings.unit);
+  ImGui::Checkbox("parallel", &settings.parallel);
+  ImGui::SameLine(kSliderEm * em);
+  ImGui::Checkbox("scale bar and axes", &settings.shows_scale);
+  drawSides(settings.side);
   ImGui::TextDisabled("O closes the settings");
   ImGui::PopTextWrapPos();
   ImGui::PopItemWidth();

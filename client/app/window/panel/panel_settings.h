@@ -17,6 +17,9 @@ struct Covered {
   }
 };
 
+/// Returns the width of the settings in the current window.
+float settingsWidthPx(float margin_px);
+
 /// Draws the settings at the top right of the window.
 /// @param settings  settings to show; user input changes them. @return the area that the settings cover.
 Covered drawSettings(float margin_px, Settings& settings);

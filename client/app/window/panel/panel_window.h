@@ -15,7 +15,8 @@ constexpr ImGuiWindowFlags kPlainWindow =
     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoInputs;
 constexpr float kPanelMarginPx = 12;
-inline const ImVec4 kMuted(0.62f, 0.66f, 0.72f, 1);
+inline const ImVec4 kMuted(0.62f, 0.66f, 0.72f, 1), kGood(0.55f, 0.85f, 0.60f, 1),
+    kWarning(1.0f, 0.72f, 0.40f, 1), kBad(1.0f, 0.50f, 0.45f, 1), kBar(0.26f, 0.48f, 0.72f, 1);
 
 /// Limits a width to the width of the display minus padding and margins.
 float fittingPx(float width_px);

@@ -4,14 +4,14 @@
 
 namespace lode::app {
 
-PickMarks marksOf(const Picks& picks, const core::View& view) {
+PickMarks marksOf(const Picks& picks, std::string_view unit, const core::View& view) {
   PickMarks marks;
   for (const PickedPoint& point : picks.points())
     if (const auto place_px = pointInPicture(view, point.position_model))
       marks.points_px.push_back(*place_px);
   if (picks.points().size() == 2) {
     marks.line = lineInPicture(view, picks.points()[0].position_model, picks.points()[1].position_model);
-    marks.distance = picks.distance();
+    marks.distance = picks.distance(unit);
   }
   return marks;
 }

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "client/app/window/panel/projection.h"
@@ -21,8 +22,8 @@ struct PickMarks {
   bool operator==(const PickMarks&) const = default;
 };
 
-/// Projects the picks into a view's picture.
-PickMarks marksOf(const Picks& picks, const core::View& view);
+/// Projects the picks into a view's picture. @param unit  unit of length; may be empty.
+PickMarks marksOf(const Picks& picks, std::string_view unit, const core::View& view);
 
 /// Places a text beside the middle of a line, where it does not cover the line. Moves the text into the
 /// window if necessary. @param text  size of the text. @param gap  least distance between the text and the

@@ -162,7 +162,7 @@ void SceneStage::begin(const core::View& view, const render::Framebuffer& target
 
 void drawSky(const render::Renderer& renderer, const Scene& scene, const render::Framebuffer& target,
              render::DrawStyle style) {
-  if (scene.sky) {
+  if (scene.sky && !style.hides_sky) {
     style.background_top_srgb = glm::vec3(scene.sky->top_srgb) / 255.0f;
     style.background_bottom_srgb = glm::vec3(scene.sky->bottom_srgb) / 255.0f;
   }

@@ -6,7 +6,6 @@
 
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/remedy_words.h"
-#include "client/app/window/camera/walk_camera.h"
 #include "client/app/window/memory_shares.h"
 #include "client/app/window/scene/scene_status.h"
 #include "client/core/lod/cut.h"
@@ -364,72 +363,6 @@ render::DrawCounts ViewedScene::draw(const core::View& view, const render::Frame
   }
   if (!models_.empty()) drawSky(models_.front()->renderer, scene_, target, style);
   return counts;
-}
-
-/// Returns the point where a ray meets the scene's ground from above.
-/// @param ray       ray in the scene.
-/// @param distance  receives the distance from the eye to the point, if there is one.
-std::optional<PickedPoint> ViewedScene::groundUnder(const core::Ray& ray, double& distance) const {
-  const double fall = -glm::dot(ray.direction, scene_.up);
-  if (!scene_.ground || fall <= 0) return std::nullopt;
-  const glm::dvec3 eye = ray.origin_model + whole_.lattice.origin;
-  const double to_ground = (glm::dot(eye, scene_.up) - scene_.ground->height) / fall;
-  if (!(to_ground > 0)) return std::nullopt;
-  distance = to_ground;
-  PickedPoint point;
-  point.is_ground = true;
-  point.position_model = ray.origin_model + to_ground * ray.direction;
-  point.position = point.position_model + whole_.lattice.origin;
-  point.step = whole_.lattice.step;
-  return point;
-}
-
-std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm::dvec2& pixel_px) {
-  const core::View scene_view = withNear(view);
-  double nearest_distance = 0;
-  std::optional<PickedPoint> nearest = groundUnder(core::rayThrough(scene_view, pixel_px), nearest_distance);
-  for (const auto& [distance, model, instance] : visibleInstances(scene_view)) {
-    if (nearest && distance > nearest_distance) break;
-    const core::View seen = model->viewAt(instance, scene_view);
-    const core::Ray ray = core::rayThrough(seen, pixel_px);
-    if (!core::distanceAlong(ray, model->box())) continue;
-    const core::CutProbe* const probe = model->probe(instance);
-    if (probe == nullptr) continue;
-    const auto hit = probe->cast(ray, core::shownParts(*probe->cut(), seen));
-    const double scale = model->instances[instance].scale;
-    if (!hit || (nearest && hit->distance_model * scale >= nearest_distance)) continue;
-    nearest_distance = hit->distance_model * scale;
-    nearest = pointOf(*hit, *model->opened.model, *model->status.cut);
-    nearest->position_model = model->toScene(instance, hit->position_model);
-    nearest->position = nearest->position_model + whole_.lattice.origin;
-    nearest->step *= scale;
-    if (!scene_.is_single_model) nearest->model = model->opened.model->name;
-  }
-  return nearest;
-}
-
-std::optional<Ground> ViewedScene::groundBelow(const core::View& view, const glm::dvec3& point_model,
-                                               const glm::dvec3& up) {
-  const core::View scene_view = withNear(view);
-  std::optional<Ground> highest;
-  if (scene_.ground && up == scene_.up) {
-    const double height = glm::dot(point_model + whole_.lattice.origin, up) - scene_.ground->height;
-    if (height > 0) highest = Ground{height, 0};
-  }
-  for (const auto& model : models_) {
-    for (size_t instance = 0; instance < model->instances.size(); ++instance) {
-      const Placement& at = model->instances[instance];
-      const glm::dvec3 from = model->toModel(instance, point_model);
-      const glm::dvec3 model_up = glm::conjugate(at.rotation) * up;
-      if (!core::distanceAlong({from, -model_up}, model->box())) continue;
-      const core::CutProbe* const probe = model->probe(instance);
-      if (probe == nullptr) continue;
-      const auto ground = app::groundBelow(*probe, model->viewAt(instance, scene_view), from, model_up);
-      if (ground && (!highest || ground->depth_model * at.scale < highest->depth_model))
-        highest = Ground{ground->depth_model * at.scale, ground->uncertainty_model * at.scale};
-    }
-  }
-  return highest;
 }
 
 }  // namespace lode::app

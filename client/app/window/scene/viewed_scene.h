@@ -114,6 +114,9 @@ class ViewedScene {
   /// Returns the nearest surface point drawn at a pixel.
   /// @param pixel_px  position in the picture, from the top left corner.
   std::optional<PickedPoint> under(const core::View& view, const glm::dvec2& pixel_px);
+  /// Picks a point anew on the drawn surface. Returns nothing if the surface at the point is not finer than
+  /// at the pick.
+  std::optional<PickedPoint> snapped(const core::View& view, const PickedPoint& point);
   /// Returns the nearest drawn surface straight below a point. @param up  up direction, unit length.
   std::optional<Ground> groundBelow(const core::View& view, const glm::dvec3& point_model,
                                     const glm::dvec3& up);
@@ -134,6 +137,7 @@ class ViewedScene {
   core::View inTrueCoordinates(const core::View& view) const;
   render::DrawStyle styleOf(const VisibleInstance& visible, render::DrawStyle style) const;
   std::optional<PickedPoint> groundUnder(const core::Ray& ray, double& distance) const;
+  PickedPoint pointInScene(const InstancedModel& model, size_t instance, const core::Hit& hit) const;
   std::vector<VisibleInstance> visibleInstances(const core::View& view) const;
   void forgetInvisible(std::span<const VisibleInstance> visible);
   void mergeStatus(const core::View& view);

@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "client/app/window/scene/snapping.h"
+#include "client/app/window/scene/viewed_scene.h"
+#include "client/core/lod/cut.h"
+
+/// Part of ViewedScene that finds points of the drawn surfaces.
+namespace lode::app {
+
+/// Returns the point where a ray meets the scene's ground from above.
+/// @param ray       ray in the scene.
+/// @param distance  receives the distance from the eye to the point, if there is one.
+std::optional<PickedPoint> ViewedScene::groundUnder(const core::Ray& ray, double& distance) const {
+  const double fall = -glm::dot(ray.direction, scene_.up);
+  if (!scene_.ground || fall <= 0) return std::nullopt;
+  const glm::dvec3 eye = ray.origin_model + whole_.lattice.origin;
+  const double to_ground = (glm::dot(eye, scene_.up) - scene_.ground->height) / fall;
+  if (!(to_ground > 0)) return std::nullopt;
+  distance = to_ground;
+  PickedPoint point;
+  point.is_ground = true;
+  point.position_model = ray.origin_model + to_ground * ray.direction;
+  point.position = point.position_model + whole_.lattice.origin;
+  point.step = whole_.lattice.step;
+  return point;
+}
+
+std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm::dvec2& pixel_px) {
+  const core::View scene_view = withNear(view);
+  double nearest_distance = 0;
+  std::optional<PickedPoint> nearest = groundUnder(core::rayThrough(scene_view, pixel_px), nearest_distance);
+  for (const auto& [distance, model, instance] : visibleInstances(scene_view)) {
+    if (nearest && distance > nearest_distance) break;
+    const core::View seen = model->viewAt(instance, scene_view);
+    const core::Ray ray = core::rayThrough(seen, pixel_px);
+    if (!core::distanceAlong(ray, model->box())) continue;
+    const core::CutProbe* const probe = model->probe(instance);
+    if (probe == nullptr) continue;
+    const auto hit = probe->cast(ray, core::shownParts(*probe->cut(), seen));
+    const double scale = model->instances[instance].scale;
+    if (!hit || (nearest && hit->distance_model * scale >= nearest_distance)) continue;
+    nearest_distance = hit->distance_model * scale;
+    nearest = pointInScene(*model, instance, *hit);
+    nearest->seen_along = core::rayThrough(scene_view, pixel_px);
+  }
+  return nearest;
+}
+
+/// Returns the picked point of a hit on an instance, in the scene.
+PickedPoint ViewedScene::pointInScene(const InstancedModel& model, size_t instance,
+                                      const core::Hit& hit) const {
+  const Placement& at = model.instances[instance];
+  PickedPoint point = pointOf(hit, *model.opened.model, *model.status.cut);
+  point.position_model = model.toScene(instance, hit.position_model);
+  point.position = point.position_model + whole_.lattice.origin;
+  point.step *= at.scale;
+  point.error *= at.scale;
+  point.normal = at.rotation * point.normal;
+  point.model_number = model.number;
+  point.instance = instance;
+  if (!scene_.is_single_model) point.model = model.opened.model->name;
+  return point;
+}
+
+std::optional<PickedPoint> ViewedScene::snapped(const core::View& view, const PickedPoint& point) {
+  const auto found =
+      std::ranges::find(models_, point.model_number, [](const auto& model) { return model->number; });
+  if (point.is_ground || found == models_.end() || point.instance >= (*found)->instances.size())
+    return std::nullopt;
+  InstancedModel& model = **found;
+  const core::CutProbe* const probe = model.probe(point.instance);
+  if (probe == nullptr) return std::nullopt;
+  const std::vector<uint32_t> shown =
+      core::shownParts(*probe->cut(), model.viewAt(point.instance, withNear(view)));
+  const Placement& at = model.instances[point.instance];
+  for (const core::Ray& ray : snappingRays(point)) {
+    const core::Ray in_model{model.toModel(point.instance, ray.origin_model),
+                             glm::conjugate(at.rotation) * ray.direction};
+    const auto hit = probe->cast(in_model, shown);
+    if (!hit || hit->part->error_model * at.scale >= point.error) continue;
+    PickedPoint finer = pointInScene(model, point.instance, *hit);
+    if (!isSamePlace(point, ray, finer)) continue;
+    finer.seen_along = point.seen_along;
+    return finer;
+  }
+  return std::nullopt;
+}
+
+std::optional<Ground> ViewedScene::groundBelow(const core::View& view, const glm::dvec3& point_model,
+                                               const glm::dvec3& up) {
+  const core::View scene_view = withNear(view);
+  std::optional<Ground> highest;
+  if (scene_.ground && up == scene_.up) {
+    const double height = glm::dot(point_model + whole_.lattice.origin, up) - scene_.ground->height;
+    if (height > 0) highest = Ground{height, 0};
+  }
+  for (const auto& model : models_) {
+    for (size_t instance = 0; instance < model->instances.size(); ++instance) {
+      const Placement& at = model->instances[instance];
+      const glm::dvec3 from = model->toModel(instance, point_model);
+      const glm::dvec3 model_up = glm::conjugate(at.rotation) * up;
+      if (!core::distanceAlong({from, -model_up}, model->box())) continue;
+      const core::CutProbe* const probe = model->probe(instance);
+      if (probe == nullptr) continue;
+      const auto ground = app::groundBelow(*probe, model->viewAt(instance, scene_view), from, model_up);
+      if (ground && (!highest || ground->depth_model * at.scale < highest->depth_model))
+        highest = Ground{ground->depth_model * at.scale, ground->uncertainty_model * at.scale};
+    }
+  }
+  return highest;
+}
+
+}  // namespace lode::app
