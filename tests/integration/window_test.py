@@ -122,6 +122,30 @@ class Views(WindowTest):
             self.assertEqual(lower_half(window.picture()), before)
 
 
+class Sections(WindowTest):
+    def test_cut_the_model_open_and_move_by_key_and_drag(self):
+        with self.window() as window:
+            pictures = [lower_half(window.picture())]
+            window.key("x")
+            pictures.append(lower_half(window.picture()))
+            window.key("shift+x")
+            pictures.append(lower_half(window.picture()))
+
+            def move():
+                window.xdotool("keydown", "x")
+                window.drag(MIDDLE, (MIDDLE[0] + 60, MIDDLE[1]))
+                window.xdotool("keyup", "x")
+            keys = window.recorded(move)
+            self.assertEqual({tuple(key["eye"]) for key in keys}, {tuple(keys[0]["eye"])})
+            pictures.append(lower_half(window.picture()))
+            self.assertEqual(len(set(pictures)), 4)
+            for _ in range(3):  # past y and z
+                window.key("x")
+                window.picture()
+            window.key("r")  # the press has moved the orbited point, and so the scale bar
+            self.assertEqual(lower_half(window.picture()), pictures[0])
+
+
 class Walk(WindowTest):
     def test_keeps_the_eye_above_the_ground(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -252,11 +276,10 @@ class Shown(WindowTest):
     def test_panel_settings_and_help_do_not_overlap(self):
         with self.window() as window:
             window.xdotool("windowsize", "--sync", window.id, 700, 420)
-            panel_end = 12 + 280 + 16
+            panel_end = 12 + 280 + 2 * 8 + 2 * 4
             settings_begin = 700 - 12 - 21 * 15
-            window.move((600, 400))
-            window.picture()
-            bare = pixels_of(window.picture())
+            window.move((600, 400))  # the pointer is on the display too
+            bare = eventually(lambda: at_rest(window))
 
             def differ(begin, end):
                 shown = window.screen()

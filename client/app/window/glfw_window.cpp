@@ -79,6 +79,7 @@ struct GlfwWindow::Callbacks {
   static void key(GLFWwindow* window, int key, int, int action, int modifiers) {
     of(window).is_repeated_ = action == GLFW_REPEAT;
     if (action == GLFW_PRESS) of(window).pressKey(key, modifiers);
+    if (action == GLFW_RELEASE) of(window).releaseKey(key);
   }
   static void sign(GLFWwindow* window, unsigned code) { of(window).typeSign(code); }
   static void pointer(GLFWwindow* window, double x, double y) { of(window).moveTo({x, y}); }
@@ -225,6 +226,11 @@ void GlfwWindow::pressKey(int key, int modifiers) {
     case GLFW_KEY_H:
       pending_.toggle_panel = !pending_.toggle_panel;
       break;
+    case GLFW_KEY_X:
+      // Without Shift, the key acts when it is released, unless it was held for a drag.
+      is_x_used_ = (modifiers & GLFW_MOD_SHIFT) != 0;
+      if (is_x_used_) pending_.flip_section = !pending_.flip_section;
+      break;
     case GLFW_KEY_G:
       ++pending_.next_clay;
       break;
@@ -258,6 +264,12 @@ void GlfwWindow::pressKey(int key, int modifiers) {
   }
 }
 
+void GlfwWindow::releaseKey(int key) {
+  if (key != GLFW_KEY_X || is_x_used_) return;
+  ++pending_.next_section;
+  pending_.any_key = true;
+}
+
 /// Handles a typed character. pressKey() cannot handle these characters, because their keys depend on the
 /// keyboard layout. GLFW reports the key before the character, so is_repeated_ is up to date.
 void GlfwWindow::typeSign(unsigned code) {
@@ -280,6 +292,9 @@ void GlfwWindow::moveTo(glm::dvec2 position) {
     pending_.shifted_px += moved;
   } else if (left && glfwGetKey(window_, GLFW_KEY_L) == GLFW_PRESS) {
     pending_.light_px += moved;
+  } else if (left && glfwGetKey(window_, GLFW_KEY_X) == GLFW_PRESS) {
+    pending_.section_px += moved;
+    is_x_used_ = true;
   } else if (left) {
     pending_.turned_px += moved;
   }

@@ -51,6 +51,7 @@ class GlfwWindow {
  private:
   struct Callbacks;
   void pressKey(int key, int modifiers);
+  void releaseKey(int key);
   void typeSign(unsigned code);
   void moveTo(glm::dvec2 position);
   void pressButton(int button, bool is_down);
@@ -70,6 +71,7 @@ class GlfwWindow {
   Input pending_;
   std::optional<Covered> covered_;
   bool pressed_covered_ = false;  ///< true while a mouse button that went down over the panel is held
+  bool is_x_used_ = false;        ///< true if X is held for a drag, or was pressed with Shift
   bool is_repeated_ = false;      ///< true if the last key event was the repetition of a held key
   glm::dvec2 pointer_{0}, pressed_at_{0}, clicked_at_{0};
   unsigned pad_buttons_ = 0;  ///< bit mask of the gamepad buttons held at the last poll, in GLFW's order

@@ -16,6 +16,7 @@ struct Input {
   /// Distance dragged with the right or middle button, or with the left button and Shift.
   glm::dvec2 shifted_px{0};
   glm::dvec2 light_px{0};    ///< distance dragged with the left button while L is held
+  glm::dvec2 section_px{0};  ///< distance dragged with the left button while X is held
   double wheel = 0;          ///< wheel steps, forward is positive
   glm::dvec2 pointer_px{0};  ///< current pointer position
   bool pressed = false;      ///< a mouse button went down
@@ -35,6 +36,8 @@ struct Input {
   int bookmark = 0;      ///< 1 to 9: number of the bookmark to use; 0: none
   /// True stores the camera in the bookmark; false moves the camera to the bookmark.
   bool set_bookmark = false;
+  int next_section = 0;  ///< number of steps through the section planes and none
+  bool flip_section = false;
   int next_clay = 0;               ///< number of steps through clay, matcap and surface
   bool toggle_parallel = false;    ///< switch between perspective and parallel projection
   std::optional<core::Side> side;  ///< side of the model to look at
@@ -52,11 +55,11 @@ struct Input {
   bool damaged = false;     ///< the system has lost the window's contents; draw them again
 
   bool any() const noexcept {
-    return turned_px != glm::dvec2(0) || light_px != glm::dvec2(0) || shifted_px != glm::dvec2(0) ||
-           wheel != 0 || fly.right != 0 || fly.up != 0 || fly.forward != 0 || pad_turn != glm::dvec2(0) ||
-           next_camera != 0 || reset_camera || next_axis != 0 || toggle_wireframe || toggle_panel ||
-           next_show != 0 || bookmark != 0 || finer != 0 || screenshot || copy || record || pressed ||
-           clicked || any_key || quit || over_panel || !dropped.empty();
+    return turned_px != glm::dvec2(0) || light_px != glm::dvec2(0) || section_px != glm::dvec2(0) ||
+           shifted_px != glm::dvec2(0) || wheel != 0 || fly.right != 0 || fly.up != 0 || fly.forward != 0 ||
+           pad_turn != glm::dvec2(0) || next_camera != 0 || reset_camera || next_axis != 0 ||
+           toggle_wireframe || toggle_panel || next_show != 0 || bookmark != 0 || finer != 0 || screenshot ||
+           copy || record || pressed || clicked || any_key || quit || over_panel || !dropped.empty();
   }
 };
 

@@ -27,6 +27,7 @@ struct Settings {
   bool parallel = false;      ///< true for parallel projection
   std::optional<core::Side> side = std::nullopt;  ///< side to look at, if the user has just chosen one
   size_t background = 0;                          ///< index into kBackgrounds
+  size_t cap_colour = 0;                          ///< index into kCapColours (section_plane.h)
   bool shows_scale = true;                        ///< true to draw the scale bar and the axes
   size_t unit = 0;                                ///< index into kUnits: the unit of the model's coordinates
 

@@ -121,6 +121,7 @@ void Viewer::frame() {
   if (rig_) {
     rig_->resize(window_.widthPx(), window_.heightPx());
     rig_->frameBeside(coveredShare());
+    cut(input);
     pick(input);
     moveCamera(input, seconds);
     fly();
@@ -218,6 +219,7 @@ void Viewer::openInstead(const std::string& file) {
   wanted_path_.reset();
   failed_.reset();
   picks_.clear();
+  section_ = {};
   progress_ = {};
   drawn_ = {};
   uploading_ = false;
@@ -267,8 +269,11 @@ render::DrawTime Viewer::time() const {
           occlusion_culling_};
 }
 
-/// Returns true if ambient occlusion is drawn. A screenshot always has it, like the pictures of `render`.
-bool Viewer::darkensHollows() const { return darkens_hollows_ || !options_.screenshot.empty(); }
+/// Returns true if ambient occlusion is drawn. A screenshot always has it, like the pictures of `render`. A
+/// section has none, because it would show the hollow behind the cut.
+bool Viewer::darkensHollows() const {
+  return (darkens_hollows_ || !options_.screenshot.empty()) && !style_.section;
+}
 
 /// Returns true if the next picture is drawn without antialiasing. While the CPU draws for a moving camera, a
 /// finer threshold is worth more than antialiasing.

@@ -18,6 +18,7 @@
 #include "client/app/window/redraws.h"
 #include "client/app/window/scene/picks.h"
 #include "client/app/window/scene/viewed_scene.h"
+#include "client/app/window/section_plane.h"
 #include "client/app/window/settings.h"
 #include "client/app/window/view_command.h"
 #include "client/render/frame_timer.h"
@@ -83,6 +84,7 @@ class Viewer {
   // viewer_input.cpp: keys, mouse, camera and settings.
   void scrollPanel(Input& input);
   void obeyKeys(Input& input);
+  void cut(const Input& input);
   void noteBookmark(const Input& input);
   void openOrCloseHelp(const Input& input);
   void pick(const Input& input);
@@ -137,6 +139,7 @@ class Viewer {
   };
 
   Chosen chosen_;
+  SectionPlane section_;
   Picks picks_;
   uint64_t snapped_serial_ = 0;  ///< ViewedScene::drawnSerial() when the picks were last snapped
   RefiningProgress progress_;

@@ -51,6 +51,18 @@ void Viewer::obeyKeys(Input& input) {
   pacing_.sharpen(input.finer);
 }
 
+/// Cuts the model open by a plane, moves the plane and flips it.
+void Viewer::cut(const Input& input) {
+  const ModelSummary& summary = scene_->summary();
+  const core::ModelBox box = core::toModelBox(summary.box, summary.lattice.step);
+  for (int step = 0; step < input.next_section; ++step) section_.step();
+  if (input.flip_section) section_.flip();
+  section_.drag(input.section_px, rig_->view(), rig_->distanceModel(), box);
+  style_.section = section_.in(box);
+  if (input.next_section != 0 || input.flip_section || (section_.isOn() && input.section_px != glm::dvec2(0)))
+    note(section_.describe());
+}
+
 void Viewer::noteBookmark(const Input& input) {
   const std::string number = std::to_string(input.bookmark);
   if (input.set_bookmark)
@@ -72,7 +84,7 @@ void Viewer::openOrCloseHelp(const Input& input) {
 
 /// Returns the nearest surface point drawn at a pixel.
 std::optional<PickedPoint> Viewer::under(const glm::dvec2& pixel_px) {
-  return scene_->under(rig_->view(), pixel_px);
+  return scene_->under(rig_->view(), pixel_px, style_.section);
 }
 
 /// Picks a point, then copies the picks if requested. The order matters, because a click in the same frame
@@ -174,6 +186,7 @@ Settings Viewer::settings() const {
           .memory_bytes = memory_bytes_,
           .parallel = rig_ && rig_->isParallel(),
           .background = background_,
+          .cap_colour = section_.colour(),
           .shows_scale = shows_scale_,
           .unit = unitNumber(choices_.unit)};
 }
@@ -193,6 +206,7 @@ void Viewer::apply(const Settings& wanted) {
   chosen_.toggle_parallel = wanted.parallel != now.parallel;
   chosen_.side = wanted.side;
   shows_scale_ = wanted.shows_scale;
+  section_.colour(wanted.cap_colour);
   if (wanted.background != now.background) {
     background_ = wanted.background;
     style_.background_top_srgb = kBackgrounds[background_].top_srgb;

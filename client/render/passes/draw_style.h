@@ -1,9 +1,12 @@
 #pragma once
 
+#include <optional>
+
 #include <glm/glm.hpp>
 
 #include "client/render/culling/occlusion_culling.h"
 #include "client/render/passes/color_mode.h"
+#include "client/render/passes/section.h"
 
 namespace lode::render {
 
@@ -17,7 +20,8 @@ struct DrawStyle {
   glm::vec3 background_top_srgb{0.30f, 0.34f, 0.39f};  ///< sRGB colour, 0..1
   glm::vec3 background_bottom_srgb{0.10f, 0.11f, 0.13f};
   bool hides_sky = false;  ///< if true, the background colours replace the sky of a scene
-  bool over = false;       ///< if true, draws over the target's colours and depth, without a background
+  std::optional<Section> section = std::nullopt;  ///< plane that cuts the model open, in its model frame
+  bool over = false;  ///< if true, draws over the target's colours and depth, without a background
 
   bool operator==(const DrawStyle&) const = default;
 };

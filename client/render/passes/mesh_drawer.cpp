@@ -17,12 +17,13 @@
 namespace lode::render {
 namespace {
 
-constexpr std::array<std::pair<MeshPrograms::Part, std::string_view>, 5> kDefinitions{
+constexpr std::array<std::pair<MeshPrograms::Part, std::string_view>, 6> kDefinitions{
     {{MeshPrograms::kFading, "FADING"},
      {MeshPrograms::kTextured, "TEXTURED"},
      {MeshPrograms::kCutOut, "CUT_OUT"},
      {MeshPrograms::kViews, "VIEWS"},
-     {MeshPrograms::kWire, "WIRE"}}};
+     {MeshPrograms::kWire, "WIRE"},
+     {MeshPrograms::kSection, "SECTION"}}};
 
 static_assert(sizeof(DrawState) == 3 * sizeof(uint32_t));
 
@@ -37,7 +38,9 @@ enum MeshUniform : GLint {
   kToSun,
   kUp,
   kExposure,
-  kTexelColours
+  kTexelColours,
+  kSectionPlane = kTexelColours + kTexelColourCount,
+  kCapColour
 };
 enum Attribute : GLuint { kPositionCode, kNormal, kColour, kDrawState, kTextureCode };
 enum Binding : GLuint { kVertices, kDraws };
@@ -132,6 +135,10 @@ void MeshDrawer::use(bool fades, bool has_samples, const core::View& view, doubl
   if (textures_->hasClear() && !has_samples) parts |= MeshPrograms::kCutOut;
   if (style.show != ColorMode::kSurface) parts |= MeshPrograms::kViews;
   if (style.show == ColorMode::kWireframe) parts |= MeshPrograms::kWire;
+  if (style.section) {
+    parts |= MeshPrograms::kSection;
+    glEnable(GL_CLIP_DISTANCE0);
+  }
   glUseProgram(programs_.with(parts).get());
   setCamera(view, lattice_step, style);
   setTextures();
@@ -147,6 +154,7 @@ void MeshDrawer::bindPage(const GpuPages& pages, uint32_t page) const {
 void MeshDrawer::end() const {
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   glDisable(GL_SAMPLE_ALPHA_TO_ONE);
+  glDisable(GL_CLIP_DISTANCE0);
   glBindVertexArray(0);
 }
 
@@ -174,6 +182,12 @@ void MeshDrawer::setCamera(const core::View& view, double lattice_step, const Dr
   glUniform3fv(kToSun, 1, &light.to_sun.x);
   glUniform3fv(kUp, 1, &light.up.x);
   glUniform1f(kExposure, style.exposure);
+  if (const auto& section = style.section) {
+    const glm::vec3 normal = rotation * glm::vec3(section->normal);
+    const auto beyond = static_cast<float>(section->offset_model - glm::dot(section->normal, view.eye_model));
+    glUniform4f(kSectionPlane, normal.x, normal.y, normal.z, beyond);
+    glUniform3fv(kCapColour, 1, &section->cap_srgb.x);
+  }
   if (style.show == ColorMode::kSurface) return;
   std::array<glm::vec3, kTexelColourCount> texel_colours;
   std::ranges::transform(texelColours(), texel_colours.begin(), toLinear);

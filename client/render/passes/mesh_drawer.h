@@ -25,6 +25,7 @@ class MeshPrograms {
     kCutOut = 4,    ///< discards transparent pixels, for targets without multisampling
     kViews = 8,     ///< draws colour modes other than kSurface
     kWire = 16,     ///< draws triangle edges, with a geometry shader
+    kSection = 32,  ///< leaves out what is beyond a plane, and draws the cut
   };
 
   /// Links the programs for kSurface. @throws Error kInternal if the driver rejects a shader.
@@ -35,7 +36,7 @@ class MeshPrograms {
   const GlProgram& with(unsigned parts);
 
  private:
-  std::array<GlProgram, 32> programs_;
+  std::array<GlProgram, 64> programs_;
 };
 
 /// State of one draw call in the layout of the shaders.

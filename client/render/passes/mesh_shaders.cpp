@@ -24,6 +24,10 @@ layout(location = 4) uniform vec3 projection;  // scale x, scale y and near dist
 // Origin of texture coordinates, and size of a step of the quantized coordinates.
 layout(location = 5) uniform vec3 uv_frame;
 
+#ifdef SECTION
+layout(location = 16) uniform vec4 section;  // normal in the view frame, and distance from the eye
+#endif
+
 invariant gl_Position;
 out Corner { CORNER };
 
@@ -50,6 +54,9 @@ void main() {
 #endif
   share = draw_state.z;
   gl_Position = vec4(projection.xy * position_view.xy, projection.z, -position_view.z);
+#ifdef SECTION
+  gl_ClipDistance[0] = section.w - dot(section.xyz, position_view);
+#endif
 }
 )glsl";
 
@@ -65,6 +72,11 @@ layout(location = 3) uniform mat3 view_rotation;
 #ifdef VIEWS
 // Colours for 1/4, 1/2, 1, 2 and 4 texels per pixel, then the colour for surfaces without a texture.
 layout(location = 10) uniform vec3 texel_colours[6];
+#endif
+
+#ifdef SECTION
+layout(location = 16) uniform vec4 section;
+layout(location = 17) uniform vec3 cap_srgb;
 #endif
 
 const vec3 kNeutral = vec3(0.56, 0.545, 0.515);
@@ -188,6 +200,14 @@ void main() {
 #ifdef FADING
   if (!isShared()) discard;
 #endif
+#ifdef SECTION
+  // The nearest surface behind the plane is seen from its back: the ray has met the plane inside a solid.
+  float along = section.w / dot(section.xyz, position_view);
+  if (!gl_FrontFacing && section.w < 0.0 && along > 0.0 && along < 1.0) {
+    pixel = vec4(pow(cap_srgb, vec3(2.2)), 1.0);
+    return;
+  }
+#endif
   vec3 to_eye = normalize(-position_view);
   vec3 facet = normalize(cross(dFdx(position_view), dFdy(position_view)));
   if (dot(facet, to_eye) < 0.0) facet = -facet;
@@ -239,6 +259,9 @@ out vec3 shares;  // barycentric coordinates
 void main() {
   for (int i = 0; i < 3; ++i) {
     gl_Position = gl_in[i].gl_Position;
+#ifdef SECTION
+    gl_ClipDistance[0] = gl_in[i].gl_ClipDistance[0];
+#endif
     position_view = corner[i].position_view;
     normal_view = corner[i].normal_view;
     normal_squares = corner[i].normal_squares;

@@ -249,7 +249,8 @@ void Panel::layOut(const PanelContent& content) {
   if (content.visible) drawMarks(content.marks, kWarning);
   const bool shows_settings = content.shows_settings && content.is_open;
   const float left_px = content.help ? helpWidthPx(content.camera) : panelPx();
-  const float left_outside_px = left_px + 2 * ImGui::GetStyle().WindowPadding.x;
+  const float left_outside_px =
+      left_px + 2 * (ImGui::GetStyle().WindowPadding.x + ImGui::GetStyle().CellPadding.x);
   const bool both_fit = fitSideBySide(left_outside_px, settingsWidthPx(kPanelMarginPx), kPanelMarginPx,
                                       ImGui::GetIO().DisplaySize.x);
   const bool is_left_free = both_fit || !shows_settings || content.help;

@@ -46,17 +46,16 @@ constexpr std::array kCommonHelp{
     KeyHelp{"Tab", "orbit, fly, or walk from the point under the pointer"},
     KeyHelp{"R  U", "reset the view; next up axis"},
     KeyHelp{"1 to 9", "go to a bookmark; with Ctrl: set it"},
-    KeyHelp{"Alt+1 to 6", "front, back, left, right, top, bottom"},
-    KeyHelp{"N", "perspective or parallel projection"},
+    KeyHelp{"Alt+1 to 6  N", "front, back, left, right, top, bottom; parallel"},
     KeyHelp{"click  C", "measure; copy the measurement"},
     KeyHelp{"V  F  G", "next colour mode; wireframe; clay"},
     KeyHelp{"L and drag", "turn the light"},
+    KeyHelp{"X", "section; with drag: move it, with Shift: flip it"},
     KeyHelp{"+  -", "finer or coarser detail"},
     KeyHelp{"P  F12", "record the camera path; save a screenshot"},
     KeyHelp{"O  M", "settings; all warnings"},
     KeyHelp{"drop a file", "open it in this window"},
-    KeyHelp{"H  F11  F1", "hide the panel; full screen; show this help"},
-    KeyHelp{"Esc", "quit"},
+    KeyHelp{"H  F11  Esc", "hide the panel; full screen; quit"},
 };
 
 std::span<const KeyHelp> cameraHelp(CameraKind camera) noexcept {

@@ -6,6 +6,7 @@
 #include <imgui.h>
 
 #include "client/app/window/pacing.h"
+#include "client/app/window/section_plane.h"
 #include "common/byte_size.h"
 
 namespace lode::app {
@@ -23,18 +24,23 @@ void drawMemory(uint64_t& memory_bytes) {
   ImGui::TextDisabled("half of it on the GPU");
 }
 
-void drawBackground(size_t& background) {
-  auto number = static_cast<int>(background);
-  const std::string name(kBackgrounds[background].name);
-  if (ImGui::SliderInt("background", &number, 0, kBackgrounds.size() - 1, name.c_str(), kLinear))
-    background = static_cast<size_t>(number);
+/// Draws a slider that chooses one of some names.
+template <typename Names, typename NameOf>
+void drawChoice(const char* label, const Names& names, const NameOf& name_of, size_t& number) {
+  auto chosen = static_cast<int>(number);
+  const std::string name(name_of(names[number]));
+  if (ImGui::SliderInt(label, &chosen, 0, static_cast<int>(names.size()) - 1, name.c_str(), kLinear))
+    number = static_cast<size_t>(chosen);
 }
 
-void drawUnit(size_t& unit) {
-  auto number = static_cast<int>(unit);
-  const std::string name(unit == 0 ? "not set" : kUnits[unit]);
-  if (ImGui::SliderInt("unit of length", &number, 0, kUnits.size() - 1, name.c_str(), kLinear))
-    unit = static_cast<size_t>(number);
+void drawChoices(Settings& settings) {
+  drawChoice(
+      "background", kBackgrounds, [](const Background& one) { return one.name; }, settings.background);
+  drawChoice(
+      "section", kCapColours, [](const CapColour& one) { return one.name; }, settings.cap_colour);
+  drawChoice(
+      "unit of length", kUnits, [](std::string_view unit) { return unit.empty() ? "not set" : unit; },
+      settings.unit);
 }
 
 /// Draws a button for each side of the model, three in a row.
@@ -80,8 +86,7 @@ Covered drawSettings(float margin_px, Settings& settings) {
   ImGui::SliderFloat("frames per second", &settings.fps, kLeastFps, kLargestFps, "%.0f", kLogarithmic);
   ImGui::EndDisabled();
   drawMemory(settings.memory_bytes);
-  drawBackground(settings.background);
-  drawUnit(settings.unit);
+  drawChoices(settings);
   ImGui::Checkbox("parallel", &settings.parallel);
   ImGui::SameLine(kSliderEm * em);
   ImGui::Checkbox("scale bar and axes", &settings.shows_scale);

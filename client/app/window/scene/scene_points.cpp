@@ -1,9 +1,11 @@
 #include <algorithm>
-#include <cmath>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "client/app/window/scene/snapping.h"
 #include "client/app/window/scene/viewed_scene.h"
+#include "client/app/window/section_plane.h"
 #include "client/core/lod/cut.h"
 
 /// Part of ViewedScene that finds points of the drawn surfaces.
@@ -27,25 +29,40 @@ std::optional<PickedPoint> ViewedScene::groundUnder(const core::Ray& ray, double
   return point;
 }
 
-std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm::dvec2& pixel_px) {
+/// The ground is never cut. Behind the cut of a solid, the nearest surface is seen from its back: the pointer
+/// is on the cut, where there is no surface to pick.
+std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm::dvec2& pixel_px,
+                                              const std::optional<render::Section>& section) {
   const core::View scene_view = withNear(view);
+  const core::Ray scene_ray = core::rayThrough(scene_view, pixel_px);
   double nearest_distance = 0;
-  std::optional<PickedPoint> nearest = groundUnder(core::rayThrough(scene_view, pixel_px), nearest_distance);
+  std::optional<PickedPoint> nearest = groundUnder(scene_ray, nearest_distance);
+  ShownRay shown_ray{scene_ray.origin_model, std::numeric_limits<double>::infinity()};
+  if (section) {
+    const auto cut = shownRay(scene_ray.origin_model, scene_ray.direction, *section);
+    if (!cut) return nearest;
+    shown_ray = *cut;
+  }
+  const double cut_off = glm::distance(shown_ray.origin_model, scene_ray.origin_model);
   for (const auto& [distance, model, instance] : visibleInstances(scene_view)) {
     if (nearest && distance > nearest_distance) break;
     const core::View seen = model->viewAt(instance, scene_view);
-    const core::Ray ray = core::rayThrough(seen, pixel_px);
+    core::Ray ray = core::rayThrough(seen, pixel_px);
+    if (section) ray.origin_model = model->toModel(instance, shown_ray.origin_model);
     if (!core::distanceAlong(ray, model->box())) continue;
     const core::CutProbe* const probe = model->probe(instance);
     if (probe == nullptr) continue;
     const auto hit = probe->cast(ray, core::shownParts(*probe->cut(), seen));
     const double scale = model->instances[instance].scale;
-    if (!hit || (nearest && hit->distance_model * scale >= nearest_distance)) continue;
-    nearest_distance = hit->distance_model * scale;
+    if (!hit || hit->distance_model * scale > shown_ray.most_model) continue;
+    if (nearest && hit->distance_model * scale + cut_off >= nearest_distance) continue;
+    nearest_distance = hit->distance_model * scale + cut_off;
     nearest = pointInScene(*model, instance, *hit);
-    nearest->seen_along = core::rayThrough(scene_view, pixel_px);
+    nearest->seen_along = {shown_ray.origin_model, scene_ray.direction};
   }
-  return nearest;
+  const bool is_on_cut = nearest && !nearest->is_ground && shown_ray.begins_in_cut &&
+                         glm::dot(nearest->normal, scene_ray.direction) > 0;
+  return is_on_cut ? std::nullopt : nearest;
 }
 
 /// Returns the picked point of a hit on an instance, in the scene.

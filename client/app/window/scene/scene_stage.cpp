@@ -155,6 +155,7 @@ void SceneStage::begin(const core::View& view, const render::Framebuffer& target
                        const render::DrawStyle& style) {
   if (!ground_) return render::startPicture(target, style);
   render::DrawStyle surface = style;
+  surface.section.reset();
   if (style.show != render::ColorMode::kUnlit) surface.show = render::ColorMode::kSurface;
   ground_->renderer.drawInstance(0, viewFrom(view, {}, ground_->lattice.origin), target, surface, {});
   if (style.show != render::ColorMode::kUnlit) ground_->shadow_pass.draw(ground_->shadows, view, target);

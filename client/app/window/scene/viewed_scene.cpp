@@ -42,6 +42,15 @@ stream::StreamOptions streamOptionsOf(const CommonOptions& common, const Scene& 
   return options;
 }
 
+/// Transforms a section plane of the scene into an instance's model frame.
+render::Section sectionOf(const render::Section& in_scene, const InstancedModel& model, size_t instance) {
+  const glm::dvec3 on_plane = model.toModel(instance, in_scene.normal * in_scene.offset_model);
+  render::Section section = in_scene;
+  section.normal = glm::conjugate(model.instances[instance].rotation) * in_scene.normal;
+  section.offset_model = glm::dot(section.normal, on_plane);
+  return section;
+}
+
 }  // namespace
 
 ViewedScene::ViewedScene(const CommonOptions& options, MissingModels missing_models)
@@ -333,7 +342,9 @@ void ViewedScene::forgetInvisible(std::span<const VisibleInstance> visible) {
 render::DrawStyle ViewedScene::styleOf(const VisibleInstance& visible, render::DrawStyle style) const {
   const auto& [distance, model, instance] = visible;
   style.over = true;
-  style.up = glm::conjugate(model->instances[instance].rotation) * style.up;
+  const Placement& at = model->instances[instance];
+  style.up = glm::conjugate(at.rotation) * style.up;
+  if (style.section) style.section = sectionOf(*style.section, *model, instance);
   if (!scene_.is_single_model)
     style.instance = {instanceNumber(model->number, instance), model->opened.model->name,
                       static_cast<uint32_t>(instance + 1)};

@@ -113,7 +113,9 @@ class ViewedScene {
 
   /// Returns the nearest surface point drawn at a pixel.
   /// @param pixel_px  position in the picture, from the top left corner.
-  std::optional<PickedPoint> under(const core::View& view, const glm::dvec2& pixel_px);
+  /// @param section   plane that cuts the models open, in the frame of summary().
+  std::optional<PickedPoint> under(const core::View& view, const glm::dvec2& pixel_px,
+                                   const std::optional<render::Section>& section);
   /// Picks a point anew on the drawn surface. Returns nothing if the surface at the point is not finer than
   /// at the pick.
   std::optional<PickedPoint> snapped(const core::View& view, const PickedPoint& point);

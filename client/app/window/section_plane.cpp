@@ -1,0 +1,61 @@
+#include "client/app/window/section_plane.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lode::app {
+namespace {
+
+/// Least part of an axis across the picture along which a drag can move the plane.
+constexpr double kLeastAcross = 0.25;
+
+}  // namespace
+
+void SectionPlane::step() noexcept {
+  axis_ = (axis_ + 1) % 4;
+  place_ = 0.5;
+}
+
+void SectionPlane::drag(const glm::dvec2& pixels, const core::View& view, double distance_model,
+                        const core::ModelBox& box) noexcept {
+  if (!isOn()) return;
+  const glm::dvec3 right = glm::cross(view.forward, view.up);
+  const glm::dvec2 across(right[axis_], -view.up[axis_]);
+  const double length = glm::length(across);
+  const double moved_px = length > kLeastAcross ? glm::dot(pixels, across) / (length * length)
+                                                : -pixels.y * (view.forward[axis_] < 0 ? -1 : 1);
+  const double size_model = box.max[axis_] - box.min[axis_];
+  if (size_model > 0)
+    place_ = std::clamp(place_ + moved_px * distance_model / core::focalPx(view) / size_model, 0.0, 1.0);
+}
+
+std::optional<render::Section> SectionPlane::in(const core::ModelBox& box) const noexcept {
+  if (!isOn()) return std::nullopt;
+  render::Section section;
+  section.normal = glm::dvec3(0);
+  section.normal[axis_] = is_flipped_ ? -1 : 1;
+  section.offset_model = glm::mix(box.min[axis_], box.max[axis_], place_) * section.normal[axis_];
+  section.cap_srgb = kCapColours[colour_].srgb;
+  return section;
+}
+
+std::string SectionPlane::describe() const {
+  if (!isOn()) return "no section";
+  return "section across " + std::string(1, static_cast<char>('x' + axis_)) + " at " +
+         std::to_string(std::lround(place_ * 100)) + " %";
+}
+
+std::optional<ShownRay> shownRay(const glm::dvec3& origin_model, const glm::dvec3& direction,
+                                 const render::Section& section) noexcept {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  const double beyond = glm::dot(section.normal, origin_model) - section.offset_model;
+  const double slope = glm::dot(section.normal, direction);
+  if (beyond > 0) {
+    if (slope >= 0) return std::nullopt;
+    return ShownRay{origin_model + direction * (beyond / -slope), kEndless, true};
+  }
+  return ShownRay{origin_model, slope > 0 ? -beyond / slope : kEndless};
+}
+
+}  // namespace lode::app
