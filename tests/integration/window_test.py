@@ -215,6 +215,29 @@ class Picks(WindowTest):
             self.assertAlmostEqual(distance, math.dist(place_of(one), place_of(two)), delta=0.01 * distance)
             self.assertGreater(distance, 0)
 
+    def test_are_kept_as_measurements_and_saved_as_tables(self):
+        with self.window() as window:
+            places = [MIDDLE, (MIDDLE[0] + 40, MIDDLE[1] + 20), (MIDDLE[0] + 10, MIDDLE[1] + 50)]
+            for place in places[:2]:
+                window.click(place)
+                window.picture()
+            window.key("k")
+            window.key("shift+k")
+            window.key("shift+k")
+            for place in places:
+                window.click(place)
+                window.picture()
+            window.key("k")
+            self.assertRegex(window.copied(), r"^distance [\d.]+ ± [\d.]+\nangle [\d.]+ ± [\d.]+ °\n$")
+            window.key("j")
+            saved = window.saved("measurements.json", json.loads)
+            table = window.saved("measurements.csv", lambda text: text.decode().splitlines())
+            self.assertEqual([one["kind"] for one in saved["measurements"]], ["distance", "angle"])
+            self.assertEqual([len(one["points"]) for one in saved["measurements"]], [2, 3])
+            self.assertEqual([line.split(",")[0] for line in table], ["kind", "distance", "angle"])
+            window.key("BackSpace")
+            self.assertRegex(window.copied(), r"^distance [\d.]+ ± [\d.]+\n$")
+
     def test_are_marked_in_the_picture_until_the_panel_is_hidden(self):
         with self.window() as window:
             window.click(MIDDLE, button=4, times=6)  # zoom until the model is visible beside the panel too

@@ -226,6 +226,18 @@ void GlfwWindow::pressKey(int key, int modifiers) {
     case GLFW_KEY_H:
       pending_.toggle_panel = !pending_.toggle_panel;
       break;
+    case GLFW_KEY_K:
+      if ((modifiers & GLFW_MOD_SHIFT) != 0)
+        ++pending_.next_measure;
+      else
+        pending_.keep_measure = true;
+      break;
+    case GLFW_KEY_BACKSPACE:
+      pending_.drop_measure = true;
+      break;
+    case GLFW_KEY_J:
+      pending_.save_measures = true;
+      break;
     case GLFW_KEY_X:
       // Without Shift, the key acts when it is released, unless it was held for a drag.
       is_x_used_ = (modifiers & GLFW_MOD_SHIFT) != 0;

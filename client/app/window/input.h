@@ -36,6 +36,8 @@ struct Input {
   int bookmark = 0;      ///< 1 to 9: number of the bookmark to use; 0: none
   /// True stores the camera in the bookmark; false moves the camera to the bookmark.
   bool set_bookmark = false;
+  int next_measure = 0;  ///< number of steps through the kinds of measurements
+  bool keep_measure = false, drop_measure = false, save_measures = false;
   int next_section = 0;  ///< number of steps through the section planes and none
   bool flip_section = false;
   int next_clay = 0;               ///< number of steps through clay, matcap and surface

@@ -218,7 +218,7 @@ void Viewer::openInstead(const std::string& file) {
   choices_ = choices;
   wanted_path_.reset();
   failed_.reset();
-  picks_.clear();
+  picks_ = {};
   section_ = {};
   progress_ = {};
   drawn_ = {};
@@ -365,12 +365,16 @@ void Viewer::describe() {
   content_.final_threshold_px = pacing_.thresholdPx();
   content_.scale = isQuick() ? pacing_.scale() : 1;
   content_.camera = rig_ ? rig_->kind() : CameraKind::kOrbit;
-  content_.pick = picks_.lines(choices_.unit);
+  const glm::dvec3 up = rig_ ? rig_->up() : glm::dvec3(0, 1, 0);
+  content_.pick = picks_.lines(up, choices_.unit);
   content_.lost = rig_
                       ? lostSightText(core::toModelBox(scene_->summary().box, scene_->summary().lattice.step),
                                       rig_->view())
                       : "";
-  content_.marks = rig_ ? marksOf(picks_, choices_.unit, rig_->view()) : PickMarks();
+  content_.marks.clear();
+  for (const Measure* const measure : picks_.measures())
+    if (rig_ && !measure->points.empty())
+      content_.marks.push_back(marksOf(*measure, up, choices_.unit, rig_->view()));
   content_.scale_marks.reset();
   if (rig_ && shows_scale_)
     content_.scale_marks = ScaleMarks{

@@ -90,6 +90,7 @@ class Viewer {
   void pick(const Input& input);
   void pointAt(const Input& input);
   void snapPicks();
+  void measure(const Input& input);
   std::optional<PickedPoint> under(const glm::dvec2& pixel_px);
   double coveredShare() const;
   void fly();
@@ -104,6 +105,7 @@ class Viewer {
   // viewer_files.cpp: pictures and recorded camera paths.
   void record(const Input& input);
   void saveRecording();
+  void saveMeasures();
   void saveScreenshots();
   [[noreturn]] void refuseScreenshot() const;
   void noteWritten(const PictureWriter::Written& written);

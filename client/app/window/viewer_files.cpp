@@ -1,4 +1,8 @@
 #include <exception>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "client/app/cli/remedy_words.h"
 #include "client/app/cli/stream_report.h"
@@ -6,6 +10,7 @@
 #include "client/app/window/viewer.h"
 #include "client/render/gl/image.h"
 #include "common/error.h"
+#include "common/io/atomic_file.h"
 
 /// Part of Viewer that writes files: pictures and recorded camera paths.
 namespace lode::app {
@@ -27,6 +32,24 @@ void Viewer::saveRecording() {
       note("saved " + *file + ", for render --frames and replay");
   } catch (const Error& error) {
     if (isLeaving()) throw;
+    note(messageOf(error));
+  }
+}
+
+/// Writes all measurements as CSV and JSON into the current folder.
+void Viewer::saveMeasures() {
+  const std::vector<Measure> measures = picks_.all();
+  if (measures.empty()) return note("no measurement: click on the model first");
+  try {
+    const std::string csv = timedName("measurements.csv"), json = timedName("measurements.json");
+    for (const auto& [file, text] : {std::pair{csv, measuresAsCsv(measures, rig_->up(), choices_.unit)},
+                                     {json, measuresAsJson(measures, rig_->up(), choices_.unit)}}) {
+      AtomicFile output(file, {}, OutputName::kDerived);
+      output.write(std::as_bytes(std::span(text)));
+      output.commit();
+    }
+    note("saved " + csv + " and .json");
+  } catch (const Error& error) {
     note(messageOf(error));
   }
 }

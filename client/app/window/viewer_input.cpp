@@ -87,13 +87,14 @@ std::optional<PickedPoint> Viewer::under(const glm::dvec2& pixel_px) {
   return scene_->under(rig_->view(), pixel_px, style_.section);
 }
 
-/// Picks a point, then copies the picks if requested. The order matters, because a click in the same frame
-/// must be copied too.
+/// Picks a point, obeys the keys of measurements, then copies the picks if requested. The order matters,
+/// because what happens in the same frame must be copied too.
 void Viewer::pick(const Input& input) {
   if (input.pressed || input.clicked || input.double_clicked || input.wheel != 0) pointAt(input);
+  measure(input);
   if (!input.copy) return;
   std::string text;
-  for (const std::string& line : picks_.lines(choices_.unit)) text += line + "\n";
+  for (const std::string& line : picks_.lines(rig_->up(), choices_.unit)) text += line + "\n";
   if (!text.empty()) window_.copyToClipboard(text);
   note(text.empty() ? "click on the model first" : "copied");
 }
@@ -115,12 +116,20 @@ void Viewer::pointAt(const Input& input) {
 
 /// Moves the picks to the drawn surface where it has become finer.
 void Viewer::snapPicks() {
-  if (picks_.points().empty() ||
-      std::exchange(snapped_serial_, scene_->drawnSerial()) == scene_->drawnSerial())
-    return;
-  for (size_t number = 0; number < picks_.points().size(); ++number)
-    if (auto finer = scene_->snapped(rig_->view(), picks_.points()[number]))
-      picks_.snap(number, *std::move(finer));
+  if (std::exchange(snapped_serial_, scene_->drawnSerial()) == scene_->drawnSerial()) return;
+  for (Measure* const measure : picks_.measures())
+    for (PickedPoint& point : measure->points)
+      if (auto finer = scene_->snapped(rig_->view(), point)) point = *std::move(finer);
+}
+
+/// Keeps, drops and exports measurements, and switches to the next kind.
+void Viewer::measure(const Input& input) {
+  for (int step = 0; step < input.next_measure; ++step) picks_.nextKind();
+  if (input.next_measure != 0) note("measures: " + std::string(nameOf(picks_.kind())));
+  if (input.keep_measure)
+    note(picks_.keep() ? "measurement kept; J saves all" : "click on the model first; Shift+K: next kind");
+  if (input.drop_measure && !picks_.dropLast()) note("no measurement is kept");
+  if (input.save_measures) saveMeasures();
 }
 
 /// Returns the share of the window's width that the panel covers. Returns 0 with --screenshot and --laps, so

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "client/app/window/scene/picks.h"
+
 namespace lode::app {
 namespace {
 
@@ -25,15 +27,15 @@ core::View alongMinusZ() {
 TEST(PickMarks, joinTheTwoPointsByALineThatSaysHowLongItIs) {
   Picks picks;
   picks.add(pointAt({0, 0, 0}));
-  EXPECT_FALSE(marksOf(picks, "m", alongMinusZ()).line);
+  EXPECT_TRUE(marksOf(picks.current(), {0, 1, 0}, "m", alongMinusZ()).lines.empty());
   picks.add(pointAt({3, 0, 0}));
-  const PickMarks marks = marksOf(picks, "m", alongMinusZ());
-  ASSERT_TRUE(marks.line);
+  const PickMarks marks = marksOf(picks.current(), {0, 1, 0}, "m", alongMinusZ());
+  ASSERT_EQ(marks.lines.size(), 1u);
   ASSERT_EQ(marks.points_px.size(), 2u);
   EXPECT_EQ(marks.points_px[0], glm::dvec2(100, 50)) << "in the model's frame, not at true coordinates";
-  EXPECT_EQ(marks.line->from_px, marks.points_px[0]);
-  EXPECT_EQ(marks.line->to_px, marks.points_px[1]);
-  EXPECT_EQ(marks.distance, "3 \u00b1 2 m");
+  EXPECT_EQ(marks.lines[0].from_px, marks.points_px[0]);
+  EXPECT_EQ(marks.lines[0].to_px, marks.points_px[1]);
+  EXPECT_EQ(marks.value, "3 \u00b1 2 m");
 }
 
 /// Checks that all corners are on one side of the line, the nearest at the gap's distance.
@@ -66,9 +68,9 @@ TEST(PickMarks, areNotAtAPointBehindTheEye) {
   Picks picks;
   picks.add(pointAt({0, 0, 0}));
   picks.add(pointAt({0, 0, 2}));
-  const PickMarks marks = marksOf(picks, "m", alongMinusZ());
+  const PickMarks marks = marksOf(picks.current(), {0, 1, 0}, "m", alongMinusZ());
   EXPECT_EQ(marks.points_px.size(), 1u);
-  EXPECT_TRUE(marks.line);
+  EXPECT_EQ(marks.lines.size(), 1u);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 namespace lode::app {
 namespace {
 
+const glm::dvec3 kUpwards(0, 0, 1);
+
 PickedPoint pointAt(double x) {
   PickedPoint point;
   point.position = {x, 0, 0};
@@ -14,8 +16,9 @@ PickedPoint pointAt(double x) {
 TEST(Picks, tellHowFarTheLastTwoAreApart) {
   Picks picks;
   for (const double x : {5.0, 1.0, 3.0}) picks.add(pointAt(x));
-  EXPECT_EQ(picks.lines("").front(), "3 0 0");
-  EXPECT_EQ(picks.lines("").back(), "distance 2 \u00b1 2") << "off by half a lattice cell at each end";
+  EXPECT_EQ(picks.lines(kUpwards, "").front(), "3 0 0");
+  EXPECT_EQ(picks.lines(kUpwards, "").back(), "distance 2 \u00b1 2")
+      << "off by half a lattice cell at each end";
 }
 
 TEST(Picks, bearTheErrorsOfBothEndsAndTheUnit) {
@@ -26,26 +29,26 @@ TEST(Picks, bearTheErrorsOfBothEndsAndTheUnit) {
     point.error = x / 100;
     picks.add(point);
   }
-  EXPECT_EQ(picks.distance(""), "2.000 \u00b1 0.040");
-  EXPECT_EQ(picks.distance("mm"), "2.000 \u00b1 0.040 mm");
+  EXPECT_EQ(valueText(picks.current(), kUpwards, ""), "2.000 \u00b1 0.040");
+  EXPECT_EQ(valueText(picks.current(), kUpwards, "mm"), "2.000 \u00b1 0.040 mm");
   PickedPoint finer = pointAt(1.1);
   finer.step = 1e-6;
   finer.error = 0.001;
-  picks.snap(0, finer);
-  EXPECT_EQ(picks.distance("mm"), "1.900 \u00b1 0.031 mm");
+  picks.measures().back()->points[0] = finer;
+  EXPECT_EQ(valueText(picks.current(), kUpwards, "mm"), "1.900 \u00b1 0.031 mm");
 }
 
 TEST(Picks, areRestoredWhenAClickIsUndone) {
   Picks picks;
   picks.add(pointAt(1));
   picks.add(pointAt(2));
-  const auto before = picks.lines("");
+  const auto before = picks.lines(kUpwards, "");
   picks.add(pointAt(7));
   picks.takeBack();
-  EXPECT_EQ(picks.lines(""), before);
+  EXPECT_EQ(picks.lines(kUpwards, ""), before);
   picks.clear();
   picks.takeBack();
-  EXPECT_EQ(picks.lines(""), before);
+  EXPECT_EQ(picks.lines(kUpwards, ""), before);
 }
 
 }  // namespace

@@ -246,7 +246,8 @@ void Panel::layOut(const PanelContent& content) {
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
   if (content.visible && content.scale_marks) drawScale(*content.scale_marks);
-  if (content.visible) drawMarks(content.marks, kWarning);
+  for (const PickMarks& marks : content.marks)
+    if (content.visible) drawMarks(marks, kWarning);
   const bool shows_settings = content.shows_settings && content.is_open;
   const float left_px = content.help ? helpWidthPx(content.camera) : panelPx();
   const float left_outside_px =

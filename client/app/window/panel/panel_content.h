@@ -61,7 +61,7 @@ struct PanelContent {
   double frame_ms = 0, upload_ms = 0;
   CameraKind camera = CameraKind::kOrbit;
   std::vector<std::string> pick;            ///< lines of text about the last picked point
-  PickMarks marks;                          ///< marks of the last two picks in the picture
+  std::vector<PickMarks> marks;             ///< marks of measurements in the picture
   std::optional<ScaleMarks> scale_marks;    ///< scale bar and axes of the picture
   std::string_view show;                    ///< name of the colour mode
   std::vector<render::LegendEntry> legend;  ///< meanings of the colours in this mode

@@ -48,6 +48,7 @@ constexpr std::array kCommonHelp{
     KeyHelp{"1 to 9", "go to a bookmark; with Ctrl: set it"},
     KeyHelp{"Alt+1 to 6  N", "front, back, left, right, top, bottom; parallel"},
     KeyHelp{"click  C", "measure; copy the measurement"},
+    KeyHelp{"K  Shift+K  J", "keep; other measurements; save them as CSV"},
     KeyHelp{"V  F  G", "next colour mode; wireframe; clay"},
     KeyHelp{"L and drag", "turn the light"},
     KeyHelp{"X", "section; with drag: move it, with Shift: flip it"},

@@ -4,15 +4,20 @@
 
 namespace lode::app {
 
-PickMarks marksOf(const Picks& picks, std::string_view unit, const core::View& view) {
+PickMarks marksOf(const Measure& measure, const glm::dvec3& up, std::string_view unit,
+                  const core::View& view) {
   PickMarks marks;
-  for (const PickedPoint& point : picks.points())
+  const std::vector<PickedPoint>& points = measure.points;
+  for (const PickedPoint& point : points)
     if (const auto place_px = pointInPicture(view, point.position_model))
       marks.points_px.push_back(*place_px);
-  if (picks.points().size() == 2) {
-    marks.line = lineInPicture(view, picks.points()[0].position_model, picks.points()[1].position_model);
-    marks.distance = picks.distance(unit);
+  const bool is_closed = measure.kind == MeasureKind::kArea && points.size() > 2;
+  for (size_t i = is_closed ? 0 : 1; i < points.size(); ++i) {
+    const PickedPoint& before = points[(i + points.size() - 1) % points.size()];
+    if (const auto line = lineInPicture(view, before.position_model, points[i].position_model))
+      marks.lines.push_back(*line);
   }
+  marks.value = valueText(measure, up, unit);
   return marks;
 }
 
@@ -35,17 +40,19 @@ void drawMarks(const PickMarks& marks, const ImVec4& colour) {
   const auto placeOf = [&](const glm::dvec2& px) {
     return ImVec2(static_cast<float>(px.x) / unit_px.x, static_cast<float>(px.y) / unit_px.y);
   };
-  if (marks.line) {
-    const ImVec2 from = placeOf(marks.line->from_px), to = placeOf(marks.line->to_px);
-    list->AddLine(from, to, dark, em / 4);
-    list->AddLine(from, to, light, em / 10);
-    const ImVec2 text = ImGui::CalcTextSize(marks.distance.c_str());
+  for (const PictureLine& line : marks.lines)
+    list->AddLine(placeOf(line.from_px), placeOf(line.to_px), dark, em / 4);
+  for (const PictureLine& line : marks.lines)
+    list->AddLine(placeOf(line.from_px), placeOf(line.to_px), light, em / 10);
+  if (!marks.lines.empty() && !marks.value.empty()) {
+    const ImVec2 from = placeOf(marks.lines.back().from_px), to = placeOf(marks.lines.back().to_px);
+    const ImVec2 text = ImGui::CalcTextSize(marks.value.c_str());
     const ImVec2 window = ImGui::GetIO().DisplaySize;
     const glm::dvec2 corner =
         besideLine({{from.x, from.y}, {to.x, to.y}}, {text.x, text.y}, {window.x, window.y}, em / 2);
     const ImVec2 at(static_cast<float>(corner.x), static_cast<float>(corner.y));
     list->AddRectFilled({at.x - em / 4, at.y}, {at.x + text.x + em / 4, at.y + text.y}, dark, em / 4);
-    list->AddText(at, light, marks.distance.c_str());
+    list->AddText(at, light, marks.value.c_str());
   }
   for (const glm::dvec2& point_px : marks.points_px) {
     list->AddCircleFilled(placeOf(point_px), em / 3, dark);

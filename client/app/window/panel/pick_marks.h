@@ -1,29 +1,29 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "client/app/window/panel/projection.h"
-#include "client/app/window/scene/picks.h"
+#include "client/app/window/scene/measure.h"
 
 struct ImVec4;
 
 namespace lode::app {
 
-/// Marks that show the user's measurement in the picture.
+/// Marks that show a measurement in the picture.
 struct PickMarks {
   std::vector<glm::dvec2> points_px;  ///< positions of the picked points that are in front of the eye
-  /// Line between the two picked points; empty if none of it is in front of the eye.
-  std::optional<PictureLine> line;
-  std::string distance;  ///< length of the line as text
+  std::vector<PictureLine> lines;     ///< lines between the points, as far as they are in front of the eye
+  std::string value;                  ///< value as text, for the last line
 
   bool operator==(const PickMarks&) const = default;
 };
 
-/// Projects the picks into a view's picture. @param unit  unit of length; may be empty.
-PickMarks marksOf(const Picks& picks, std::string_view unit, const core::View& view);
+/// Projects a measurement into a view's picture. @param up  up axis. @param unit  unit of length; may be
+/// empty.
+PickMarks marksOf(const Measure& measure, const glm::dvec3& up, std::string_view unit,
+                  const core::View& view);
 
 /// Places a text beside the middle of a line, where it does not cover the line. Moves the text into the
 /// window if necessary. @param text  size of the text. @param gap  least distance between the text and the

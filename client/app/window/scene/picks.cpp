@@ -12,8 +12,7 @@
 namespace lode::app {
 namespace {
 
-/// Returns the number of decimals that resolves a lattice step. More decimals would be meaningless.
-int decimalsOf(double step) { return std::clamp(static_cast<int>(std::ceil(-std::log10(step))), 0, 12); }
+constexpr size_t kMostMeasures = 100;
 
 std::string coordinates(const glm::dvec3& position, int decimals) {
   char text[160];
@@ -52,46 +51,75 @@ PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core:
           normalOf(hit, model.lattice.step)};
 }
 
+int decimalsOf(double step) noexcept {
+  return std::clamp(static_cast<int>(std::ceil(-std::log10(step))), 0, 12);
+}
+
 double uncertaintyOf(const PickedPoint& point) noexcept {
   return point.error + point.step * std::sqrt(3.0) / 2;
 }
 
-void Picks::clear() noexcept { before_ = std::exchange(picks_, {}); }
+void Picks::clear() noexcept { before_ = std::exchange(current_.points, {}); }
 
 void Picks::add(PickedPoint point) {
-  before_ = picks_;
-  if (picks_.size() == 2) picks_.erase(picks_.begin());
-  picks_.push_back(std::move(point));
+  before_ = current_.points;
+  if (current_.points.size() >= mostPoints(current_.kind)) current_.points.erase(current_.points.begin());
+  current_.points.push_back(std::move(point));
 }
 
-std::vector<std::string> Picks::lines(std::string_view unit) const {
-  if (picks_.empty()) return {};
-  const PickedPoint& last = picks_.back();
-  const int decimals = decimalsOf(last.step);
-  char text[160];
-  std::vector<std::string> lines{coordinates(last.position, decimals)};
-  if (!last.model.empty()) lines.push_back("model " + last.model);
-  std::snprintf(text, sizeof text, "node %s, LOD %u, error %.2f px", render::nodeName(last.node).c_str(),
-                last.lod, static_cast<double>(last.error_px));
-  lines.emplace_back(last.is_ground ? "the ground" : text);
-  if (const auto& colour = last.colour) {
-    std::snprintf(text, sizeof text, "colour #%02x%02x%02x", colour->r, colour->g, colour->b);
-    lines.emplace_back(text);
+void Picks::nextKind() noexcept {
+  current_.kind = static_cast<MeasureKind>((static_cast<size_t>(current_.kind) + 1) % kMeasureKindCount);
+  std::vector<PickedPoint>& points = current_.points;
+  const size_t most = mostPoints(current_.kind);
+  if (points.size() > most) points.erase(points.begin(), points.end() - static_cast<ptrdiff_t>(most));
+  before_ = points;
+}
+
+bool Picks::keep() {
+  if (!valueOf(current_, {0, 1, 0}) || kept_.size() >= kMostMeasures) return false;
+  kept_.push_back(current_);
+  clear();
+  before_.clear();
+  return true;
+}
+
+bool Picks::dropLast() noexcept {
+  if (kept_.empty()) return false;
+  kept_.pop_back();
+  return true;
+}
+
+std::vector<Measure> Picks::all() const {
+  std::vector<Measure> all = kept_;
+  if (valueOf(current_, {0, 1, 0})) all.push_back(current_);
+  return all;
+}
+
+std::vector<Measure*> Picks::measures() {
+  std::vector<Measure*> measures;
+  for (Measure& measure : kept_) measures.push_back(&measure);
+  measures.push_back(&current_);
+  return measures;
+}
+
+std::vector<std::string> Picks::lines(const glm::dvec3& up, std::string_view unit) const {
+  std::vector<std::string> lines;
+  if (!current_.points.empty()) {
+    const PickedPoint& last = current_.points.back();
+    char text[160];
+    lines.push_back(coordinates(last.position, decimalsOf(last.step)));
+    if (!last.model.empty()) lines.push_back("model " + last.model);
+    std::snprintf(text, sizeof text, "node %s, LOD %u, error %.2f px", render::nodeName(last.node).c_str(),
+                  last.lod, static_cast<double>(last.error_px));
+    lines.emplace_back(last.is_ground ? "the ground" : text);
+    if (const auto& colour = last.colour) {
+      std::snprintf(text, sizeof text, "colour #%02x%02x%02x", colour->r, colour->g, colour->b);
+      lines.emplace_back(text);
+    }
   }
-  if (picks_.size() == 2) lines.push_back("distance " + distance(unit));
+  for (const Measure& measure : all())
+    lines.push_back(std::string(nameOf(measure.kind)) + " " + valueText(measure, up, unit));
   return lines;
-}
-
-std::string Picks::distance(std::string_view unit) const {
-  if (picks_.size() != 2) return "";
-  const double off = uncertaintyOf(picks_.front()) + uncertaintyOf(picks_.back());
-  // Two significant digits of the uncertainty, but no more decimals than the lattice resolves.
-  const int decimals = std::min(decimalsOf(picks_.back().step),
-                                std::clamp(1 - static_cast<int>(std::floor(std::log10(off))), 0, 12));
-  char text[128];
-  std::snprintf(text, sizeof text, "%.*f \u00b1 %.*f", decimals,
-                glm::distance(picks_.front().position, picks_.back().position), decimals, off);
-  return unit.empty() ? text : text + (" " + std::string(unit));
 }
 
 }  // namespace lode::app

@@ -1,63 +1,49 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "client/core/lod/cut_probe.h"
-#include "common/codec/model_summary.h"
+#include "client/app/window/scene/measure.h"
+#include "client/app/window/scene/picked_point.h"
 
 namespace lode::app {
 
-/// A surface point that the user has picked in the picture. Lengths are in the units of the scene's file.
-struct PickedPoint {
-  glm::dvec3 position_model;  ///< position in the frame of ViewedScene::summary()
-  glm::dvec3 position;        ///< position in the coordinates of the model's or the scene's file
-  bool is_ground = false;     ///< the point is on the scene's ground, which has no node, LOD or error
-  NodeKey node;
-  uint32_t lod = 0;
-  float error_px = 0;
-  double step = 1;  ///< lattice step, which limits the precision of the position
-  std::optional<glm::u8vec3> colour;
-  std::string model;  ///< name of the model; empty on the ground and in a scene of one model
-  double error = 0;   ///< bound of the distance from the position to the original surface
-  size_t model_number = 0, instance = 0;  ///< index in Scene::models, and of the model's instance
-  core::Ray seen_along;                   ///< ray of the click, in the frame of position_model
-  glm::dvec3 normal{0};                   ///< normal of the picked triangle in this frame, unit length
-};
-
-/// Returns the picked point of a ray's hit. @param textured  cut that has the model's textures; see
-/// paintAt().
-PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core::Cut& textured);
-
-/// Returns a bound of the distance from a pick to the point that a click on the original surface would give:
-/// the point's error, and half of the diagonal of a lattice cell. Pure.
-double uncertaintyOf(const PickedPoint& point) noexcept;
-
-/// The last two points that the user has clicked.
+/// The points that the user has clicked, as a measurement, and the measurements that the user has kept.
 class Picks {
  public:
+  /// Adds a point. Beyond the largest number of points of the kind, the oldest point goes.
   void add(PickedPoint point);
+  /// Removes the points, but not the kept measurements.
   void clear() noexcept;
   /// Undoes the last pick. Used for a double click, because its first click has already picked a point.
-  void takeBack() { picks_ = before_; }
+  void takeBack() { current_.points = before_; }
 
-  /// Replaces a point by the point of a finer surface. @param number  index in points().
-  void snap(size_t number, PickedPoint point) { picks_[number] = std::move(point); }
+  /// Switches to the next kind of measurement. Keeps the points that fit.
+  void nextKind() noexcept;
+  MeasureKind kind() const noexcept { return current_.kind; }
+  /// Keeps the measurement and begins another of its kind. @return false if points are missing.
+  bool keep();
+  /// Removes the measurement that was kept last. @return false if there is none.
+  bool dropLast() noexcept;
+  /// Returns the kept measurements, and then the current one if it has all points.
+  std::vector<Measure> all() const;
+  /// Returns the kept measurements, and then the current one. snap() changes their points.
+  std::vector<Measure*> measures();
 
-  /// Returns lines of text about the last point: coordinates, node, LOD, error, colour, and the distance to
-  /// the previous point. Returns no lines if no point is picked. @param unit  unit of length; may be empty.
-  std::vector<std::string> lines(std::string_view unit) const;
-  /// Returns the distance between the two points, with the uncertainty of both, as text; empty if fewer than
-  /// two points are picked.
-  std::string distance(std::string_view unit) const;
-  std::span<const PickedPoint> points() const noexcept { return picks_; }
+  /// Returns lines of text about the last point: coordinates, node, LOD, error and colour; then a line for
+  /// the current measurement, and for each kept one. @param up  up axis. @param unit  unit of length; may be
+  /// empty.
+  std::vector<std::string> lines(const glm::dvec3& up, std::string_view unit) const;
+  const Measure& current() const noexcept { return current_; }
+  const std::vector<Measure>& kept() const noexcept { return kept_; }
 
  private:
-  std::vector<PickedPoint> picks_, before_;
+  Measure current_;
+  std::vector<PickedPoint> before_;
+  std::vector<Measure> kept_;
 };
 
 }  // namespace lode::app

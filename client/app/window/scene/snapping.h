@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "client/app/window/scene/picks.h"
+#include "client/app/window/scene/picked_point.h"
 #include "client/core/lod/cut_probe.h"
 
 namespace lode::app {
