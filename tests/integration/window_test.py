@@ -146,6 +146,47 @@ class Sections(WindowTest):
             self.assertEqual(lower_half(window.picture()), pictures[0])
 
 
+class HiddenModels(WindowTest):
+    def test_leave_the_picture_and_the_picks_until_all_are_shown(self):
+        names = ("one", "other")
+        with tempfile.TemporaryDirectory() as folder:
+            for name in names:
+                shutil.copy(STORE, pathlib.Path(folder, f"{name}.lode"))
+            scene = {"models": {name: f"{name}.lode" for name in names},
+                     "instances": [{"model": name, "position": [4 * number, 0, 0]} for number, name in enumerate(names)]}
+            file = pathlib.Path(folder, "scene.json")
+            file.write_text(json.dumps(scene))
+            with self.window(file) as window:
+                window.key("h")
+                camera = window.recorded(lambda: None)[0]
+                places = {name: place_in_picture(camera, (4 * number, 0, 0)) for number, name in enumerate(names)}
+                for name in names:
+                    self.assertEqual(self.picked(window, places[name]), name)
+                both = eventually(lambda: at_rest(window))
+                window.move(places["one"])
+                window.key("z")
+                self.assertNotEqual(eventually(lambda: at_rest(window)), both)
+                self.assertIsNone(self.picked(window, places["one"]))
+                window.key("z")  # beside the models
+                self.assertEqual(self.picked(window, places["one"]), "one")
+                window.move(places["other"])
+                window.key("shift+z")
+                window.picture()
+                self.assertIsNone(self.picked(window, places["one"]))
+                self.assertEqual(self.picked(window, places["other"]), "other")
+
+    @staticmethod
+    def picked(window, at):
+        """Returns the name of the model at a place; None beside the models."""
+        window.click(at)
+        window.picture()
+        subprocess.run(["xclip", "-selection", "clipboard"], env=window.environment, check=True, input=b"", timeout=120)
+        found = re.search(r"^model (.*)$", window.copied(), re.M)
+        window.click((2, 2))  # beside the models, which ends the measurement
+        window.picture()
+        return found and found.group(1)
+
+
 class Walk(WindowTest):
     def test_keeps_the_eye_above_the_ground(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -195,6 +236,21 @@ class Walk(WindowTest):
         head, body = ply.read_bytes().split(b"end_header\n", 1)
         vertices = struct.iter_unpack("<fff", body[:12 * int(re.search(rb"element vertex (\d+)", head).group(1))])
         return min(vertices, key=lambda vertex: math.dist(vertex[:2], eye[:2]))[2]
+
+
+def place_in_picture(camera, point):
+    """Projects a point into the picture of a recorded camera with a field of view of 45 degrees."""
+    def cross(a, b):
+        return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+
+    def dot(a, b):
+        return sum(x * y for x, y in zip(a, b))
+    forward = direction(camera)
+    right = cross(forward, camera["up"])
+    right = [part / math.hypot(*right) for part in right]
+    away = [b - a for a, b in zip(camera["eye"], point)]
+    scale = HEIGHT / 2 / math.tan(math.radians(22.5)) / dot(away, forward)
+    return round(WIDTH / 2 + dot(away, right) * scale), round(HEIGHT / 2 - dot(away, cross(right, forward)) * scale)
 
 
 def at_rest(window):

@@ -232,6 +232,9 @@ void GlfwWindow::pressKey(int key, int modifiers) {
       else
         pending_.keep_measure = true;
       break;
+    case GLFW_KEY_Z:
+      ((modifiers & GLFW_MOD_SHIFT) != 0 ? pending_.isolate_model : pending_.hide_model) = true;
+      break;
     case GLFW_KEY_BACKSPACE:
       pending_.drop_measure = true;
       break;

@@ -40,13 +40,14 @@ struct Input {
   bool keep_measure = false, drop_measure = false, save_measures = false;
   int next_section = 0;  ///< number of steps through the section planes and none
   bool flip_section = false;
-  int next_clay = 0;               ///< number of steps through clay, matcap and surface
-  bool toggle_parallel = false;    ///< switch between perspective and parallel projection
-  std::optional<core::Side> side;  ///< side of the model to look at
-  int next_camera = 0;             ///< number of steps through the kinds of cameras
-  int next_axis = 0;               ///< number of steps through the up axes
-  int next_show = 0;               ///< number of steps through the colour modes; negative steps go back
-  int finer = 0;  ///< number of steps by which to lower the threshold; negative steps raise it
+  bool hide_model = false, isolate_model = false;  ///< the model under the pointer
+  int next_clay = 0;                               ///< number of steps through clay, matcap and surface
+  bool toggle_parallel = false;                    ///< switch between perspective and parallel projection
+  std::optional<core::Side> side;                  ///< side of the model to look at
+  int next_camera = 0;                             ///< number of steps through the kinds of cameras
+  int next_axis = 0;                               ///< number of steps through the up axes
+  int next_show = 0;  ///< number of steps through the colour modes; negative steps go back
+  int finer = 0;      ///< number of steps by which to lower the threshold; negative steps raise it
   bool screenshot = false, copy = false, record = false, quit = false;
   /// Q was pressed; it quits if the scene failed to open, and otherwise moves the camera down.
   bool quit_where_idle = false;

@@ -121,6 +121,7 @@ void Viewer::frame() {
   if (rig_) {
     rig_->resize(window_.widthPx(), window_.heightPx());
     rig_->frameBeside(coveredShare());
+    hideModels(input);
     cut(input);
     pick(input);
     moveCamera(input, seconds);
@@ -356,6 +357,7 @@ void Viewer::describe() {
   if (rig_) {
     content_.model_triangles = scene_->summary().triangles;
     content_.missing = missingText(scene_->missing(), content_.shows_messages);
+    content_.hidden = hiddenText(scene_->hidden());
     content_.warning = warningOf(scene_->warnings(), content_.shows_messages);
     describeWaiting();
   }

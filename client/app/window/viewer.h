@@ -85,6 +85,7 @@ class Viewer {
   void scrollPanel(Input& input);
   void obeyKeys(Input& input);
   void cut(const Input& input);
+  void hideModels(const Input& input);
   void noteBookmark(const Input& input);
   void openOrCloseHelp(const Input& input);
   void pick(const Input& input);

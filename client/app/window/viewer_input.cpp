@@ -63,6 +63,21 @@ void Viewer::cut(const Input& input) {
     note(section_.describe());
 }
 
+/// Hides or isolates the model under the pointer; beside all models, shows all.
+void Viewer::hideModels(const Input& input) {
+  if (!input.hide_model && !input.isolate_model) return;
+  if (!scene_->hasFixedUp()) return note("only models of a scene can be hidden");
+  const std::optional<PickedPoint> hit = under(input.pointer_px);
+  if (!hit || hit->is_ground) {
+    scene_->showAll();
+    return note("all models are shown");
+  }
+  if (!(input.isolate_model ? scene_->isolate(hit->model_number) : scene_->hide(hit->model_number)))
+    return note("no other model is shown; Z beside it: show all");
+  note(hit->model + (input.isolate_model ? " is shown alone" : " is hidden") +
+       "; Z beside the models: show all");
+}
+
 void Viewer::noteBookmark(const Input& input) {
   const std::string number = std::to_string(input.bookmark);
   if (input.set_bookmark)

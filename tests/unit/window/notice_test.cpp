@@ -114,6 +114,11 @@ TEST(Notice, saysTheFirstMissingModelOnOneLineWithTheKeyThatShowsAll) {
             "2 missing models (M: show less):\nrock is missing: a.ply: no such file\ntree is missing");
 }
 
+TEST(Notice, namesTheHiddenModels) {
+  EXPECT_EQ(hiddenText({}), "");
+  EXPECT_EQ(hiddenText(std::vector<std::string>{"rock", "tree"}), "hidden: rock, tree");
+}
+
 TEST(Notice, explainsAFailedOpenAndHowToCloseTheWindow) {
   const Notice notice = noticeOf(Error(ErrorCode::kInput, "a.lode is damaged: build it again"));
   EXPECT_EQ(notice.kind, Notice::Kind::kFailure);

@@ -65,6 +65,12 @@ std::string missingText(std::span<const std::string> missing, bool all) {
   return missing.empty() ? "" : headed(counted(missing.size(), "missing model"), missing, all);
 }
 
+std::string hiddenText(std::span<const std::string> names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "hidden: " : ", ") + name;
+  return text;
+}
+
 Notice noticeOf(const Error& error) {
   return {Notice::Kind::kFailure, messageOf(error) + "\nEsc or Q closes the window."};
 }

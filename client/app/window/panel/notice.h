@@ -41,6 +41,8 @@ Notice noticeOf(const stream::StreamStatus& status, bool offline, OnGpu on_gpu);
 std::string warningOf(std::span<const std::string> warnings, bool all);
 /// Describes the missing models of a scene like warningOf().
 std::string missingText(std::span<const std::string> missing, bool all);
+/// Names the hidden models of a scene: "hidden: a, b"; empty if there are none.
+std::string hiddenText(std::span<const std::string> names);
 /// Returns a notice that the target could not be opened, with the reason and the key that closes the window.
 Notice noticeOf(const Error& error);
 

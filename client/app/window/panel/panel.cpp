@@ -209,7 +209,7 @@ Panel::~Panel() {
 void Panel::prepare(double scale, const PanelContent& content) {
   bool is_new = std::exchange(scale_, static_cast<float>(scale)) != static_cast<float>(scale);
   for (const std::string* text : {&content.title, &content.waiting, &content.notice.text, &content.message,
-                                  &content.missing, &content.warning})
+                                  &content.missing, &content.warning, &content.hidden})
     is_new |= characters_.add(*text);
   for (const std::string& line : content.pick) is_new |= characters_.add(line);
   for (const render::LegendEntry& entry : content.legend) is_new |= characters_.add(entry.meaning);

@@ -67,6 +67,7 @@ struct PanelContent {
   std::vector<render::LegendEntry> legend;  ///< meanings of the colours in this mode
   std::string_view explanation;             ///< explanation of the colour mode, see render::ColorModeTraits
   std::string warning;                      ///< warnings of the builds, see warningOf()
+  std::string hidden;                       ///< names of hidden models, see hiddenText()
   std::string missing;                      ///< missing models of the scene, see missingText()
   Notice notice;                            ///< state of the stream
   bool recording = false;                   ///< true while the camera path is recorded

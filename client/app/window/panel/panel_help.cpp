@@ -20,8 +20,7 @@ struct KeyHelp {
 constexpr std::array kOrbitHelp{
     KeyHelp{"drag", "orbit around the point under the pointer"},
     KeyHelp{"right drag", "pan"},
-    KeyHelp{"wheel  W  S", "zoom to the point under the pointer"},
-    KeyHelp{"double click", "fly to the point"},
+    KeyHelp{"wheel  W  S", "zoom to this point; double click: fly to it"},
 };
 
 constexpr std::array kFlyHelp{
@@ -50,12 +49,12 @@ constexpr std::array kCommonHelp{
     KeyHelp{"click  C", "measure; copy the measurement"},
     KeyHelp{"K  Shift+K  J", "keep; other measurements; save them as CSV"},
     KeyHelp{"V  F  G", "next colour mode; wireframe; clay"},
-    KeyHelp{"L and drag", "turn the light"},
-    KeyHelp{"X", "section; with drag: move it, with Shift: flip it"},
+    KeyHelp{"L, X and drag", "turn the light; move the section"},
+    KeyHelp{"X  Shift+X", "next section; show the other half"},
+    KeyHelp{"Z  Shift+Z", "hide a scene's model; show it alone"},
     KeyHelp{"+  -", "finer or coarser detail"},
     KeyHelp{"P  F12", "record the camera path; save a screenshot"},
     KeyHelp{"O  M", "settings; all warnings"},
-    KeyHelp{"drop a file", "open it in this window"},
     KeyHelp{"H  F11  Esc", "hide the panel; full screen; quit"},
 };
 
@@ -108,7 +107,7 @@ void drawHelp(CameraKind camera, float width_px) {
     ImGui::PopTextWrapPos();
     ImGui::EndTable();
   }
-  ImGui::TextColored(kMuted, "Press any key to close; F1 or ? opens this help");
+  ImGui::TextColored(kMuted, "A dropped file opens. Any key closes, F1 or ? opens this help");
 }
 
 }  // namespace lode::app

@@ -41,6 +41,7 @@ std::vector<Word> wordsOf(const PanelContent& content, float width_px) {
       words.push_back({content.shows_messages ? text : onOneLine(text, width_px), its_colour});
   };
   if (!content.visible) return words;
+  add(content.hidden, kMuted);
   add(content.missing, kBad);
   add(content.warning, kWarning);
   if (!content.explanation.empty())

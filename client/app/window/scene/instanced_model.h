@@ -18,9 +18,9 @@
 
 namespace lode::app {
 
-/// A model of the scene in the window, with its instances. A model has no instances until it is open. Views,
-/// points and placements of the scene are in the frame of ViewedScene::summary(). Use it only on the thread
-/// of its OpenGL context.
+/// A model of the scene in the window, with its instances. A model has no instances until it is open, and
+/// while it is hidden. Views, points and placements of the scene are in the frame of ViewedScene::summary().
+/// Use it only on the thread of its OpenGL context.
 struct InstancedModel {
   /// @param model_number  index in Scene::models. @param target  opener of the model's target.
   InstancedModel(size_t model_number, std::unique_ptr<RetryingOpener> target, const MemoryShares& memory);
@@ -46,6 +46,7 @@ struct InstancedModel {
   void dropOldProbes();
 
   const size_t number;
+  bool is_hidden = false;  ///< true if the user has hidden the model
   render::Renderer renderer;
   std::unique_ptr<RetryingOpener> opener;  ///< never null
   ModelOpener::Progress opened;            ///< progress at the last poll

@@ -117,11 +117,11 @@ core::Framing ViewedScene::framing() const {
   return scene_.is_single_model ? models_.front()->opened.framing : framing_;
 }
 
-/// Sets up the stage and the instances of all open models. The first call chooses the coordinate frame of
-/// views; later calls, for models that open later, keep this frame.
+/// Sets up the stage and the instances of all open models that are not hidden. The first call chooses the
+/// coordinate frame of views; later calls, for models that open later, keep this frame.
 void ViewedScene::setUp() {
   std::vector<const ModelSummary*> summaries;
-  for (const auto& model : models_) summaries.push_back(model->opened.model);
+  for (const auto& model : models_) summaries.push_back(model->is_hidden ? nullptr : model->opened.model);
   const bool is_first = !stage_, is_whole = std::ranges::all_of(models_, &InstancedModel::isOpen);
   stage_.emplace(scene_, summaries);
   const ModelSummary whole = stage_->whole();
@@ -134,7 +134,7 @@ void ViewedScene::setUp() {
   }
   for (const auto& model : models_) model->instances.clear();
   for (auto [number, placement] : scene_.instances) {
-    if (!models_[number]->isOpen()) continue;
+    if (!models_[number]->isOpen() || models_[number]->is_hidden) continue;
     placement.position -= whole_.lattice.origin;
     models_[number]->instances.push_back(placement);
   }

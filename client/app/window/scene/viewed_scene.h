@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -67,6 +68,15 @@ class ViewedScene {
   std::vector<std::string> warnings() const;
   /// Returns a line for each missing model, with the reason.
   std::vector<std::string> missing() const;
+  /// Hides all instances of a model. Views, picks, the extent of the scene and the first camera leave out
+  /// hidden models. @param model_number  PickedPoint::model_number. @return false if no other model is shown.
+  bool hide(size_t model_number);
+  /// Hides all models but one. @return false for a single model.
+  bool isolate(size_t model_number);
+  /// Shows all models.
+  void showAll();
+  /// Returns the names of the hidden models.
+  std::vector<std::string> hidden() const;
   /// Returns true if the scene comes from a scene file. Such a file fixes the up axis, which the user then
   /// cannot change.
   bool hasFixedUp() const noexcept { return !scene_.is_single_model; }
@@ -134,6 +144,7 @@ class ViewedScene {
   void openNext();
   Error errorOf(const InstancedModel& model) const;
   void setUp();
+  void setHidden(const std::function<bool(const InstancedModel&)>& is_hidden);
   void addLateModels();
   core::View withNear(const core::View& view) const;
   core::View inTrueCoordinates(const core::View& view) const;
