@@ -226,29 +226,6 @@ void GlfwWindow::pressKey(int key, int modifiers) {
     case GLFW_KEY_H:
       pending_.toggle_panel = !pending_.toggle_panel;
       break;
-    case GLFW_KEY_K:
-      if ((modifiers & GLFW_MOD_SHIFT) != 0)
-        ++pending_.next_measure;
-      else
-        pending_.keep_measure = true;
-      break;
-    case GLFW_KEY_Z:
-      ((modifiers & GLFW_MOD_SHIFT) != 0 ? pending_.isolate_model : pending_.hide_model) = true;
-      break;
-    case GLFW_KEY_BACKSPACE:
-      pending_.drop_measure = true;
-      break;
-    case GLFW_KEY_J:
-      pending_.save_measures = true;
-      break;
-    case GLFW_KEY_X:
-      // Without Shift, the key acts when it is released, unless it was held for a drag.
-      is_x_used_ = (modifiers & GLFW_MOD_SHIFT) != 0;
-      if (is_x_used_) pending_.flip_section = !pending_.flip_section;
-      break;
-    case GLFW_KEY_G:
-      ++pending_.next_clay;
-      break;
     case GLFW_KEY_N:
     case GLFW_KEY_KP_5:
       pending_.toggle_parallel = !pending_.toggle_parallel;
@@ -273,6 +250,38 @@ void GlfwWindow::pressKey(int key, int modifiers) {
       break;
     case GLFW_KEY_ESCAPE:
       pending_.quit = true;
+      break;
+    default:
+      pressToolKey(key, modifiers);
+      break;
+  }
+}
+
+/// Handles the keys of measurements, models, sections and clay.
+void GlfwWindow::pressToolKey(int key, int modifiers) {
+  switch (key) {
+    case GLFW_KEY_K:
+      if ((modifiers & GLFW_MOD_SHIFT) != 0)
+        ++pending_.next_measure;
+      else
+        pending_.keep_measure = true;
+      break;
+    case GLFW_KEY_Z:
+      ((modifiers & GLFW_MOD_SHIFT) != 0 ? pending_.isolate_model : pending_.hide_model) = true;
+      break;
+    case GLFW_KEY_BACKSPACE:
+      pending_.drop_measure = true;
+      break;
+    case GLFW_KEY_J:
+      pending_.save_measures = true;
+      break;
+    case GLFW_KEY_X:
+      // Without Shift, the key acts when it is released, unless it was held for a drag.
+      is_x_used_ = (modifiers & GLFW_MOD_SHIFT) != 0;
+      if (is_x_used_) pending_.flip_section = !pending_.flip_section;
+      break;
+    case GLFW_KEY_G:
+      ++pending_.next_clay;
       break;
     default:
       break;

@@ -51,6 +51,7 @@ class GlfwWindow {
  private:
   struct Callbacks;
   void pressKey(int key, int modifiers);
+  void pressToolKey(int key, int modifiers);
   void releaseKey(int key);
   void typeSign(unsigned code);
   void moveTo(glm::dvec2 position);
