@@ -258,6 +258,10 @@ TEST(TileNames, areOthersWhereTheContentIsAnother) {
   EXPECT_EQ(changedUnderTheirName(tiles, TilesOf(std::move(closer))), std::vector<std::string>());
   EXPECT_EQ(changedUnderTheirName(tiles, TilesOf(deepModel({.lattice = {{}, 0.5}}))),
             std::vector<std::string>());
+  // The same page below an owner with another box.
+  test::SyntheticModel wider = deepModel();
+  for (Node& node : wider.nodes) node.box = node.key.depth() <= 2 ? wider.nodes[0].box : node.box;
+  EXPECT_EQ(changedUnderTheirName(tiles, TilesOf(std::move(wider))), std::vector<std::string>());
 }
 
 TEST(TileNames, areTheSameWhereTheContentIsTheSame) {
