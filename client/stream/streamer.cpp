@@ -338,7 +338,9 @@ void Streamer::keep(std::vector<std::shared_ptr<const core::Cut>> cuts) {
 
 StreamStatus Streamer::status() const {
   const std::lock_guard lock(state_->mutex);
-  return state_->statusOfView();
+  StreamStatus result = state_->statusOfView();
+  result.limited = state_->status.limited;  // a scene divides its memory by this while the camera moves
+  return result;
 }
 
 std::optional<ModelSummary> Streamer::model() const {

@@ -75,8 +75,7 @@ class Streamer {
   /// Takes references to cuts that the caller has derived from the stream's cuts. The stream's thread frees
   /// each of them once no other references exist: see PublishedCuts.
   void keep(std::vector<std::shared_ptr<const core::Cut>> cuts);
-  /// Returns the last status; never blocks on the network. If it is not `current`, it is neither settled nor
-  /// limited.
+  /// Returns the last status; never blocks on the network. If it is not `current`, it is not settled.
   StreamStatus status() const;
   /// Returns the summary of the model's latest build; nothing until the model is open.
   std::optional<ModelSummary> model() const;

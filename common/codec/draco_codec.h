@@ -68,8 +68,9 @@ struct GltfStream {
 };
 
 /// Encodes positions, normals and colours of an LOD for glTF, which requires colours in linear light. COLOR
-/// consists of floats from 0 to 1 and has alpha only if alpha is neither 255 nor 0 everywhere. Positions and
-/// normals decode to the same floats as those of a payload. Texture coordinates and materials are left out.
+/// consists of three floats from 0 to 1; alpha is left out, because the client does not draw it either.
+/// Positions and normals decode to the same floats as those of a payload. Texture coordinates and materials
+/// are left out.
 /// @throws Error kInternal if Draco fails. Thread safe.
 GltfStream encodeForGltf(const Mesh& mesh, double step);
 

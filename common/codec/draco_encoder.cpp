@@ -312,10 +312,9 @@ GltfStream encodeForGltf(const Mesh& given, double step) {
   if (mesh.attributes.has(AttributeSet::kNormal)) stream.ids.normal = ids.normal = addNormals(in, mesh);
   std::optional<int> colour;
   if (mesh.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha)) {
-    // Alpha that is 0 everywhere was never filled.
-    const int components = hasAlphaOtherThan(255, mesh) && hasAlphaOtherThan(0, mesh) ? 4 : 3;
-    stream.ids.colour = colour = addLinearColours(in, mesh, components);
-    stream.ids.colour_components = static_cast<uint32_t>(components);
+    constexpr int kComponents = 3;
+    stream.ids.colour = colour = addLinearColours(in, mesh, kComponents);
+    stream.ids.colour_components = kComponents;
   }
   draco::ExpertEncoder encoder(in);
   setQuantization(encoder, ids, boxOf(mesh), step, MeshSource::kSimplified);

@@ -38,6 +38,15 @@ std::filesystem::path folderAbove(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
+/// Refuses a folder that cannot be replaced, because a file system is mounted on it.
+void refuseMountPoint(const std::filesystem::path& path) {
+  struct stat inside {};
+  struct stat above {};
+  if (::stat(path.c_str(), &inside) == 0 && ::stat(folderAbove(path).c_str(), &above) == 0 &&
+      inside.st_dev != above.st_dev)
+    throw Error(ErrorCode::kUsage, path.string() + " is a mount point; name a new folder in it");
+}
+
 /// Syncs a folder, or with `whole` all files of its file system.
 void sync(const std::filesystem::path& folder, bool whole) {
   const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -54,14 +63,20 @@ AtomicFolder::AtomicFolder(const std::filesystem::path& path) : target_(targetOf
   if (std::filesystem::exists(std::filesystem::symlink_status(target_, failed)) &&
       !(std::filesystem::is_directory(target_, failed) && std::filesystem::is_empty(target_, failed)))
     refuseFull(path);
+  refuseMountPoint(target_);
   static std::atomic<unsigned> counter{0};
+  int error = 0;
   const Uninterrupted until_it_is_known;
   do {  // a killed process with the same process id may have left a folder of this name
     temporary_ =
         folderAbove(target_) / ("." + target_.filename().string() + "." + std::to_string(::getpid()) + "-" +
                                 std::to_string(counter++) + ".tmp");
-  } while (::mkdir(temporary_.c_str(), 0777) != 0 && errno == EEXIST);
-  if (!std::filesystem::is_directory(temporary_, failed)) failTo("create folder", path, errno);
+    error = ::mkdir(temporary_.c_str(), 0777) == 0 ? 0 : errno;
+  } while (error == EEXIST);
+  if (error != 0) {
+    temporary_.clear();
+    failTo("create folder", path, error);
+  }
   unfinished_ = Unfinished(temporary_);
 }
 

@@ -42,10 +42,9 @@ std::string nameOf(const glm::dvec3& axis) {
 }
 
 /// Parses LON,LAT,H. @throws Error kUsage.
-std::optional<tiles::GeoPosition> place(const std::string& text) {
-  if (text.empty()) return std::nullopt;
+tiles::GeoPosition place(const std::string& text) {
   std::vector<double> numbers;
-  bool are_numbers = true;
+  bool are_numbers = !text.ends_with(',');
   for (const std::string& part : CLI::detail::split(text, ',')) {
     double number = 0;
     are_numbers = are_numbers && CLI::detail::lexical_cast(part, number) && std::isfinite(number);
@@ -114,7 +113,8 @@ void exportAsTiles(const TilesArguments& arguments) {
   const glm::dvec3 up = upAxis(arguments, reader);
   const tiles::TileExportOptions options{
       .folder = arguments.folder,
-      .root_transform = tiles::rootTransform(reader.summary(), up, place(arguments.at)),
+      .root_transform = tiles::rootTransform(
+          reader.summary(), up, arguments.at ? std::optional(place(*arguments.at)) : std::nullopt),
       .threads = arguments.threads > 0 ? arguments.threads : ingest::defaultThreads()};
   const bool lacks_textures = std::ranges::any_of(
       reader.textures().textures, [](const Texture& texture) { return !texture.tiles.empty(); });

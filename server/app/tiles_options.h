@@ -11,8 +11,8 @@ namespace lode::app {
 /// Arguments of `export --tiles`.
 struct TilesArguments {
   std::filesystem::path store, folder;
-  std::string up;  ///< axis as typed; empty: guess it
-  std::string at;  ///< longitude, latitude and height as typed; empty: none
+  std::string up;                 ///< axis as typed; empty: guess it
+  std::optional<std::string> at;  ///< longitude, latitude and height as typed
   unsigned threads = 0;
   bool json = false, quiet = false;
 };

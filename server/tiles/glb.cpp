@@ -135,7 +135,6 @@ class Description {
     if (!content_.normals.empty()) extensions.push_back("KHR_mesh_quantization");
     Json material{{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}},
                   {"doubleSided", true}};
-    if (content_.stream.ids.colour_components == 4) material["alphaMode"] = "BLEND";
     Json primitive{
         {"attributes", std::move(attributes_)},
         {"indices", accessors_.size() - 1},

@@ -23,9 +23,9 @@ constexpr double kLeastTriangleRatio = 1.6, kLeastErrorRatio = 1.9;
 
 /// Selects the LODs of a node that become tiles, coarsest first: the node's finest LOD, its coarsest LOD that
 /// is not a far LOD, and LODs between them that differ enough. Errors fall strictly, because some clients
-/// refine a tile without a reason if its child has the same error. So an error that is not below the one
-/// before it becomes (1 - 1e-6) times the one before it. All errors have nine digits. An LOD with error 0 is
-/// the last of the chain, because nothing finer can look different.
+/// refine a tile of any size on the screen if its error is not below its parent's. So an error that is not
+/// below the one before it becomes (1 - 1e-6) times the one before it. All errors have nine digits. An LOD
+/// with error 0 is the last of the chain, because nothing finer can look different.
 /// @param above_model  error of the tile above, larger than 0.
 std::vector<TileLod> tileChain(const Node& node, double above_model);
 

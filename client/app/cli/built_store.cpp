@@ -237,11 +237,17 @@ Json build(const PlyFile& source, const fs::path& store, const FolderLock& lock,
   Json result;
   {
     const std::stop_callback end_build(stop, [&builder] { builder.terminate(); });
+    // A resumed build that needs the file no more writes no preview, but the earlier build has written one.
+    bool has_preview = watch.on_preview && fs::exists(preview);
+    if (has_preview) watch.on_preview(preview);
     for (std::string line; !(line = builder.readLine(kLongestSilence)).empty();) {
       Json json = Json::parse(line, nullptr, false);
       if (!json.is_object()) continue;
       if (watch.on_step) tell(watch.on_step, json);
-      if (watch.on_preview && json.value("stage", "") == "preview") watch.on_preview(preview);
+      if (watch.on_preview && !has_preview && json.value("stage", "") == "preview") {
+        has_preview = true;
+        watch.on_preview(preview);
+      }
       result = std::move(json);
     }
   }
@@ -294,11 +300,14 @@ BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& 
       record.images.push_back({name, image, versionSince(image, start)});
     }
   } catch (...) {
-    if (!stop.stop_requested()) fs::remove_all(folder, ignored);  // else the next use resumes the build
+    // The builder removes its work unless the next use can resume it. Only empty folders can be removed here.
+    if (!stop.stop_requested()) fs::remove_all(previewBeside(store).parent_path(), ignored);
+    if (ply.preview_only) fs::remove_all(folder, ignored);
+    fs::remove(folder, ignored);
     lock.removeEmptyFolder();
     throw;
   }
-  fs::remove(previewBeside(store).parent_path(), ignored);  // if it is empty, no preview was written
+  if (!watch.on_preview) fs::remove_all(previewBeside(store).parent_path(), ignored);
   writeRecord(folder, record);
   if (!ply.preview_only) removeOthers(of_source, folder);
   FileLock in_use = useStore(store);

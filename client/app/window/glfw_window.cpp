@@ -259,6 +259,7 @@ void GlfwWindow::pressKey(int key, int modifiers) {
 
 /// Handles the keys of measurements, models, sections and clay.
 void GlfwWindow::pressToolKey(int key, int modifiers) {
+  if ((modifiers & GLFW_MOD_CONTROL) != 0) return;  // Ctrl+Z means something else elsewhere
   switch (key) {
     case GLFW_KEY_K:
       if ((modifiers & GLFW_MOD_SHIFT) != 0)

@@ -15,6 +15,7 @@ constexpr double kLeastAcross = 0.25;
 void SectionPlane::step() noexcept {
   axis_ = (axis_ + 1) % 4;
   place_ = 0.5;
+  is_flipped_ = false;
 }
 
 void SectionPlane::drag(const glm::dvec2& pixels, const core::View& view, double distance_model,

@@ -271,9 +271,11 @@ render::DrawTime Viewer::time() const {
 }
 
 /// Returns true if ambient occlusion is drawn. A screenshot always has it, like the pictures of `render`. A
-/// section has none, because it would show the hollow behind the cut.
+/// section has none, because it would show the hollow behind the cut. Parallel projection has none, because
+/// its depths are too similar to find edges.
 bool Viewer::darkensHollows() const {
-  return (darkens_hollows_ || !options_.screenshot.empty()) && !style_.section;
+  return (darkens_hollows_ || !options_.screenshot.empty()) && !style_.section &&
+         !(rig_ && rig_->isParallel());
 }
 
 /// Returns true if the next picture is drawn without antialiasing. While the CPU draws for a moving camera, a
@@ -378,10 +380,12 @@ void Viewer::describe() {
     if (rig_ && !measure->points.empty())
       content_.marks.push_back(marksOf(*measure, up, choices_.unit, rig_->view()));
   content_.scale_marks.reset();
-  if (rig_ && shows_scale_)
-    content_.scale_marks = ScaleMarks{
-        scaleBarOf(rig_->view(), rig_->distanceModel(), kScaleBarPx * window_.contentScale(), choices_.unit),
-        axesInPicture(rig_->view())};
+  if (rig_ && shows_scale_) {
+    content_.scale_marks = ScaleMarks{std::nullopt, axesInPicture(rig_->view())};
+    if (rig_->kind() == CameraKind::kOrbit)  // other cameras have no distance to measure at
+      content_.scale_marks->bar = scaleBarOf(rig_->view(), rig_->distanceModel(),
+                                             kScaleBarPx * window_.contentScale(), choices_.unit);
+  }
   content_.recording = recorder_.recording();
   content_.show = nameOf(style_.show);
   content_.explanation = traitsOf(style_.show).explanation;

@@ -41,7 +41,11 @@ void Viewer::saveMeasures() {
   const std::vector<Measure> measures = picks_.all();
   if (measures.empty()) return note("no measurement: click on the model first");
   try {
-    const std::string csv = timedName("measurements.csv"), json = timedName("measurements.json");
+    std::string name = timedName("measurements");
+    for (int number = 2; std::filesystem::exists(name + ".csv") || std::filesystem::exists(name + ".json");
+         ++number)
+      name = timedName("measurements-" + std::to_string(number));
+    const std::string csv = name + ".csv", json = name + ".json";
     for (const auto& [file, text] : {std::pair{csv, measuresAsCsv(measures, rig_->up(), choices_.unit)},
                                      {json, measuresAsJson(measures, rig_->up(), choices_.unit)}}) {
       AtomicFile output(file, {}, OutputName::kDerived);

@@ -49,14 +49,16 @@ BuildSession::BuildSession(const BuildOptions& options, const BuildProgress& pro
 /// Opens the existing journal if this build resumes from it. Otherwise deletes the files of the earlier
 /// build. @throws Error kInput if --resume is given but the build has changed.
 void BuildSession::resume() {
+  bool is_damaged = false;
   try {
     journal_.emplace(Journal::open(
         folder_.journal(),
         [this](uint32_t kind, std::span<const std::byte> bytes) { recorded_.add(kind, bytes); }));
   } catch (const Error&) {
     if (options_.resume && !options_.restart_if_changed) throw;
+    is_damaged = true;
   }
-  if (options_.resume && recorded_.identity) {
+  if (options_.resume && recorded_.identity && !is_damaged) {
     const std::string difference = recorded_.identity->difference(identity_);
     if (!difference.empty() && !options_.restart_if_changed) {
       throw Error(ErrorCode::kInput,

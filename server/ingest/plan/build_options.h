@@ -80,7 +80,7 @@ struct BuildOptions : ResultOptions {
   /// lack of memory or through an I/O error, it keeps its own finished work, too.
   bool resume = false;
   /// With `resume`: starts from the beginning, instead of failing, if the earlier build had another input or
-  /// other options, or if its files are damaged.
+  /// other options, or if its journal is damaged.
   bool restart_if_changed = false;
 };
 

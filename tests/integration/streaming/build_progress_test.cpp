@@ -40,12 +40,20 @@ TEST(BuildOfATarget, reportsItsStagesAndProgressUnlessTheStoreExists) {
 }
 
 TEST(BuildOfATarget, continuesAfterItWasCancelled) {
-  const WorkFolder folder;
-  setenv("XDG_CACHE_HOME", folder.path().c_str(), 1);
-  const std::filesystem::path ply = std::filesystem::path(LODE_BIN_DIR) / "test-models" / "painted.ply";
+  const WorkFolder folder, cache;
+  setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
+  const std::filesystem::path ply = folder / "a.ply";
+  const Outcome sample =
+      Program("lodestreamd", {"sample", "asteroid", "--triangles", "400000", "-o", ply.string()}).wait();
+  ASSERT_EQ(sample.status, 0) << sample.err;
   std::stop_source stop;
   std::vector<std::string> stages;
   app::BuildWatch watch;
+  int previews = 0;
+  watch.on_preview = [&](const std::filesystem::path& preview) {
+    EXPECT_TRUE(std::filesystem::exists(preview));
+    ++previews;
+  };
   watch.on_step = [&](const app::BuildStep& step) {
     stages.push_back(step.doing);
     if (step.doing == "simplifying") stop.request_stop();
@@ -56,6 +64,7 @@ TEST(BuildOfATarget, continuesAfterItWasCancelled) {
   watch.on_step = [&](const app::BuildStep& step) { stages.push_back(step.doing); };
   const app::BuiltStore store = app::builtStore({ply}, false, {}, watch);
   EXPECT_EQ(std::ranges::count(stages, "reading the file"), 0);
+  EXPECT_EQ(previews, 2) << "a resumed build shows the preview of the earlier build";
   const Outcome verdict = Program("lodestreamd", {"verify", store.path.string()}).wait();
   EXPECT_EQ(verdict.status, 0) << verdict.err;
 }

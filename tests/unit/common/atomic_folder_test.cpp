@@ -109,6 +109,18 @@ TEST_F(AtomicFolders, refuseAFolderThatWasFilledMeanwhile) {
 TEST_F(AtomicFolders, nameTheFolderThatCannotBeCreated) {
   const std::string message = refusal(work_ / "missing/new");
   EXPECT_EQ(message.rfind("cannot create folder " + (work_ / "missing/new").string(), 0), 0u) << message;
+  EXPECT_NE(message.find("No such file"), std::string::npos) << message;
+  const std::string refused = refusal("/proc/new");
+  EXPECT_EQ(refused.find("exists"), std::string::npos) << refused;
+}
+
+TEST_F(AtomicFolders, refuseAMountPointBeforeAnythingIsWritten) {
+  struct stat root {
+  }, shared{};
+  if (::stat("/dev", &root) != 0 || ::stat("/dev/shm", &shared) != 0 || root.st_dev == shared.st_dev ||
+      !fs::is_empty("/dev/shm"))
+    GTEST_SKIP() << "/dev/shm is no empty mount point";
+  EXPECT_NE(refusal("/dev/shm").find("is a mount point"), std::string::npos);
 }
 
 TEST_F(AtomicFolders, canBeReadByWebServers) {

@@ -122,6 +122,7 @@ void CameraRig::lookAtSide(core::Side side) {
 }
 
 void CameraRig::toggleParallel() {
+  if (kind_ != CameraKind::kOrbit) restart(view_, orbit_.distanceModel());  // orbit what the camera looks at
   kind_ = CameraKind::kOrbit;
   if (!isParallel()) perspective_fov_rad_ = view_.fov_y_rad;
   const double fov_rad = isParallel() ? perspective_fov_rad_ : glm::radians(kParallelFovDeg);
