@@ -95,7 +95,7 @@ TEST_F(StoredTextures, areRefusedInTheOldFormatWithAdviceToRebuild) {
   std::vector<char> file = test::readFile(path_);
   file[8] = 1;
   test::writeFile(path_, file);
-  EXPECT_NE(test::messageOf([&] { Reader reader(path_); }).find("rebuild it"), std::string::npos);
+  EXPECT_NE(test::messageOf([&] { Reader reader(path_); }).find("build the store anew"), std::string::npos);
 }
 
 /// Adds a texture with real tiles.
