@@ -127,11 +127,10 @@ void setExplicitQuantization(draco::ExpertEncoder& encoder, int id, int bits, co
   encoder.options().SetAttributeOptions(id, options);
 }
 
-// Returns true if a vertex has another alpha than `value`.
-bool hasAlphaOtherThan(uint8_t value, const Mesh& mesh) {
+bool hasTransparency(const Mesh& mesh) {
   return mesh.attributes.has(AttributeSet::kAlpha) &&
          std::any_of(mesh.vertex_attributes.begin(), mesh.vertex_attributes.end(),
-                     [value](const VertexAttributes& a) { return a.colour.a != value; });
+                     [](const VertexAttributes& a) { return a.colour.a != 255; });
 }
 
 void addPositions(draco::Mesh& out, const Mesh& mesh, double step) {
@@ -164,7 +163,7 @@ AttributeIds addAttributes(draco::Mesh& out, const Mesh& mesh, double step) {
   const std::vector<VertexAttributes>& in = mesh.vertex_attributes;
   if (mesh.attributes.has(AttributeSet::kNormal)) ids.normal = addNormals(out, mesh);
   if (mesh.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha)) {
-    const int components = hasAlphaOtherThan(255, mesh) ? 4 : 3;
+    const int components = hasTransparency(mesh) ? 4 : 3;
     addAttribute<uint8_t>(
         out, GeometryAttribute::COLOR, draco::DT_UINT8, components, true, in.size(),
         [&](size_t i, uint8_t* c) { std::memcpy(c, &in[i].colour, static_cast<size_t>(components)); });
@@ -249,15 +248,14 @@ EncodedPayload encodeByDraco(const Mesh& mesh, double step, MeshSource source) {
 }
 
 // Adds colours in linear light. Returns the attribute's id.
-int addLinearColours(draco::Mesh& out, const Mesh& mesh, int components) {
+int addLinearColours(draco::Mesh& out, const Mesh& mesh) {
   std::array<float, 256> linear{};
   for (size_t byte = 0; byte < linear.size(); ++byte)
     linear[byte] = static_cast<float>(linearOf(static_cast<uint8_t>(byte)));
-  return addAttribute<float>(out, GeometryAttribute::COLOR, draco::DT_FLOAT32, components, false,
+  return addAttribute<float>(out, GeometryAttribute::COLOR, draco::DT_FLOAT32, 3, false,
                              mesh.vertex_attributes.size(), [&](size_t i, float* c) {
                                const glm::u8vec4 colour = mesh.vertex_attributes[i].colour;
                                for (int k = 0; k < 3; ++k) c[k] = linear[colour[k]];
-                               if (components == 4) c[3] = static_cast<float>(colour.a) / 255;
                              });
 }
 
@@ -312,9 +310,8 @@ GltfStream encodeForGltf(const Mesh& given, double step) {
   if (mesh.attributes.has(AttributeSet::kNormal)) stream.ids.normal = ids.normal = addNormals(in, mesh);
   std::optional<int> colour;
   if (mesh.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha)) {
-    constexpr int kComponents = 3;
-    stream.ids.colour = colour = addLinearColours(in, mesh, kComponents);
-    stream.ids.colour_components = kComponents;
+    stream.ids.colour = colour = addLinearColours(in, mesh);
+    stream.ids.colour_components = 3;
   }
   draco::ExpertEncoder encoder(in);
   setQuantization(encoder, ids, boxOf(mesh), step, MeshSource::kSimplified);

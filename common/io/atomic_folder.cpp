@@ -59,11 +59,11 @@ void sync(const std::filesystem::path& folder, bool whole) {
 }  // namespace
 
 AtomicFolder::AtomicFolder(const std::filesystem::path& path) : target_(targetOf(path)) {
+  refuseMountPoint(target_);
   std::error_code failed;
   if (std::filesystem::exists(std::filesystem::symlink_status(target_, failed)) &&
       !(std::filesystem::is_directory(target_, failed) && std::filesystem::is_empty(target_, failed)))
     refuseFull(path);
-  refuseMountPoint(target_);
   static std::atomic<unsigned> counter{0};
   int error = 0;
   const Uninterrupted until_it_is_known;

@@ -300,14 +300,17 @@ BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& 
       record.images.push_back({name, image, versionSince(image, start)});
     }
   } catch (...) {
-    // The builder removes its work unless the next use can resume it. Only empty folders can be removed here.
+    // The builder has kept its work only if the next use can resume it. The folder is then not empty, and
+    // fs::remove() leaves it.
     if (!stop.stop_requested()) fs::remove_all(previewBeside(store).parent_path(), ignored);
     if (ply.preview_only) fs::remove_all(folder, ignored);
     fs::remove(folder, ignored);
     lock.removeEmptyFolder();
     throw;
   }
-  if (!watch.on_preview) fs::remove_all(previewBeside(store).parent_path(), ignored);
+  const fs::path preview_folder = previewBeside(store).parent_path();
+  fs::remove(preview_folder, ignored);                             // if it is empty, no preview was written
+  if (!watch.on_preview) fs::remove_all(preview_folder, ignored);  // else the caller shows and removes it
   writeRecord(folder, record);
   if (!ply.preview_only) removeOthers(of_source, folder);
   FileLock in_use = useStore(store);

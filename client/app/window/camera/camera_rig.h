@@ -42,7 +42,7 @@ class CameraRig {
   /// Switches between perspective and parallel projection, with the orbiting camera. The picture of the
   /// orbited point's plane stays the same. Parallel projection is a perspective with a field of view of
   /// kParallelFovDeg from far away, so that errors in pixels, picking and recorded paths need no other rules.
-  /// At a depth of one picture height from the orbited point, a surface at the edge of the picture is off by
+  /// At a depth of one picture height from the orbited point, a surface at the top of the picture is off by
   /// 0.09 % of the picture's height from an exact parallel projection.
   void toggleParallel();
   bool isParallel() const noexcept { return view_.fov_y_rad == glm::radians(kParallelFovDeg); }

@@ -33,8 +33,8 @@ struct PickedPoint {
 /// paintAt().
 PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core::Cut& textured);
 
-/// Returns a bound of the distance from a pick to the point that a click on the original surface would give:
-/// the point's error, and half of the diagonal of a lattice cell. Pure.
+/// Returns a bound of the distance from a pick to the original surface: the point's error, plus half of the
+/// diagonal of a lattice cell. Pure.
 double uncertaintyOf(const PickedPoint& point) noexcept;
 /// Returns the number of decimals that resolves a lattice step. More decimals would be meaningless. Pure.
 int decimalsOf(double step) noexcept;
