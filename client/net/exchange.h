@@ -11,11 +11,14 @@ namespace lode::net {
 
 /// Largest number of reads and writes in one call of exchange().
 constexpr size_t kMaxExchangeRounds = 16;
+/// Number of received bytes at which a call of exchange() returns. A byte costs most in a flood of small
+/// frames.
+constexpr size_t kMaxExchangeBytes = kMaxReceivedBytes;
 
 /// Sends the frames that a client's end of the protocol has queued. If the transport has no room, the frames
 /// stay in `end`. @param end  an object with takeOutgoing().
-template <typename End>
-void sendOutgoing(TcpTransport& transport, End& end) {
+template <typename Transport, typename End>
+void sendOutgoing(Transport& transport, End& end) {
   if (transport.hasRoom()) transport.send(end.takeOutgoing());
 }
 
@@ -23,18 +26,22 @@ void sendOutgoing(TcpTransport& transport, End& end) {
 /// are unsent, sends the answers first; if the transport has no room for them, stops. So a server that sends
 /// without reading can fill neither the queue of answers nor the queue of received bytes. One call does
 /// limited work, so that the caller can check deadlines even during a flood of frames.
+/// @param transport  a TcpTransport, or an object with its functions.
 /// @param end  an object with connected(), takesInput(), takeOutgoing() and receive(bytes); receive() also
 /// handles the events.
 /// @return true if the caller should call again at once. If not, the transport wakes its owner when there is
 /// more to do.
 /// @throws Error as TcpTransport and `end` do.
-template <typename End>
-bool exchange(TcpTransport& transport, End& end) {
+template <typename Transport, typename End>
+bool exchange(Transport& transport, End& end) {
   if (end.connected()) sendOutgoing(transport, end);
-  for (size_t round = 0; round < kMaxExchangeRounds && end.connected(); ++round) {
+  size_t received_bytes = 0;
+  for (size_t round = 0; round < kMaxExchangeRounds && received_bytes < kMaxExchangeBytes && end.connected();
+       ++round) {
     if (end.takesInput()) {
       const proto::Bytes bytes = transport.takeReceived();
       if (bytes.empty()) return false;
+      received_bytes += bytes.size();
       end.receive(bytes);
     } else {
       if (!transport.hasRoom()) return false;

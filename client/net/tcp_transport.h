@@ -11,7 +11,7 @@
 namespace lode::net {
 
 /// Number of received bytes, not yet taken, at which the transport pauses reading.
-constexpr size_t kMaxReceivedBytes = 4u << 20;
+constexpr size_t kMaxReceivedBytes = 1u << 20;
 /// Limit for the bytes queued for sending; exceeding it is an error.
 constexpr size_t kMaxUnsentBytes = 16u << 20;
 

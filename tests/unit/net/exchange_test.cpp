@@ -112,5 +112,28 @@ TEST_F(ExchangeTest, returnsToItsCallerAfterALimitedNumberOfRounds) {
   EXPECT_EQ(end.rounds, kMaxExchangeRounds);
 }
 
+/// Has received more whenever it is asked, as a transport whose server sends faster than the client reads.
+struct FloodedTransport {
+  bool hasRoom() const { return true; }
+  void send(const proto::Bytes& /*bytes*/) {}
+  proto::Bytes takeReceived() { return proto::Bytes(kMaxReceivedBytes / 4); }
+};
+
+/// Takes all input and answers nothing.
+struct SilentEnd {
+  bool connected() const { return true; }
+  bool takesInput() const { return true; }
+  proto::Bytes takeOutgoing() { return {}; }
+  void receive(std::span<const std::byte> bytes) { received_bytes += bytes.size(); }
+  size_t received_bytes = 0;
+};
+
+TEST_F(ExchangeTest, returnsToItsCallerAfterALimitedNumberOfBytes) {
+  FloodedTransport transport;
+  SilentEnd end;
+  EXPECT_TRUE(exchange(transport, end));
+  EXPECT_EQ(end.received_bytes, kMaxExchangeBytes);
+}
+
 }  // namespace
 }  // namespace lode::net
