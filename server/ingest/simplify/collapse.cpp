@@ -10,6 +10,7 @@
 #include "server/ingest/simplify/cluster.h"
 #include "server/ingest/simplify/collapse_check.h"
 #include "server/ingest/simplify/collapse_mesh.h"
+#include "server/ingest/simplify/edge_cost.h"
 #include "server/ingest/simplify/edge_queue.h"
 #include "server/ingest/simplify/edge_surroundings.h"
 #include "server/ingest/simplify/far_points.h"
@@ -24,7 +25,7 @@ namespace {
 // Levels of limits. Each level allows more collapses than the previous level. Most meshes need only the first
 // level.
 constexpr std::array<CollapseLimits, 3> kLimits{{
-    {.least_cosine = 0.3, .least_shape = 0.05, .link_condition = true, .most_triangles = 256},
+    {.least_cosine = 0.3, .least_shape = 0.05, .link_condition = true, .most_triangles = kHubTriangles},
     {.least_cosine = 0.0, .least_shape = 0.0, .link_condition = false, .most_triangles = 4096},
     {.least_cosine = -1.0, .least_shape = 0.0, .link_condition = false},
 }};
@@ -32,26 +33,14 @@ constexpr std::array<CollapseLimits, 3> kLimits{{
 constexpr double kPostponed = 4;
 // After this number of postponements, an edge waits for the next round.
 constexpr uint32_t kMostPostponements = 6;
-// Cost factor of moving a position off its seam, or off a corner of seams or boundaries.
-constexpr double kBreaksFeature = 8;
-constexpr double kLeastArea = 1e-6;  // area that replaces zero, in square lattice steps
 // The next level begins after a round that collapses fewer than 1 in 32 of its edges.
 constexpr size_t kProgress = 32;
-// Largest number of pairs of wedges for which the cost of an edge includes attributes.
-constexpr size_t kMostPairs = 64;
 // Around a hub (a vertex with very many triangles), the cost of merging a neighbour into the hub grows by
 // this fraction for each trailing zero bit of the neighbour's index; see drop().
 constexpr double kSpread = 0.25;
 // Factor on the key of a changed edge at a hub when it is queued again. The cost of such an edge grows with
 // each collapse at the hub, and a key above the present cost saves evaluations.
 constexpr double kAhead = 1.5;
-// Limit on the number of triangles that collapses around hubs may check: kLooksOfMesh, plus kLooksPerTriangle
-// for each triangle of the mesh.
-constexpr uint64_t kLooksOfMesh = 1u << 18, kLooksPerTriangle = 64;
-
-/// Freedom of an edge's end in a collapse: the end may move, may move at a higher cost, or must stay.
-enum class Freedom { kFree, kPenalised, kFixed };
-
 /// Returns the kind that a merged position has until the next round reclassifies all positions.
 PositionKind joined(PositionKind a, PositionKind b) {
   if (a > b) std::swap(a, b);
@@ -74,11 +63,6 @@ class Collapser {
     uint32_t evaluated_at;  ///< value of clock_ when the edge was evaluated
     uint32_t postponed;     ///< number of times that the edge was postponed
   };
-  struct Candidate {
-    Placement placement;
-    bool possible = false;
-    double breadth = 1;  ///< result of breadth()
-  };
   /// An edge that was evaluated again after a change; see alreadyQueued().
   struct Seen {
     uint32_t u = 0, v = 0, changed_at = 0;
@@ -86,29 +70,17 @@ class Collapser {
 
   size_t startRound(bool is_first);
   bool collapseNext();
-  void postpone(Record record, const Candidate& candidate);
-  void collapseEdge(Record record, const Candidate& candidate);
-  /// Returns the sum of the quadrics at both ends of an edge.
-  Quadric quadricOf(uint32_t u, uint32_t v) {
-    Quadric q = mesh_.quadrics[u] + mesh_.quadrics[v];
-    if (!attributes_.empty()) reduceWedges(q, u, v);
-    return q;
-  }
-  void reduceWedges(Quadric& q, uint32_t u, uint32_t v);
-  Candidate evaluate(uint32_t u, uint32_t v);
-  Candidate place(uint32_t u, uint32_t v);
-  double breadth(uint32_t u, uint32_t v) const noexcept;
-  Freedom freedom(const CollapsePosition& position, EdgeKind edge) const;
+  void postpone(Record record, const EdgeCost::Candidate& candidate);
+  void collapseEdge(Record record, const EdgeCost::Candidate& candidate);
   bool alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at);
   /// Returns true if the last level of limits is reached and so many triangles surround the edge that one end
   /// is a hub, a vertex with very many triangles.
   bool isAroundHub(const Record& record) const noexcept {
     return level_ + 1 == kLimits.size() &&
-           mesh_.positions[record.u].count + mesh_.positions[record.v].count > kLimits[0].most_triangles;
+           mesh_.positions[record.u].count + mesh_.positions[record.v].count > kHubTriangles;
   }
-  bool mayLookAround(uint32_t u, uint32_t v);
   bool canDrop(uint32_t gone, uint32_t keep) const;
-  void drop(Record record, uint32_t gone, uint32_t keep, const Candidate& candidate);
+  void drop(Record record, uint32_t gone, uint32_t keep, const EdgeCost::Candidate& candidate);
   void put(Record record, double cost);
   void apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds);
   SimplifiedMesh snapshot();
@@ -119,32 +91,29 @@ class Collapser {
   const CollapseOptions options_;
   CollapseMesh mesh_;
   WedgeQuadrics attributes_;
+  EdgeCost cost_;
   EdgeSurroundings around_;
   CollapseCheck check_;
   FarPoints far_points_;
   EdgeQueue<Record> queue_;
   LatticePlaces places_;
   std::vector<Seen> seen_;
-  /// Sum of the quadrics at both ends of the edge that was evaluated last.
-  Quadric quadric_;
-  std::vector<WedgeTable::Pair> pairs_;  ///< buffer that is reused between calls
   /// For each position, the position it was merged into, or itself if it remains.
   std::vector<uint32_t> forward_;
   uint32_t clock_ = 0;  ///< number of collapses so far
   size_t level_ = 0;
-  uint64_t looks_left_ = 0;  ///< number of triangles that further collapses may check; see kLooksPerTriangle
 };
 
 Collapser::Collapser(NodeMesh&& mesh, const CollapseOptions& options)
     : options_(options),
       mesh_(std::move(mesh), options.node_depth),
       attributes_(mesh_, glm::length(glm::dvec3(options.max_position)), options.attribute_weight),
+      cost_(mesh_, attributes_),
       around_(mesh_),
       check_(mesh_),
       far_points_(mesh_),
       places_(mesh_, options.max_position) {
   mesh_.mixes_values = !attributes_.coversAll();
-  looks_left_ = kLooksOfMesh + kLooksPerTriangle * mesh_.live_triangles;
   seen_.resize(std::bit_ceil(mesh_.positions.size() / 2 + 1));
   forward_.resize(mesh_.positions.size());
   std::iota(forward_.begin(), forward_.end(), 0u);
@@ -200,95 +169,12 @@ size_t Collapser::startRound(bool is_first) {
   });
   for (Record record; edges > 0; --edges) {
     queue_.pop(record, [this](Record& soon) { prefetch(soon); });
-    const Candidate candidate = evaluate(record.u, record.v);
+    const EdgeCost::Candidate candidate = cost_.evaluate(record.u, record.v);
     if (!candidate.possible) continue;
     put(record, candidate.placement.cost);
     ++possible;
   }
   return possible;
-}
-
-Freedom Collapser::freedom(const CollapsePosition& position, EdgeKind edge) const {
-  if (position.locked) return Freedom::kFixed;
-  switch (position.kind) {
-    case PositionKind::kSmooth:
-    case PositionKind::kBoundary:
-      return Freedom::kFree;
-    case PositionKind::kSeam:
-      return edge == EdgeKind::kSeam ? Freedom::kFree : Freedom::kPenalised;
-    case PositionKind::kSeamCorner:
-    case PositionKind::kBoundaryCorner:
-      break;
-  }
-  return Freedom::kPenalised;
-}
-
-// Subtracts from `q` the error that vanishes if the merged wedges have optimal attributes.
-void Collapser::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
-  const uint32_t wedge_u = mesh_.only_wedge[u], wedge_v = mesh_.only_wedge[v];
-  if (wedge_u != kManyWedges && wedge_v != kManyWedges) return attributes_.reduce(q, wedge_u, wedge_v);
-  if (!mayLookAround(u, v)) return;
-  mesh_.findPairs(v, u, pairs_);
-  if (pairs_.size() > kMostPairs) return;
-  mesh_.forEachWedge(u, [&](uint32_t wedge) {
-    if (std::none_of(pairs_.begin(), pairs_.end(), [=](const auto& pair) { return pair.gone == wedge; }))
-      attributes_.reduce(q, wedge);
-  });
-  mesh_.forEachWedge(v, [&](uint32_t wedge) {
-    const auto joins = [=](const auto& pair) { return pair.keep == wedge; };
-    const auto pair = std::find_if(pairs_.begin(), pairs_.end(), joins);
-    if (pair == pairs_.end()) return attributes_.reduce(q, wedge);
-    attributes_.reduce(q, wedge, pair->gone);
-    for (auto more = std::find_if(pair + 1, pairs_.end(), joins); more != pairs_.end();
-         more = std::find_if(more + 1, pairs_.end(), joins))
-      attributes_.reduce(q, more->gone);
-  });
-}
-
-/// Returns the side of a square with about the area of the triangles around both ends; never 0. The area is
-/// the geometric mean of two values: the true area, and the weight of all planes, which is larger than the
-/// area if boundary or seam edges end at the two ends. With the weight alone, collapses at boundaries would
-/// be too cheap. With the area alone, boundaries would keep triangles that the rest of the mesh needs.
-double Collapser::breadth(uint32_t u, uint32_t v) const noexcept {
-  const double area = mesh_.areas[u] + mesh_.areas[v];
-  const double weight = mesh_.quadrics[u].weight() + mesh_.quadrics[v].weight();
-  return std::sqrt(std::sqrt(std::max(area, kLeastArea) * std::max(weight, kLeastArea)));
-}
-
-/// Computes the cost of a collapse: the integral of squared distance over the surrounding area, divided by
-/// breadth(). This cost is a compromise between the integral, which minimises the mean distance per triangle,
-/// and the integral divided by the area, which minimises the largest distance.
-Collapser::Candidate Collapser::evaluate(uint32_t u, uint32_t v) {
-  // Compute the breadth first: square roots are slow, and place() does not need their result.
-  const double across = breadth(u, v);
-  Candidate candidate = place(u, v);
-  candidate.breadth = across;
-  candidate.placement.cost /= across;
-  return candidate;
-}
-
-Collapser::Candidate Collapser::place(uint32_t u, uint32_t v) {
-  const CollapsePosition &end_u = mesh_.positions[u], &end_v = mesh_.positions[v];
-  const glm::dvec3 at_u = mesh_.point(u), at_v = mesh_.point(v);
-  quadric_ = quadricOf(u, v);
-  const Quadric& q = quadric_;
-  const bool smooth_u = end_u.kind == PositionKind::kSmooth && !end_u.locked;
-  const bool smooth_v = end_v.kind == PositionKind::kSmooth && !end_v.locked;
-  const bool boundary_u = end_u.kind == PositionKind::kBoundary && !end_u.locked;
-  const bool boundary_v = end_v.kind == PositionKind::kBoundary && !end_v.locked;
-  if ((smooth_u || boundary_u) && (smooth_v || boundary_v)) return {bestPlacement(q, at_u, at_v), true};
-  if (smooth_u) return {{at_v, q.at(at_v)}, true};
-  if (smooth_v) return {{at_u, q.at(at_u)}, true};
-  const EdgeKind kind = mesh_.edgeKind(u, v);
-  const Freedom free_u = freedom(end_u, kind), free_v = freedom(end_v, kind);
-  const Freedom freer = std::min(free_u, free_v);
-  if (freer == Freedom::kFixed) return {};
-  Candidate result{free_u == free_v  ? bestPlacement(q, at_u, at_v)
-                   : free_u < free_v ? Placement{at_v, q.at(at_v)}
-                                     : Placement{at_u, q.at(at_u)},
-                   true};
-  if (freer == Freedom::kPenalised) result.placement.cost *= kBreaksFeature;
-  return result;
 }
 
 void Collapser::apply(uint32_t u, uint32_t v, glm::dvec3 to, bool folds) {
@@ -340,7 +226,7 @@ bool Collapser::collapseNext() {
   mesh_.prefetchCorners(record.u);
   mesh_.prefetchCorners(record.v);
   far_points_.prefetch(record.u, record.v);
-  const Candidate candidate = evaluate(record.u, record.v);
+  const EdgeCost::Candidate candidate = cost_.evaluate(record.u, record.v);
   if (!candidate.possible) return true;
   if (stale) {
     record.postponed = 0;
@@ -353,24 +239,13 @@ bool Collapser::collapseNext() {
   return true;
 }
 
-// Returns true if looks_left_ allows a check of all triangles around both ends of an edge. The limit exists
-// because a vertex with n triangles has about n edges, and checking n triangles for each edge takes time
-// proportional to n * n.
-bool Collapser::mayLookAround(uint32_t u, uint32_t v) {
-  const uint32_t triangles = mesh_.positions[u].count + mesh_.positions[v].count;
-  if (triangles <= kLimits[0].most_triangles) return true;
-  if (triangles > looks_left_) return false;
-  looks_left_ -= triangles;
-  return true;
-}
-
 // Returns true if the position `gone`, which has few triangles, can merge into the hub `keep`, which has very
 // many triangles, without a check of the hub's triangles. This is so if all triangles at `gone` also have
 // `keep` as a corner, because then they vanish and no other triangle changes.
 bool Collapser::canDrop(uint32_t gone, uint32_t keep) const {
   const CollapsePosition& position = mesh_.positions[gone];
   const bool is_free = position.kind == PositionKind::kSmooth || position.kind == PositionKind::kBoundary;
-  if (position.locked || !is_free || position.count > kLimits[0].most_triangles) return false;
+  if (position.locked || !is_free || position.count > kHubTriangles) return false;
   return std::ranges::all_of(mesh_.around(gone), [&](uint32_t corner) {
     return mesh_.at(CollapseMesh::next(corner)) == keep || mesh_.at(CollapseMesh::previous(corner)) == keep;
   });
@@ -379,7 +254,7 @@ bool Collapser::canDrop(uint32_t gone, uint32_t keep) const {
 // Merges the position `gone` into the hub `keep`, or queues the edge again if its cost is too high for now.
 // Costs are raised so that every second position around the hub merges first, then every second remaining
 // position, and so on. The remaining positions are then evenly spread.
-void Collapser::drop(Record record, uint32_t gone, uint32_t keep, const Candidate& candidate) {
+void Collapser::drop(Record record, uint32_t gone, uint32_t keep, const EdgeCost::Candidate& candidate) {
   const double cost = candidate.placement.cost * (1 + kSpread * std::countr_zero(gone | 1u << 31));
   if (EdgeQueue<Record>::bucketOf(keyOf(cost)) <= queue_.current())
     return apply(record.u, record.v, mesh_.point(keep), false);
@@ -388,11 +263,11 @@ void Collapser::drop(Record record, uint32_t gone, uint32_t keep, const Candidat
 }
 
 // Requeues an edge that cannot collapse now.
-void Collapser::postpone(Record record, const Candidate& candidate) {
+void Collapser::postpone(Record record, const EdgeCost::Candidate& candidate) {
   if (record.postponed++ < kMostPostponements) put(record, candidate.placement.cost);
 }
 
-void Collapser::collapseEdge(Record record, const Candidate& candidate) {
+void Collapser::collapseEdge(Record record, const EdgeCost::Candidate& candidate) {
   const CollapseLimits& limits = kLimits[level_];
   const uint32_t count_u = mesh_.positions[record.u].count, count_v = mesh_.positions[record.v].count;
   if (count_u + count_v > limits.most_triangles) return postpone(record, candidate);
@@ -401,10 +276,10 @@ void Collapser::collapseEdge(Record record, const Candidate& candidate) {
         count_u < count_v ? std::pair(record.u, record.v) : std::pair(record.v, record.u);
     if (canDrop(few, many)) return drop(record, few, many, candidate);
   }
-  if (!mayLookAround(record.u, record.v)) return postpone(record, candidate);
+  if (!cost_.mayLookAround(record.u, record.v)) return postpone(record, candidate);
   around_.gather(record.u, record.v);
   if (around_.apexes().empty()) return;
-  const glm::dvec3 to = places_.settle(candidate.placement.point, quadric_,
+  const glm::dvec3 to = places_.settle(candidate.placement.point, cost_.quadric(),
                                        std::sqrt(std::max(candidate.placement.cost, 0.0) / candidate.breadth),
                                        mesh_.point(record.u), mesh_.point(record.v));
   const CollapseFinding finding = check_.check(around_, to, limits);
