@@ -51,6 +51,8 @@ int main(int argc, char** argv) {
       "lodestream TARGET [OPTIONS] opens a window, as lodestream view TARGET [OPTIONS] does.",
       "lodestream");
   const auto declare = [&](int& exit_status) { declareCommands(program, exit_status); };
-  return lode::runCommandLine(program, argc, argv, declare, "give --memory-budget a smaller value",
-                              lode::app::messageOf, {"view", lode::app::looksLikeTarget});
+  return lode::runCommandLine(program, argc, argv, declare,
+                              {.more_memory = "give --memory-budget a smaller value",
+                               .message_of = lode::app::messageOf,
+                               .default_command = {"view", lode::app::looksLikeTarget}});
 }

@@ -86,6 +86,15 @@ inline std::vector<const char*> withDefaultCommand(const CLI::App& program, int 
 
 }  // namespace command_line
 
+/// A program's own wording and its default command, for runCommandLine().
+struct ProgramTraits {
+  const char* more_memory;  ///< remedy in the message about exhausted memory
+  /// Returns the message of an error; a program can add its own wording of the remedy.
+  std::string (*message_of)(const Error&) = command_line::plainMessage;
+  /// Command to run if the first word is neither a command nor an option, but an argument of this command.
+  DefaultCommand default_command = {};
+};
+
 /// Returns a validator that accepts numbers from `least` to `most`. CLI::Range() would also accept "nan".
 inline CLI::Validator numberFrom(double least, double most) {
   std::ostringstream range;
@@ -110,21 +119,15 @@ inline void addTexturesFolder(CLI::App& command, std::filesystem::path& folder) 
 /// Parses the command line and runs the command. Prints errors on one line of stderr.
 /// @param declare  adds the commands. A command's callback throws Error on failure and may set the exit
 /// status.
-/// @param more_memory  remedy for the message about exhausted memory.
-/// @param message_of   returns the message of an error; a program can add its own wording of the remedy.
-/// @param default_command  command to run if the first word is neither a command nor an option, but an
-/// argument of this command (see DefaultCommand).
 /// @return the exit status: 0 for success, 1 if the work failed, 2 for wrong usage.
 inline int runCommandLine(CLI::App& program, int argc, const char* const* argv,
-                          const std::function<void(int& exit_status)>& declare, const char* more_memory,
-                          std::string (*message_of)(const Error&) = command_line::plainMessage,
-                          const DefaultCommand& default_command = {}) {
+                          const std::function<void(int& exit_status)>& declare, const ProgramTraits& traits) {
   using namespace command_line;
   int exit_status = kDone;
   try {
     program.require_subcommand(1);
     declare(exit_status);
-    const std::vector<const char*> words = withDefaultCommand(program, argc, argv, default_command);
+    const std::vector<const char*> words = withDefaultCommand(program, argc, argv, traits.default_command);
     program.parse(static_cast<int>(words.size()), words.data());
     return endAfterPrinting(program, exit_status);
   } catch (const CLI::Success& asked) {  // --help, --version
@@ -134,9 +137,10 @@ inline int runCommandLine(CLI::App& program, int argc, const char* const* argv,
     const std::string what = unknown.empty() ? error.what() : unknownInWords(program, unknown);
     return fail(program, what + ": " + helpHint(program), kWrongUsage);
   } catch (const Error& error) {
-    return fail(program, message_of(error), error.code() == ErrorCode::kUsage ? kWrongUsage : kWorkFailed);
+    return fail(program, traits.message_of(error),
+                error.code() == ErrorCode::kUsage ? kWrongUsage : kWorkFailed);
   } catch (const std::bad_alloc&) {
-    return fail(program, std::string("out of memory: ") + more_memory, kWorkFailed);
+    return fail(program, std::string("out of memory: ") + traits.more_memory, kWorkFailed);
   } catch (const std::exception& error) {
     return fail(program, error.what(), kWorkFailed);
   }

@@ -25,5 +25,5 @@ int main(int argc, char** argv) {
     addCommands(program);
   };
   return lode::runCommandLine(program, argc, argv, declare,
-                              "give a smaller --memory or --memory-budget, or free memory");
+                              {"give a smaller --memory or --memory-budget, or free memory"});
 }

@@ -67,11 +67,19 @@ struct GltfStream {
   StreamIds ids;
 };
 
+/// Grid of the texture coordinates in a stream for glTF: coordinates = origin + code * step.
+struct GltfCoordinates {
+  glm::vec2 origin{0};  ///< not negative
+  double step = 0;      ///< a power of two
+  int bits = 0;         ///< all codes are below 2^bits; at most 16
+};
+
 /// Encodes positions, normals and colours of an LOD for glTF, which requires colours in linear light. COLOR
 /// consists of three floats from 0 to 1; alpha is left out, because the client does not draw it either.
-/// Positions and normals decode to the same floats as those of a payload. Texture coordinates and materials
-/// are left out.
+/// Positions and normals decode to the same floats as those of a payload. Materials are left out.
+/// @param coordinates  grid of the codes in VertexAttributes::texture; if null, the stream has no texture
+///                     coordinates.
 /// @throws Error kInternal if Draco fails. Thread safe.
-GltfStream encodeForGltf(const Mesh& mesh, double step);
+GltfStream encodeForGltf(const Mesh& mesh, double step, const GltfCoordinates* coordinates = nullptr);
 
 }  // namespace lode

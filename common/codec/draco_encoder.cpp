@@ -7,6 +7,7 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -49,6 +50,16 @@ std::string hexFloat(uint32_t n, double step) {
   const auto eighths = static_cast<uint32_t>(8 * std::frexp(step, &exponent));
   char text[32];
   std::snprintf(text, sizeof text, "0x%xp%d", n * eighths, exponent - 3);
+  return text;
+}
+
+// Returns a number that is not negative as text that strtof() reads back exactly in any locale.
+std::string hexFloat(float value) {
+  int exponent = 0;
+  constexpr int kMantissaBits = 24;
+  const auto mantissa = static_cast<uint32_t>(std::ldexp(std::frexp(value, &exponent), kMantissaBits));
+  char text[32];
+  std::snprintf(text, sizeof text, "0x%xp%d", mantissa, exponent - kMantissaBits);
   return text;
 }
 
@@ -103,12 +114,23 @@ LatticeBox boxOf(const Mesh& mesh) {
   return box;
 }
 
-// Adds an attribute. `write(i, T*)` writes the value of vertex i. Returns the attribute's id.
+// Draco's type of a component.
+template <typename T>
+constexpr draco::DataType kDataType = draco::DT_INVALID;
+template <>
+constexpr draco::DataType kDataType<float> = draco::DT_FLOAT32;
+template <>
+constexpr draco::DataType kDataType<uint8_t> = draco::DT_UINT8;
+template <>
+constexpr draco::DataType kDataType<uint16_t> = draco::DT_UINT16;
+
+// Adds an attribute. `write(i, T*)` writes the value of vertex i. Only bytes are normalized, that is, stand
+// for numbers from 0 to 1. Returns the attribute's id.
 template <typename T, typename Write>
-int addAttribute(draco::Mesh& out, GeometryAttribute::Type type, draco::DataType data_type, int components,
-                 bool normalized, size_t vertices, Write write) {
+int addAttribute(draco::Mesh& out, GeometryAttribute::Type type, int components, size_t vertices,
+                 Write write) {
   GeometryAttribute attribute;
-  attribute.Init(type, nullptr, static_cast<int8_t>(components), data_type, normalized,
+  attribute.Init(type, nullptr, static_cast<int8_t>(components), kDataType<T>, std::is_same_v<T, uint8_t>,
                  static_cast<int64_t>(sizeof(T)) * components, 0);
   const int id = out.AddAttribute(attribute, true, static_cast<uint32_t>(vertices));
   std::vector<T> values(vertices * static_cast<size_t>(components));
@@ -134,12 +156,10 @@ bool hasTransparency(const Mesh& mesh) {
 }
 
 void addPositions(draco::Mesh& out, const Mesh& mesh, double step) {
-  addAttribute<float>(out, GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, false, mesh.positions.size(),
-                      [&](size_t i, float* p) {
-                        const glm::vec3 value =
-                            glm::vec3(unpackPosition(mesh.positions[i])) * static_cast<float>(step);
-                        std::memcpy(p, &value, sizeof value);
-                      });
+  addAttribute<float>(out, GeometryAttribute::POSITION, 3, mesh.positions.size(), [&](size_t i, float* p) {
+    const glm::vec3 value = glm::vec3(unpackPosition(mesh.positions[i])) * static_cast<float>(step);
+    std::memcpy(p, &value, sizeof value);
+  });
 }
 
 // Ids of the attributes in the Draco mesh; an id is empty if the mesh lacks the attribute.
@@ -150,11 +170,10 @@ struct AttributeIds {
 
 int addNormals(draco::Mesh& out, const Mesh& mesh) {
   const std::vector<VertexAttributes>& in = mesh.vertex_attributes;
-  return addAttribute<float>(out, GeometryAttribute::NORMAL, draco::DT_FLOAT32, 3, false, in.size(),
-                             [&](size_t i, float* n) {
-                               const glm::vec3 value = decodeOctahedral(in[i].normal);
-                               std::memcpy(n, &value, sizeof value);
-                             });
+  return addAttribute<float>(out, GeometryAttribute::NORMAL, 3, in.size(), [&](size_t i, float* n) {
+    const glm::vec3 value = decodeOctahedral(in[i].normal);
+    std::memcpy(n, &value, sizeof value);
+  });
 }
 
 AttributeIds addAttributes(draco::Mesh& out, const Mesh& mesh, double step) {
@@ -164,18 +183,18 @@ AttributeIds addAttributes(draco::Mesh& out, const Mesh& mesh, double step) {
   if (mesh.attributes.has(AttributeSet::kNormal)) ids.normal = addNormals(out, mesh);
   if (mesh.attributes.has(AttributeSet::kColour | AttributeSet::kAlpha)) {
     const int components = hasTransparency(mesh) ? 4 : 3;
-    addAttribute<uint8_t>(
-        out, GeometryAttribute::COLOR, draco::DT_UINT8, components, true, in.size(),
-        [&](size_t i, uint8_t* c) { std::memcpy(c, &in[i].colour, static_cast<size_t>(components)); });
+    addAttribute<uint8_t>(out, GeometryAttribute::COLOR, components, in.size(), [&](size_t i, uint8_t* c) {
+      std::memcpy(c, &in[i].colour, static_cast<size_t>(components));
+    });
   }
   if (mesh.attributes.has(AttributeSet::kTexture))
-    ids.texture = addAttribute<float>(out, GeometryAttribute::TEX_COORD, draco::DT_FLOAT32, 2, false,
-                                      in.size(), [&](size_t i, float* t) {
-                                        t[0] = static_cast<float>(in[i].texture.x * kTextureStep);
-                                        t[1] = static_cast<float>(in[i].texture.y * kTextureStep);
-                                      });
+    ids.texture =
+        addAttribute<float>(out, GeometryAttribute::TEX_COORD, 2, in.size(), [&](size_t i, float* t) {
+          t[0] = static_cast<float>(in[i].texture.x * kTextureStep);
+          t[1] = static_cast<float>(in[i].texture.y * kTextureStep);
+        });
   if (mesh.attributes.has(AttributeSet::kMaterial))
-    addAttribute<uint16_t>(out, GeometryAttribute::GENERIC, draco::DT_UINT16, 1, false, in.size(),
+    addAttribute<uint16_t>(out, GeometryAttribute::GENERIC, 1, in.size(),
                            [&](size_t i, uint16_t* m) { *m = in[i].material; });
   return ids;
 }
@@ -252,11 +271,20 @@ int addLinearColours(draco::Mesh& out, const Mesh& mesh) {
   std::array<float, 256> linear{};
   for (size_t byte = 0; byte < linear.size(); ++byte)
     linear[byte] = static_cast<float>(linearOf(static_cast<uint8_t>(byte)));
-  return addAttribute<float>(out, GeometryAttribute::COLOR, draco::DT_FLOAT32, 3, false,
-                             mesh.vertex_attributes.size(), [&](size_t i, float* c) {
+  return addAttribute<float>(out, GeometryAttribute::COLOR, 3, mesh.vertex_attributes.size(),
+                             [&](size_t i, float* c) {
                                const glm::u8vec4 colour = mesh.vertex_attributes[i].colour;
                                for (int k = 0; k < 3; ++k) c[k] = linear[colour[k]];
                              });
+}
+
+// Adds texture coordinates on the grid of a glTF stream. Returns the attribute's id.
+int addCoordinates(draco::Mesh& out, const Mesh& mesh, const GltfCoordinates& grid) {
+  return addAttribute<float>(
+      out, GeometryAttribute::TEX_COORD, 2, mesh.vertex_attributes.size(), [&](size_t i, float* t) {
+        for (int k = 0; k < 2; ++k)
+          t[k] = static_cast<float>(grid.origin[k] + mesh.vertex_attributes[i].texture[k] * grid.step);
+      });
 }
 
 /// Encodes a mesh without its normals, if the build computed them and most of them follow from the mesh's own
@@ -298,7 +326,7 @@ EncodedPayload encodePayload(const Mesh& given, double step, MeshSource source) 
   return encodeByDraco(mesh, step, source);
 }
 
-GltfStream encodeForGltf(const Mesh& given, double step) {
+GltfStream encodeForGltf(const Mesh& given, double step, const GltfCoordinates* coordinates) {
   requireSound(given);
   const std::optional<Mesh> spread = spreadTriangles(given);
   const Mesh& mesh = spread ? *spread : given;
@@ -313,6 +341,8 @@ GltfStream encodeForGltf(const Mesh& given, double step) {
     stream.ids.colour = colour = addLinearColours(in, mesh);
     stream.ids.colour_components = 3;
   }
+  std::optional<int> texture;
+  if (coordinates) stream.ids.texture = texture = addCoordinates(in, mesh, *coordinates);
   draco::ExpertEncoder encoder(in);
   setQuantization(encoder, ids, boxOf(mesh), step, MeshSource::kSimplified);
   if (colour) {
@@ -324,6 +354,10 @@ GltfStream encodeForGltf(const Mesh& given, double step) {
     options.SetInt("prediction_scheme", draco::MESH_PREDICTION_CONSTRAINED_MULTI_PARALLELOGRAM);
     encoder.options().SetAttributeOptions(*colour, options);
   }
+  if (texture)
+    setExplicitQuantization(encoder, *texture, coordinates->bits,
+                            hexFloat(coordinates->origin.x) + " " + hexFloat(coordinates->origin.y),
+                            coordinates->step, draco::MESH_PREDICTION_PARALLELOGRAM);
   EncodedPayload encoded = run(encoder, kSpeed);
   stream.bytes = std::move(encoded.bytes);
   stream.vertices = encoded.vertices;

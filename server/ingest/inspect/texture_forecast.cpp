@@ -8,7 +8,7 @@
 #include "common/error.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
-#include "server/ingest/textures/tile_encoder.h"
+#include "server/store/tile_encoder.h"
 
 namespace lode::ingest {
 namespace {
@@ -51,7 +51,7 @@ struct Cost {
 };
 
 /// Encodes some tiles of a level. @return the cost per texel.
-Cost tryTiles(const Image& image, const lode::Texture& shape, uint32_t level, TileCodec codec) {
+Cost tryTiles(const Image& image, const lode::Texture& shape, uint32_t level, store::TileCodec codec) {
   const uint32_t across = tilesAcross(shape, level), count = across * tilesDown(shape, level);
   const uint32_t tried = std::min(count, kTrialTiles);
   const double start = cpuSeconds();
@@ -63,7 +63,7 @@ Cost tryTiles(const Image& image, const lode::Texture& shape, uint32_t level, Ti
     const glm::uvec2 inner = tileInnerSize(shape, level, tile.x, tile.y);
     const glm::ivec2 corner(tile * kTileInnerPx);
     const Image part = cutOut(image, corner - glm::ivec2(kTileGutterPx), inner + 2 * kTileGutterPx);
-    cost.tile_bytes += static_cast<double>(encodeTile(part, codec).size());
+    cost.tile_bytes += static_cast<double>(store::encodeTile(part, codec).size());
     texels += uint64_t{inner.x} * inner.y;
   }
   cost.parallel_cpu_seconds = cpuSeconds() - start;
@@ -83,9 +83,9 @@ std::optional<Cost> tryImage(const TextureImage& given, uint64_t memory_bytes) {
     return std::nullopt;
   }
   if (image.size != glm::uvec2(given.header.width, given.header.height)) return std::nullopt;
-  const TileCodec codec = chooseCodec(image);
+  const store::TileCodec codec = store::chooseCodec(image);
   Cost cost;
-  cost.encoder_texel_bytes = codec == TileCodec::kWebp ? kWebpEncoderTexelBytes : kEncoderTexelBytes;
+  cost.encoder_texel_bytes = codec == store::TileCodec::kWebp ? kWebpEncoderTexelBytes : kEncoderTexelBytes;
   cost.serial_cpu_seconds = cpuSeconds() - start;
   cost += tryTiles(image, shape, 0, codec).times(texels(0));
   if (levelCount(shape) == 1) return cost;

@@ -162,10 +162,9 @@ Stage::Work TextureStage::run() {
   std::vector<TextureImage> images = scan_.takeImages();
   if (images.empty()) images = findImages(session_, scan_.textureFiles());
   tiles_.emplace(session_.files().lastingFile(StagedTextures::kFile));
-  std::vector<std::string> warnings;
   textures_ = stageTextures(session_.options(), images, session_.facts().uv_grid, *tiles_,
-                            session_.plan().image_bytes, session_.progress(), warnings);
-  session_.warn(warnings);
+                            session_.plan().image_bytes, session_.progress());
+  session_.warn(textures_.warnings);
   tiles_->sync();
   return {textures_.textures.size(), tiles_->size()};
 }

@@ -10,7 +10,7 @@
 #include "common/printable.h"
 #include "common/start_thread.h"
 #include "server/ingest/plan/memory_plan.h"
-#include "server/ingest/textures/tile_encoder.h"
+#include "server/store/tile_encoder.h"
 
 namespace lode::ingest {
 namespace {
@@ -82,7 +82,7 @@ class Stager {
     staged.height = image.size.y;
     const lode::Texture shape{{}, staged.width, staged.height, {}};
     staged.tiles.resize(tileCount(shape));
-    codec_ = chooseCodec(image);
+    codec_ = store::chooseCodec(image);
     staged_tiles_ = 0;
     for (uint32_t level = 0; level < levelCount(shape); ++level) {
       if (level > 0) image = halved(image);
@@ -101,9 +101,9 @@ class Stager {
         const auto number = static_cast<uint32_t>(done + i);
         const glm::uvec2 tile(number % across, number / across);
         const glm::ivec2 corner(tile * kTileInnerPx);
-        files[i] = encodeTile(cutOut(image, corner - glm::ivec2(kTileGutterPx),
-                                     tileInnerSize(shape, level, tile.x, tile.y) + 2 * kTileGutterPx),
-                              codec_);
+        files[i] = store::encodeTile(cutOut(image, corner - glm::ivec2(kTileGutterPx),
+                                            tileInnerSize(shape, level, tile.x, tile.y) + 2 * kTileGutterPx),
+                                     codec_);
       });
       for (size_t i = 0; i < files.size(); ++i) {
         places[first + done + i] = {tiles_.size(), static_cast<uint32_t>(files[i].size())};
@@ -131,7 +131,7 @@ class Stager {
   size_t done_textures_ = 0;
   /// State of the current texture: threads that encode it, format of its tiles, and tiles encoded so far.
   unsigned threads_ = 1;
-  TileCodec codec_ = TileCodec::kJpeg;
+  store::TileCodec codec_ = store::TileCodec::kJpeg;
   size_t staged_tiles_ = 0;
   uint64_t all_tiles_ = 0;
 };
@@ -177,12 +177,12 @@ StagedTextures StagedTextures::load(RecordReader& record) {
 
 StagedTextures stageTextures(const BuildOptions& options, std::span<const TextureImage> images,
                              const UvGrid& grid, Spool& tiles, uint64_t image_bytes,
-                             const BuildProgress& progress, std::vector<std::string>& warnings) {
+                             const BuildProgress& progress) {
   StagedTextures staged;
-  Stager stager(options, tiles, image_bytes, progress, warnings, images.size());
+  Stager stager(options, tiles, image_bytes, progress, staged.warnings, images.size());
   for (const TextureImage& image : images) staged.textures.push_back(stager.stage(image));
   tiles.flush();
-  checkPrecision(staged, grid, options.input.string(), warnings);
+  checkPrecision(staged, grid, options.input.string(), staged.warnings);
   return staged;
 }
 

@@ -30,6 +30,7 @@ struct StagedTextures {
   static constexpr std::string_view kFile = "tiles";
 
   std::vector<Texture> textures;
+  std::vector<std::string> warnings;  ///< of stageTextures(); save() does not record them
 
   void save(RecordWriter& record) const;
   /// Restores what save() recorded. @throws Error kFormat.
@@ -38,11 +39,11 @@ struct StagedTextures {
 
 /// Decodes the images, computes their levels and encodes the tiles, on at most options.threads threads. The
 /// tiles do not depend on the number of threads. Only one image is in memory at a time. If an image has a
-/// problem or cannot be read, adds a warning; the texture of that image then has no tiles.
+/// problem or cannot be read, adds a warning to the result; the texture of that image then has no tiles.
 /// @param image_bytes  limit per image (MemoryPlan).
 /// @throws Error kIo.
 StagedTextures stageTextures(const BuildOptions& options, std::span<const TextureImage> images,
                              const UvGrid& grid, Spool& tiles, uint64_t image_bytes,
-                             const BuildProgress& progress, std::vector<std::string>& warnings);
+                             const BuildProgress& progress);
 
 }  // namespace lode::ingest

@@ -25,8 +25,8 @@ class ACommandLine : public testing::Test {
       });
     };
     testing::internal::CaptureStderr();
-    status_ = runCommandLine(program, static_cast<int>(words.size()), words.data(), declare, "take less",
-                             message_of, default_command_);
+    status_ = runCommandLine(program, static_cast<int>(words.size()), words.data(), declare,
+                             {"take less", message_of, default_command_});
     said_ = testing::internal::GetCapturedStderr();
   }
 

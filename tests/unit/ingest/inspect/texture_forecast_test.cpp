@@ -30,8 +30,7 @@ class ForecastTextures : public testing::Test {
     options.threads = 1;
     const TemporaryFolder files(folder_.path());
     Spool tiles(files.file("tiles"));
-    std::vector<std::string> warnings;
-    stageTextures(options, images, {}, tiles, kMemoryBytes, {}, warnings);
+    stageTextures(options, images, {}, tiles, kMemoryBytes, {});
     return tiles.size();
   }
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/image/jpeg_decoder.h"
-#include "server/ingest/textures/tile_encoder.h"
+#include "server/store/tile_encoder.h"
 #include "tests/support/bytes.h"
 #include "tests/support/jpeg_files.h"
 #include "tests/unit/ingest/textures/image_files.h"
@@ -45,8 +45,8 @@ TEST(DecodeImage, readsPngJpegAndWebp) {
   const Image opaque = makePhoto(70, 50), clear = makePhoto(70, 50, true);
   EXPECT_EQ(decoded(pngOf(opaque)), opaque);
   EXPECT_EQ(decoded(pngOf(clear)), clear);
-  EXPECT_EQ(decoded(encodeTile(clear, TileCodec::kLossless)), clear);
-  const Image photo = decoded(encodeTile(opaque, TileCodec::kJpeg));
+  EXPECT_EQ(decoded(store::encodeTile(clear, store::TileCodec::kLossless)), clear);
+  const Image photo = decoded(store::encodeTile(opaque, store::TileCodec::kJpeg));
   ASSERT_EQ(photo.size, opaque.size);
   EXPECT_LT(meanDifference(photo, opaque), 1.5);
 }
@@ -64,7 +64,7 @@ TEST(DecodeImage, namesACmykJpegByItsHeader) {
 
 TEST(DecodeImage, countsTheTablesOfAWebpInTheMemoryThatItTakes) {
   const Image small = makePhoto(256, 256, true);
-  const std::vector<std::byte> file = encodeTile(small, TileCodec::kLossless);
+  const std::vector<std::byte> file = store::encodeTile(small, store::TileCodec::kLossless);
   constexpr uint64_t kTables = 640'000;  // as many as a larger picture was seen to have
   EXPECT_GE(readImageHeader(file).working_bytes, 2 * small.texels.size() * sizeof(glm::u8vec4) + kTables);
   expectRefused(file, "raise --memory", ErrorCode::kLimit, kMega);
@@ -78,8 +78,9 @@ TEST(DecodeImage, refusesAFileThatIsNoImage) {
 
 TEST(DecodeImage, survivesFilesCutOffAnywhere) {
   const Image image = makePhoto(40, 30);
-  for (const auto& file : {pngOf(image), encodeTile(image, TileCodec::kJpeg),
-                           encodeTile(image, TileCodec::kWebp), encodeTile(image, TileCodec::kLossless)})
+  for (const auto& file : {pngOf(image), store::encodeTile(image, store::TileCodec::kJpeg),
+                           store::encodeTile(image, store::TileCodec::kWebp),
+                           store::encodeTile(image, store::TileCodec::kLossless)})
     for (size_t length = 0; length < file.size(); length += 7) {
       std::string damage;
       try {
@@ -94,8 +95,9 @@ TEST(DecodeImage, survivesFilesCutOffAnywhere) {
 TEST(DecodeImage, refusesDamageAnywhereOrGivesASizeThatTheHeaderSays) {
   std::mt19937 random(5);
   const Image image = makePhoto(40, 30);
-  for (const auto& whole : {pngOf(image), encodeTile(image, TileCodec::kJpeg),
-                            encodeTile(image, TileCodec::kWebp), encodeTile(image, TileCodec::kLossless)}) {
+  for (const auto& whole : {pngOf(image), store::encodeTile(image, store::TileCodec::kJpeg),
+                            store::encodeTile(image, store::TileCodec::kWebp),
+                            store::encodeTile(image, store::TileCodec::kLossless)}) {
     int refused = 0;
     for (int i = 0; i < 500; ++i) {
       std::vector<std::byte> file = whole;
@@ -126,7 +128,7 @@ TEST(DecodeImage, refusesImagesAboveTheMemoryBeforeItAllocates) {
 }
 
 TEST(DecodeImage, saysWhenAJpegIsDamagedButShown) {
-  std::vector<std::byte> file = encodeTile(makePhoto(200, 200), TileCodec::kJpeg);
+  std::vector<std::byte> file = store::encodeTile(makePhoto(200, 200), store::TileCodec::kJpeg);
   file.resize(file.size() / 2);
   std::string damage;
   EXPECT_EQ(decodeImage(file, 64 * kMega, damage).size, glm::uvec2(200, 200));
@@ -140,16 +142,16 @@ TEST(DecodeImage, refusesAJpegWithMoreScansThanTheLimit) {
 }
 
 TEST(ChooseCodec, goesByColoursAndAlpha) {
-  EXPECT_EQ(chooseCodec(makePhoto(100, 100)), TileCodec::kJpeg);
-  EXPECT_EQ(chooseCodec(makePhoto(100, 100, true)), TileCodec::kWebp);
+  EXPECT_EQ(store::chooseCodec(makePhoto(100, 100)), store::TileCodec::kJpeg);
+  EXPECT_EQ(store::chooseCodec(makePhoto(100, 100, true)), store::TileCodec::kWebp);
   Image drawing = makePhoto(100, 100);
   for (glm::u8vec4& texel : drawing.texels) texel &= glm::u8vec4(0xc0);
-  EXPECT_EQ(chooseCodec(drawing), TileCodec::kLossless);
+  EXPECT_EQ(store::chooseCodec(drawing), store::TileCodec::kLossless);
 }
 
 TEST(EncodeTile, keepsAlphaAndColoursCloseToTheTexels) {
   const Image clear = makePhoto(128, 100, true);
-  const Image back = decoded(encodeTile(clear, TileCodec::kWebp));
+  const Image back = decoded(store::encodeTile(clear, store::TileCodec::kWebp));
   EXPECT_LT(meanDifference(back, clear), 2.5);
   for (size_t i = 0; i < back.texels.size(); ++i) EXPECT_EQ(back.texels[i].a, clear.texels[i].a);
 }
@@ -159,8 +161,9 @@ TEST(EncodeTile, staysBelowTheLimitOfATileForNoise) {
   Image noise{{512, 512}, {}};
   for (int i = 0; i < 512 * 512; ++i)
     noise.texels.emplace_back(random() & 255, random() & 255, random() & 255, random() & 255);
-  for (const TileCodec codec : {TileCodec::kJpeg, TileCodec::kWebp, TileCodec::kLossless})
-    EXPECT_LE(encodeTile(noise, codec).size(), size_t{2} << 20);
+  for (const store::TileCodec codec :
+       {store::TileCodec::kJpeg, store::TileCodec::kWebp, store::TileCodec::kLossless})
+    EXPECT_LE(store::encodeTile(noise, codec).size(), size_t{2} << 20);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #include "common/codec/texture_set.h"
 #include "common/error.h"
-#include "server/ingest/textures/tile_encoder.h"
+#include "server/store/tile_encoder.h"
 #include "tests/support/work_folder.h"
 #include "tests/unit/ingest/textures/image_files.h"
 
@@ -33,8 +33,8 @@ class TextureImages : public testing::Test {
 
 TEST_F(TextureImages, haveTheSizesOfTheirHeadersOrAProblem) {
   writeBytes(models_ / "a.png", pngHeader(30000, 20000));
-  writeBytes(models_ / "b.jpg", encodeTile(makePhoto(70, 50), TileCodec::kJpeg));
-  writeBytes(models_ / "c.webp", encodeTile(makePhoto(70, 50), TileCodec::kLossless));
+  writeBytes(models_ / "b.jpg", store::encodeTile(makePhoto(70, 50), store::TileCodec::kJpeg));
+  writeBytes(models_ / "c.webp", store::encodeTile(makePhoto(70, 50), store::TileCodec::kLossless));
   writeBytes(models_ / "d.png", pngHeader(65537, 1));
   const std::vector<TextureImage> images = surveyed({"a.png", "b.jpg", "c.webp", "d.png", "gone.png"});
   ASSERT_EQ(images.size(), 5u);

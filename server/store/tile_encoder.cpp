@@ -1,4 +1,4 @@
-#include "server/ingest/textures/tile_encoder.h"
+#include "server/store/tile_encoder.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -11,7 +11,7 @@
 #include "common/error.h"
 #include "common/image/jpeg_decoder.h"
 
-namespace lode::ingest {
+namespace lode::store {
 namespace {
 
 constexpr int kQuality = 90;
@@ -111,4 +111,4 @@ std::vector<std::byte> encodeTile(const Image& tile, TileCodec codec) {
   return codec == TileCodec::kJpeg ? encodeJpeg(tile) : encodeWebp(tile, codec == TileCodec::kLossless);
 }
 
-}  // namespace lode::ingest
+}  // namespace lode::store

@@ -3,11 +3,11 @@
 #include <cstddef>
 #include <vector>
 
-#include "server/ingest/textures/image_decoder.h"
+#include "common/image/image.h"
 
-namespace lode::ingest {
+namespace lode::store {
 
-/// Format of an image's tiles.
+/// Format of an encoded image.
 enum class TileCodec {
   kJpeg,      ///< JPEG of quality 90 with full colour resolution, for photographs
   kWebp,      ///< WebP of quality 90 with lossless alpha, for photographs with alpha
@@ -21,4 +21,4 @@ TileCodec chooseCodec(const Image& image);
 /// Encodes a tile. Equal tiles result in equal bytes. @throws Error kInternal. Thread safe.
 std::vector<std::byte> encodeTile(const Image& tile, TileCodec codec);
 
-}  // namespace lode::ingest
+}  // namespace lode::store
