@@ -1,6 +1,5 @@
 #include "server/app/tiles_options.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <vector>
@@ -80,9 +79,10 @@ tiles::TileExportReport exportUnlessInterrupted(const TilesArguments& arguments,
 
 std::string describe(const tiles::TileExportReport& report, const TilesArguments& arguments,
                      const std::string& up) {
+  const std::string images = report.images == 0 ? "" : ", " + counted(report.images, "image");
   return arguments.folder.string() + ": " + counted(report.tiles, "tile") + " in " +
-         counted(report.glbs, "GLB file") + " and " + counted(report.pages, "JSON file") + ", " +
-         describeBytes(report.glb_bytes + report.json_bytes) + "; " + up + " is up" +
+         counted(report.glbs, "GLB file") + images + " and " + counted(report.pages, "JSON file") + ", " +
+         describeBytes(report.glb_bytes + report.image_bytes + report.json_bytes) + "; " + up + " is up" +
          (arguments.up.empty() ? ", as guessed" : "") + "\n";
 }
 
@@ -116,20 +116,16 @@ void exportAsTiles(const TilesArguments& arguments) {
       .root_transform = tiles::rootTransform(
           reader.summary(), up, arguments.at ? std::optional(place(*arguments.at)) : std::nullopt),
       .threads = arguments.threads > 0 ? arguments.threads : ingest::defaultThreads()};
-  const bool lacks_textures = std::ranges::any_of(
-      reader.textures().textures, [](const Texture& texture) { return !texture.tiles.empty(); });
-  if (lacks_textures)
-    std::fprintf(stderr, "lodestreamd: warning: %s: the tiles will lack the model's textures\n",
-                 arguments.store.c_str());
   const tiles::TileExportReport report = exportUnlessInterrupted(arguments, reader, options);
   if (!arguments.json) return printText(describe(report, arguments, nameOf(up)));
   printJson({{"tiles", report.tiles},
              {"glb_files", report.glbs},
+             {"image_files", report.images},
              {"json_files", report.pages},
              {"glb_bytes", report.glb_bytes},
+             {"image_bytes", report.image_bytes},
              {"json_bytes", report.json_bytes},
-             {"up", nameOf(up)},
-             {"lacks_textures", lacks_textures}});
+             {"up", nameOf(up)}});
 }
 
 }  // namespace lode::app

@@ -1,20 +1,49 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
-#include "server/store/export.h"
+#include <glm/glm.hpp>
+
+#include "common/codec/draco_codec.h"
 
 namespace lode::tiles {
 
-/// Returns an LOD as binary glTF 2.0 with the extension KHR_draco_mesh_compression. The Draco stream is the
-/// payload itself, except for LODs with colours: glTF requires linear colours, so their streams are encoded
-/// again (encodeForGltf()). If the payload leaves the normals out, they follow the stream as three signed
-/// bytes per vertex (KHR_mesh_quantization). The mesh is in the model frame, turned from z up to y up, which
-/// viewers of 3D Tiles undo. Textures are left out. The bytes depend only on the payload.
-/// @param lod   an LOD with triangles.
-/// @param step  step of the lattice.
-/// @throws Error kInternal if Draco fails. Thread safe.
-std::vector<std::byte> encodeGlb(const store::DecodedLod& lod, double step);
+/// Bytes of a normal outside a stream: three signed bytes and one unused byte, because glTF aligns vertices
+/// to four bytes.
+constexpr size_t kGlbNormalBytes = 4;
+
+/// An image of a GLB, in a file of its own or inside the GLB.
+struct GlbImage {
+  std::string uri = {};                ///< relative reference; empty if the image is inside
+  std::vector<std::byte> inside = {};  ///< JPEG or WebP file
+  bool is_webp = false;
+  bool repeats = false;   ///< the image repeats beyond its edges
+  bool cuts_out = false;  ///< transparent texels are not drawn
+};
+
+/// Triangles of a GLB that show the same image.
+struct GlbPart {
+  GltfStream stream;
+  std::vector<std::byte> normals;  ///< normals outside the stream, kGlbNormalBytes per vertex; may be empty
+  uint64_t triangles = 0;
+  std::array<glm::vec3, 2> bounds;  ///< least and greatest coordinates of the positions
+  std::optional<uint32_t> image;    ///< index in GlbContent::images
+};
+
+struct GlbContent {
+  std::vector<GlbPart> parts;
+  std::vector<GlbImage> images;
+};
+
+/// Returns binary glTF 2.0 with the extension KHR_draco_mesh_compression. Each part is a primitive with a
+/// matt, double-sided material. Normals outside a stream need KHR_mesh_quantization, WebP needs
+/// EXT_texture_webp. The mesh is in the model frame, turned from z up to y up, which viewers of 3D Tiles
+/// undo. Thread safe.
+std::vector<std::byte> encodeGlb(const GlbContent& content);
 
 }  // namespace lode::tiles

@@ -2,9 +2,11 @@
 
 #include <atomic>
 #include <exception>
-#include <mutex>
+#include <functional>
+#include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/io/atomic_folder.h"
@@ -15,11 +17,11 @@ namespace lode::tiles {
 namespace {
 
 /// Writes the JSON files, from the root down. @return the tiles whose GLB files are to be written; tiles with
-/// equal payloads share a file.
-std::vector<store::CutItem> writePages(const store::Reader& reader, const TileWriter& writer,
-                                       AtomicFolder& folder, TileExportReport& report) {
+/// equal contents share a file.
+std::vector<store::CutItem> writePages(const TileWriter& writer, AtomicFolder& folder,
+                                       TileExportReport& report) {
   std::vector<store::CutItem> items;
-  std::vector<bool> is_known(size_t{reader.blobCount()} + 1);
+  std::set<std::string> known;
   std::vector<NodeKey> todo{kRootKey};
   while (!todo.empty()) {
     const NodeKey owner = todo.back();
@@ -32,52 +34,47 @@ std::vector<store::CutItem> writePages(const store::Reader& reader, const TileWr
     report.json_bytes += page.json.size();
     todo.insert(todo.end(), page.pages.begin(), page.pages.end());
     for (const store::CutItem item : page.contents) {
-      const uint32_t blob = reader.nodes()[item.node].lods[item.lod].payload.number;
-      if (!is_known[blob]) items.push_back(item);
-      is_known[blob] = true;
+      if (known.insert(writer.glbName(item)).second) items.push_back(item);
     }
   }
   return items;
 }
 
-/// Writes GLB files on several threads.
-class GlbFiles {
+/// Runs a function for the numbers below a total, on several threads.
+class SharedWork {
  public:
-  GlbFiles(const TileWriter& writer, const AtomicFolder& folder, std::span<const store::CutItem> items)
-      : writer_(writer), folder_(folder), items_(items) {}
+  SharedWork(size_t total, std::function<void(size_t number)> work) : total_(total), work_(std::move(work)) {}
 
-  void writeAll(unsigned threads, const TileExportProgress& progress) {
+  /// @throws the first exception of the work or of `progress`.
+  void run(unsigned threads, const TileExportProgress& progress) {
     {
       const auto others = threads > 1 ? startThreads(threads - 1, "to write tiles", [this] { help(); })
                                       : std::vector<std::jthread>();
       try {
-        do progress(done_, items_.size());
-        while (writeNext());
+        do progress(done_, total_);
+        while (doNext());
       } catch (...) {
         fail(std::current_exception());
       }
     }
     if (failure_) std::rethrow_exception(failure_);
-    progress(done_, items_.size());
+    progress(done_, total_);
   }
-  uint64_t bytes() const noexcept { return bytes_; }
 
  private:
   void help() noexcept {
     try {
-      while (writeNext()) continue;
+      while (doNext()) continue;
     } catch (...) {
       fail(std::current_exception());
     }
   }
 
-  /// Writes the next file. @return false if none is left, or if a thread has failed.
-  bool writeNext() {
-    const size_t number = is_failed_ ? items_.size() : next_++;
-    if (number >= items_.size()) return false;
-    const std::vector<std::byte> glb = writer_.glb(items_[number]);
-    folder_.write(writer_.glbName(items_[number]), glb);
-    bytes_ += glb.size();
+  /// @return false if no number is left, or if a thread has failed.
+  bool doNext() {
+    const size_t number = is_failed_ ? total_ : next_++;
+    if (number >= total_) return false;
+    work_(number);
     ++done_;
     return true;
   }
@@ -88,14 +85,58 @@ class GlbFiles {
     is_failed_ = true;
   }
 
-  const TileWriter& writer_;
-  const AtomicFolder& folder_;
-  const std::span<const store::CutItem> items_;
+  const size_t total_;
+  const std::function<void(size_t number)> work_;
   std::atomic<size_t> next_ = 0;
-  std::atomic<uint64_t> done_ = 0, bytes_ = 0;
+  std::atomic<uint64_t> done_ = 0;
   std::atomic<bool> is_failed_ = false;
   std::mutex mutex_;
   std::exception_ptr failure_;  ///< first failure; guarded by mutex_ while threads run
+};
+
+/// Writes GLB files, and then the images that they share.
+class ContentFiles {
+ public:
+  ContentFiles(const TileWriter& writer, AtomicFolder& folder, unsigned threads)
+      : writer_(writer), folder_(folder), threads_(threads) {}
+
+  void write(std::span<const store::CutItem> items, const TileExportProgress& progress) {
+    if (!items.empty()) folder_.makeFolder("g");
+    SharedWork(items.size(), [&](size_t number) { writeGlb(items[number]); }).run(threads_, progress);
+    if (!images_.empty()) folder_.makeFolder("t");
+    const std::vector<std::pair<std::string, SharedImage>> images(images_.begin(), images_.end());
+    const auto write_image = [&](size_t number) { writeImage(images[number].first, images[number].second); };
+    SharedWork(images.size(), write_image).run(threads_, [&](uint64_t, uint64_t) {
+      progress(items.size(), items.size());
+    });
+  }
+
+  uint64_t images() const noexcept { return images_.size(); }
+  uint64_t glbBytes() const noexcept { return glb_bytes_; }
+  uint64_t imageBytes() const noexcept { return image_bytes_; }
+
+ private:
+  void writeGlb(store::CutItem item) {
+    const TileGlb glb = writer_.glb(item);
+    folder_.write(writer_.glbName(item), glb.bytes);
+    glb_bytes_ += glb.bytes.size();
+    const std::lock_guard lock(mutex_);
+    for (const SharedImage image : glb.images) images_.emplace(writer_.imageName(image), image);
+  }
+
+  void writeImage(const std::string& name, SharedImage image) {
+    const std::vector<std::byte> file = writer_.image(image);
+    folder_.write(name, file);
+    image_bytes_ += file.size();
+  }
+
+  const TileWriter& writer_;
+  AtomicFolder& folder_;
+  const unsigned threads_;
+  std::atomic<uint64_t> glb_bytes_ = 0, image_bytes_ = 0;
+  std::mutex mutex_;
+  /// Image files by name; guarded by mutex_ while GLB files are written. Equal textures share a name.
+  std::map<std::string, SharedImage> images_;
 };
 
 }  // namespace
@@ -105,12 +146,13 @@ TileExportReport exportTiles(const store::Reader& reader, const TileExportOption
   AtomicFolder folder(options.folder);
   const TileWriter writer(reader, options.root_transform);
   TileExportReport report;
-  const std::vector<store::CutItem> items = writePages(reader, writer, folder, report);
-  if (!items.empty()) folder.makeFolder("g");
-  GlbFiles files(writer, folder, items);
-  files.writeAll(options.threads, progress);
+  const std::vector<store::CutItem> items = writePages(writer, folder, report);
+  ContentFiles files(writer, folder, options.threads);
+  files.write(items, progress);
   report.glbs = items.size();
-  report.glb_bytes = files.bytes();
+  report.images = files.images();
+  report.glb_bytes = files.glbBytes();
+  report.image_bytes = files.imageBytes();
   folder.commit();
   return report;
 }

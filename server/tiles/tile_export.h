@@ -18,19 +18,22 @@ struct TileExportOptions {
 
 /// Sums over the files that were written.
 struct TileExportReport {
-  uint64_t tiles = 0;       ///< tiles that stand for LODs
-  uint64_t pages = 0;       ///< JSON files
-  uint64_t glbs = 0;        ///< GLB files
-  uint64_t json_bytes = 0;  ///< size of all JSON files
-  uint64_t glb_bytes = 0;   ///< size of all GLB files
+  uint64_t tiles = 0;        ///< tiles that stand for LODs
+  uint64_t pages = 0;        ///< JSON files
+  uint64_t glbs = 0;         ///< GLB files
+  uint64_t images = 0;       ///< image files that GLB files share
+  uint64_t json_bytes = 0;   ///< size of all JSON files
+  uint64_t glb_bytes = 0;    ///< size of all GLB files
+  uint64_t image_bytes = 0;  ///< size of all image files
 };
 
-/// Receives the number of GLB files done and of all GLB files. An exception ends the export.
+/// Receives the number of GLB files done and of all GLB files; image files do not count. An exception ends
+/// the export.
 using TileExportProgress = std::function<void(uint64_t done, uint64_t total)>;
 
 /// Writes a store as 3D Tiles: all files of a TileWriter. Keeps in memory the store's hierarchy, one page
-/// and, per thread, one payload with its mesh. The folder appears when it is complete. Calls `progress` on
-/// the calling thread.
+/// and, per thread, one payload with its mesh and atlas, or one image. The folder appears when it is
+/// complete. Calls `progress` on the calling thread.
 /// @throws Error kUsage if the folder exists and is not empty; kIo, kFormat or kLimit, naming file and place.
 TileExportReport exportTiles(const store::Reader& reader, const TileExportOptions& options,
                              const TileExportProgress& progress);

@@ -9,7 +9,10 @@
 #include "common/io/little_endian_row.h"
 #include "server/store/export.h"
 #include "server/store/node_tree.h"
+#include "server/store/tile_encoder.h"
 #include "server/tiles/glb.h"
+#include "server/tiles/texture_levels.h"
+#include "server/tiles/tile_content.h"
 #include "server/tiles/tile_frame.h"
 
 namespace lode::tiles {
@@ -32,6 +35,23 @@ Json numbersOf(const glm::dmat4& matrix) {
   for (int column = 0; column < 4; ++column)
     for (int row = 0; row < 4; ++row) numbers.push_back(matrix[column][row]);
   return numbers;
+}
+
+void addDigest(LittleEndianRow& row, const Digest& digest) {
+  for (const std::byte byte : digest.bytes) row.add(std::to_integer<uint8_t>(byte));
+}
+
+/// Returns a digest of all tiles of a texture, from which the texels of all levels follow.
+Digest digestOfTexels(const Texture& texture) {
+  std::vector<std::byte> digests;
+  digests.reserve(texture.tiles.size() * sizeof(Digest));
+  for (const BlobRef& tile : texture.tiles)
+    digests.insert(digests.end(), tile.digest.bytes.begin(), tile.digest.bytes.end());
+  LittleEndianRow values;
+  addDigest(values, digestOf(digests));
+  values.add(texture.width);
+  values.add(texture.height);
+  return digestOf(values.bytes());
 }
 
 }  // namespace
@@ -99,6 +119,19 @@ class TileWriter::PageMaker {
   TilesetPage& page_;
 };
 
+TileWriter::TileWriter(const store::Reader& reader, const glm::dmat4& root_transform)
+    : reader_(reader), root_transform_(root_transform) {
+  if (!reader.summary().attributes.has(AttributeSet::kTexture)) return;
+  const TextureLevels levels(reader);
+  for (uint32_t i = 0; i < reader.textures().textures.size(); ++i) {
+    const Texture& texture = reader.textures().textures[i];
+    NamedTexture& named = textures_.emplace_back();
+    if (texture.tiles.empty()) continue;
+    named = {digestOfTexels(texture), levels.isJpeg(i) ? ".jpg" : ".webp"};
+    has_images_ = true;
+  }
+}
+
 TilesetPage TileWriter::page(NodeKey owner) const {
   const Node& node = nodeOf(owner);
   const bool is_root = owner == kRootKey;
@@ -132,7 +165,7 @@ std::string TileWriter::pageName(NodeKey owner) const {
 std::string TileWriter::pageName(const Node& owner, double error_model) const {
   // The name is the digest of all values from which the page's bytes follow.
   LittleEndianRow values;
-  for (const std::byte byte : owner.child_page.digest.bytes) values.add(std::to_integer<uint8_t>(byte));
+  addDigest(values, owner.child_page.digest);
   values.add(kWriterVersion);
   values.add(reader_.summary().lattice.step);
   values.add(error_model);
@@ -141,14 +174,50 @@ std::string TileWriter::pageName(const Node& owner, double error_model) const {
   return "p/" + toHex(digestOf(values.bytes())) + ".json";
 }
 
-std::vector<std::byte> TileWriter::glb(store::CutItem item) const {
-  return encodeGlb(store::decodeLod(reader_, reader_.nodes()[item.node], item.lod),
-                   reader_.summary().lattice.step);
+TileGlb TileWriter::glb(store::CutItem item) const {
+  const Node& node = reader_.nodes()[item.node];
+  const double step = reader_.summary().lattice.step;
+  const store::DecodedLod lod = store::decodeLod(reader_, node, item.lod);
+  if (!has_images_) return {encodeGlb(plainContent(lod, step)), {}};
+  TileGlb glb;
+  TextureLevels levels(reader_);
+  const auto uri_of = [&](SharedImage image) {
+    glb.images.push_back(image);
+    return "../" + imageName(image);
+  };
+  glb.bytes = encodeGlb(
+      texturedContent(lod.mesh, reader_.textures(), step, node.lods[item.lod].offModel(), levels, uri_of));
+  return glb;
 }
 
 std::string TileWriter::glbName(store::CutItem item) const {
-  const Digest& digest = reader_.nodes()[item.node].lods[item.lod].payload.digest;
+  const Lod& lod = reader_.nodes()[item.node].lods[item.lod];
+  Digest digest = lod.payload.digest;
+  if (has_images_) {
+    LittleEndianRow values;
+    addDigest(values, digest);
+    addDigest(values, reader_.summary().textures.digest);
+    values.add(lod.offModel());
+    digest = digestOf(values.bytes());
+  }
   return "g/" + toHex(digest) + "." + std::to_string(kWriterVersion) + ".glb";
+}
+
+std::vector<std::byte> TileWriter::image(SharedImage image) const {
+  TextureLevels levels(reader_);
+  const Image whole =
+      levels.part(image.texture, image.level, {0, 0}, levels.size(image.texture, image.level));
+  if (levels.isJpeg(image.texture)) return store::encodeTile(whole, store::TileCodec::kJpeg);
+  const bool is_drawing = store::chooseCodec(whole) == store::TileCodec::kLossless;
+  return store::encodeTile(whole, is_drawing ? store::TileCodec::kLossless : store::TileCodec::kWebp);
+}
+
+std::string TileWriter::imageName(SharedImage image) const {
+  const NamedTexture& texture = textures_[image.texture];
+  LittleEndianRow values;
+  addDigest(values, texture.digest);
+  values.add(image.level);
+  return "t/" + toHex(digestOf(values.bytes())) + "." + std::to_string(kWriterVersion) + texture.extension;
 }
 
 const Node& TileWriter::nodeOf(NodeKey key) const {

@@ -10,6 +10,7 @@
 #include "server/store/cut.h"
 #include "server/store/reader.h"
 #include "server/tiles/lod_chain.h"
+#include "server/tiles/tile_textures.h"
 
 namespace lode::tiles {
 
@@ -19,6 +20,12 @@ struct TilesetPage {
   std::vector<store::CutItem> contents;  ///< tiles with triangles, each in a GLB of its own
   std::vector<NodeKey> pages;            ///< owners of the pages below
   uint64_t tiles = 0;                    ///< number of tiles that stand for LODs
+};
+
+/// A GLB, and the image files to which it refers.
+struct TileGlb {
+  std::vector<std::byte> bytes;
+  std::vector<SharedImage> images;
 };
 
 /// Converts parts of a store to the files of a tileset in the format 3D Tiles 1.1. All functions are pure:
@@ -32,8 +39,8 @@ struct TilesetPage {
 class TileWriter {
  public:
   /// @param reader  must outlive the writer.
-  TileWriter(const store::Reader& reader, const glm::dmat4& root_transform)
-      : reader_(reader), root_transform_(root_transform) {}
+  /// @throws Error kIo or kFormat if a texture of the store cannot be read.
+  TileWriter(const store::Reader& reader, const glm::dmat4& root_transform);
 
   /// Returns the page that the root or another node owns (store::pageOwner()).
   TilesetPage page(NodeKey owner) const;
@@ -41,12 +48,22 @@ class TileWriter {
   std::string pageName(NodeKey owner) const;
 
   /// Returns the GLB of an LOD with triangles. @throws Error kIo, kFormat or kLimit, naming file and node.
-  std::vector<std::byte> glb(store::CutItem item) const;
+  TileGlb glb(store::CutItem item) const;
   /// Returns a path like "g/0123456789abcdef0123456789abcdef.1.glb".
   std::string glbName(store::CutItem item) const;
 
+  /// Returns a JPEG or WebP file. @throws Error kIo, kFormat or kLimit, naming the store's file.
+  std::vector<std::byte> image(SharedImage image) const;
+  /// Returns a path like "t/0123456789abcdef0123456789abcdef.1.jpg".
+  std::string imageName(SharedImage image) const;
+
  private:
   class PageMaker;
+  /// Parts of the names of a texture's images.
+  struct NamedTexture {
+    Digest digest;
+    const char* extension = "";
+  };
 
   const Node& nodeOf(NodeKey key) const;
   std::string pageName(const Node& owner, double error_model) const;
@@ -56,6 +73,8 @@ class TileWriter {
 
   const store::Reader& reader_;
   const glm::dmat4 root_transform_;
+  std::vector<NamedTexture> textures_;  ///< empty if the vertices have no texture coordinates
+  bool has_images_ = false;
 };
 
 }  // namespace lode::tiles

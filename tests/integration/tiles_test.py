@@ -30,7 +30,8 @@ VALIDATE = """
 const validator = require('gltf-validator'), fs = require('fs');
 (async () => {
   for (const file of fs.readFileSync(0, 'utf8').split('\\n').filter(Boolean)) {
-    const { issues } = await validator.validateBytes(new Uint8Array(fs.readFileSync(file)));
+    const read = uri => Promise.resolve(new Uint8Array(fs.readFileSync(require('path').join(file, '..', uri))));
+    const { issues } = await validator.validateBytes(new Uint8Array(fs.readFileSync(file)), { externalResourceFunction: read });
     for (const m of issues.messages) if (m.severity < 2) console.log(file, m.code, m.message, m.pointer);
   }
 })();
@@ -46,6 +47,14 @@ def lodestreamd(*arguments):
     if done.returncode != 0:
         raise AssertionError(done.stderr)
     return done
+
+
+def write_png(path, size, texel):
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    rows = b"".join(b"\0" + bytes(channel for x in range(size) for channel in texel(x, y)) for y in range(size))
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", size, size, 8, 6, 0, 0, 0)) +
+                     chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
 def export(store, folder, *options):
@@ -91,6 +100,17 @@ class TilesTest(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
+
+    def validate(self, stores):
+        """Validates all GLB files of stores. Skips the test without gltf-validator."""
+        if not shutil.which("node") or run("node", "-e", "require('gltf-validator')").returncode != 0:
+            self.skipTest("node does not find gltf-validator: npm install gltf-validator@2.0.0-dev.3.10, and set NODE_PATH")
+        files = []
+        for store in stores:
+            export(store, self.folder / store.stem)
+            files += sorted((self.folder / store.stem / "g").iterdir())
+        done = run("node", "-e", VALIDATE, input="\n".join(map(str, files)))
+        self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
 
 
 class Export(TilesTest):
@@ -162,20 +182,53 @@ class Export(TilesTest):
         self.assertEqual(said, "lodestreamd: interrupted; nothing was written, start it again\n")
         self.assertEqual(list(self.folder.iterdir()), [])
 
-    def test_warns_that_textures_are_left_out(self):
-        (self.folder / "m.ply").write_text(
-            "ply\nformat ascii 1.0\ncomment TextureFile m.png\nelement vertex 3\nproperty float x\nproperty float y\n"
-            "property float z\nelement face 1\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n"
-            "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 0 0 1 0 0 1\n")
-        chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        (self.folder / "m.png").write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 4, 8, 2, 0, 0, 0)) +
-                                            chunk(b"IDAT", zlib.compress(b"\0" + bytes(12) * 1 + (b"\0" + bytes(12)) * 3)) +
-                                            chunk(b"IEND", b""))
-        lodestreamd("build", self.folder / "m.ply", "-o", self.folder / "m.lode", "--quiet")
-        done = lodestreamd("export", self.folder / "m.lode", "--tiles", self.folder / "t", "--json")
-        self.assertEqual(done.stderr,
-                         f"lodestreamd: warning: {self.folder}/m.lode: the tiles will lack the model's textures\n")
-        self.assertTrue(json.loads(done.stdout)["lacks_textures"])
+
+class Textures(TilesTest):
+    """Tiles of models with images."""
+
+    def stores(self):
+        """Builds the test data's models with images, and one of our own that repeats an image and has an atlas."""
+        ply = self.folder / "own.ply"
+        corners = [(x, y, 0) for y in range(9) for x in range(9)]
+        faces = [(i, i + 1, i + 10, i + 9) for i in range(72) if i % 9 != 8]
+        uv = {0: lambda c: (c[0] * 0.9, c[1] * 0.7), 1: lambda c: (0.3 + c[0] / 99, 0.4 + c[1] / 99)}
+        rows = [f"4 {' '.join(map(str, face))} 8 " + " ".join(f"{a} {b}" for a, b in (uv[face[0] % 2](corners[i]) for i in face)) +
+                f" {face[0] % 2}" for face in faces]
+        ply.write_text("\n".join([
+            "ply", "format ascii 1.0", "comment TextureFile a.png", "comment TextureFile b.png", "element vertex 81",
+            "property float x", "property float y", "property float z", "element face 64",
+            "property list uchar int vertex_indices", "property list uchar float texcoord", "property int texnumber", "end_header",
+            *(" ".join(map(str, corner)) for corner in corners), *rows, ""]))
+        for name, size, texel in (("a.png", 40, lambda x, y: (x * 6, y * 6, 99, 255)),
+                                  ("b.png", 600, lambda x, y: (x % 256, y % 256, (x + y) % 256, 255 if x % 64 > 8 else 0))):
+            write_png(self.folder / name, size, texel)
+        data = pathlib.Path(os.environ.get("LODESTREAM_TEST_DATA", "/nonexistent"))
+        for path in [ply, *sorted(data.glob("c_*tex*.ply"))]:
+            store = self.folder / f"{path.stem}.lode"
+            lodestreamd("build", path, "-o", store, "--quiet")
+            yield store
+
+    def test_are_images_inside_or_beside_the_tiles(self):
+        kinds = set()
+        for store in self.stores():
+            folder = self.folder / store.stem
+            report = export(store, folder)
+            tileset, named = Tileset(folder), set()
+            for path in sorted((folder / "g").iterdir()):
+                glb = tileset.glb(f"g/{path.name}")
+                for image in glb.json.get("images", []):
+                    data = (path.parent / image["uri"]).read_bytes() if "uri" in image else bytes(glb.view(image["bufferView"]))
+                    named |= {image["uri"][3:]} if "uri" in image else set()
+                    kinds.add(("shared" if "uri" in image else "atlas", data[:3] == b"\xff\xd8\xff"))
+                    self.assertTrue(data[:3] == b"\xff\xd8\xff" or data[8:12] == b"WEBP", path)
+            beside = {str(path.relative_to(folder)) for path in folder.glob("t/*")}
+            self.assertEqual(beside, named, store.name)
+            self.assertEqual((report["image_files"], report["image_bytes"]),
+                             (len(beside), sum((folder / name).stat().st_size for name in beside)))
+        self.assertGreaterEqual(kinds, {("shared", False), ("atlas", False)})
+
+    def test_are_valid(self):
+        self.validate(self.stores())
 
 
 class Glbs(TilesTest):
@@ -193,14 +246,7 @@ class Glbs(TilesTest):
                 self.assertEqual(accessor["max"], [max(axis) for axis in zip(*floats)])
 
     def test_have_no_errors_and_no_warnings(self):
-        if not shutil.which("node") or run("node", "-e", "require('gltf-validator')").returncode != 0:
-            self.skipTest("node does not find gltf-validator: npm install gltf-validator@2.0.0-dev.3.10, and set NODE_PATH")
-        files = []
-        for store in stores():
-            export(store, self.folder / store.stem)
-            files += sorted((self.folder / store.stem / "g").iterdir())
-        done = run("node", "-e", VALIDATE, input="\n".join(map(str, files)))
-        self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
+        self.validate(stores())
 
 
 class Cuts(TilesTest):

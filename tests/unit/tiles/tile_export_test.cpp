@@ -61,7 +61,7 @@ TEST_F(TileExport, writesTheFilesOfTheWriter) {
     const TilesetPage page = writer.page(owner);
     wanted[writer.pageName(owner)] = page.json;
     for (const store::CutItem item : page.contents) {
-      const std::vector<std::byte> glb = writer.glb(item);
+      const std::vector<std::byte> glb = writer.glb(item).bytes;
       wanted[writer.glbName(item)] = {reinterpret_cast<const char*>(glb.data()), glb.size()};
     }
     todo.insert(todo.end(), page.pages.begin(), page.pages.end());

@@ -277,7 +277,7 @@ std::string digestOfFiles(const TilesOf& tiles) {
   std::string all;
   for (const auto& [name, page] : tiles.pages()) all += name + page.dump();
   for (const auto& [name, item] : tiles.items()) {
-    const std::vector<std::byte> glb = tiles.writer().glb(item);
+    const std::vector<std::byte> glb = tiles.writer().glb(item).bytes;
     all += name + toHex(digestOf(glb));
   }
   return toHex(digestOf(std::as_bytes(std::span(all))));
@@ -316,7 +316,7 @@ class RandomTiles {
 
   /// Adds a tile's triangles, decoded from its GLB as a viewer decodes them.
   void add(store::CutItem item) {
-    const test::ViewedStream stream(test::parseGlb(tiles_.writer().glb(item)));
+    const test::ViewedStream stream(test::parseGlb(tiles_.writer().glb(item).bytes));
     Mesh mesh;
     for (uint32_t v = 0; v < stream.mesh().num_points(); ++v) {
       const std::vector<float> p = stream.floats(0, v);

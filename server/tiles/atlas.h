@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "common/image/image.h"
+#include "server/tiles/texture_levels.h"
+
+namespace lode::tiles {
+
+/// Longest edge of an image in a tileset, in texels. Every device with WebGL 2 that matters can draw it.
+constexpr uint32_t kMostImagePx = 4096;
+/// Width of the border around what a piece shows, in texels, for filtering. The border has the texels of the
+/// image around the piece.
+constexpr int kGutterPx = 4;
+
+/// A rectangle of a texture's level that is copied to an atlas.
+struct AtlasPiece {
+  uint32_t texture = 0, level = 0;
+  glm::ivec2 first{0};  ///< first texel, which may lie outside the image
+  glm::ivec2 end{0};    ///< texel after the last one
+  glm::uvec2 place{0};  ///< first texel in the atlas
+
+  glm::uvec2 size() const noexcept { return glm::uvec2(end - first); }
+  uint64_t area() const noexcept { return uint64_t{size().x} * size().y; }
+};
+
+/// Replaces pieces of the same level that overlap by one piece if this does not add texels.
+/// @param pieces  receives the pieces that remain, in the order of their textures, levels and places.
+/// @return for each piece given, the index of the piece that contains it now.
+std::vector<uint32_t> joinPieces(std::vector<AtlasPiece>& pieces);
+
+/// Sets the places of pieces, so that none overlap. @return the size of the atlas. Deterministic.
+glm::uvec2 placePieces(std::span<AtlasPiece> pieces);
+
+/// An atlas, and whether texels of its pieces are transparent.
+struct Atlas {
+  Image image;
+  bool is_clear = false;
+};
+
+/// Copies pieces to their places. Texels between the pieces, and texels that are wholly transparent, get the
+/// colours around them. @throws Error as TextureLevels::part().
+Atlas paintAtlas(std::span<const AtlasPiece> pieces, glm::uvec2 size, TextureLevels& levels);
+
+}  // namespace lode::tiles

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "common/codec/texture_set.h"
+#include "server/store/export.h"
+#include "server/tiles/glb.h"
+#include "server/tiles/texture_levels.h"
+#include "server/tiles/tile_textures.h"
+
+namespace lode::tiles {
+
+/// Returns the GLB of an LOD without images. The Draco stream is the payload itself, except for LODs with
+/// colours: glTF requires linear colours, so their streams are encoded again (encodeForGltf()). If the
+/// payload leaves the normals out, they follow the stream. The result depends only on the payload.
+/// @param lod   an LOD with triangles.
+/// @param step  step of the lattice.
+/// @throws Error kInternal if Draco fails. Thread safe.
+GlbContent plainContent(const store::DecodedLod& lod, double step);
+
+/// Returns the GLB of an LOD with images (textureLod()). All streams are encoded again, because glTF counts
+/// texture coordinates from the top, and the coordinates of an atlas are new.
+/// @param uri_of  returns the reference to a shared image, relative to the GLB.
+/// @throws Error kInternal; as TextureLevels::part().
+GlbContent texturedContent(const Mesh& mesh, const TextureSet& textures, double step, double error_model,
+                           TextureLevels& levels, const std::function<std::string(SharedImage)>& uri_of);
+
+}  // namespace lode::tiles
