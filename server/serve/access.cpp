@@ -10,7 +10,8 @@ namespace lode::serve {
 void checkAccessBeyondLoopback(const ServeOptions& options, const asio::ip::tcp::endpoint& endpoint) {
   if (endpoint.address().is_loopback()) return;
   const auto refuse = [&](const std::string& remedy) {
-    throw Error(ErrorCode::kUsage, "other machines can connect to " + toString(endpoint) + ": " + remedy +
+    throw Error(ErrorCode::kUsage, "refusing to listen on " + toString(endpoint) +
+                                       ", which other machines can reach: " + remedy +
                                        ", or listen on 127.0.0.1");
   };
   if (options.token_file.empty() && !options.public_ok)
@@ -21,8 +22,9 @@ void checkAccessBeyondLoopback(const ServeOptions& options, const asio::ip::tcp:
 
 void checkMetricsBeyondLoopback(const ServeOptions& options, const asio::ip::tcp::endpoint& endpoint) {
   if (options.public_ok || endpoint.address().is_loopback()) return;
-  throw Error(ErrorCode::kUsage, "other machines can read the metrics at " + toString(endpoint) +
-                                     ": give --public, or an address of loopback with --metrics");
+  throw Error(ErrorCode::kUsage, "refusing to serve metrics at " + toString(endpoint) +
+                                     ", where other machines can read them: give --public, or a loopback "
+                                     "address with --metrics");
 }
 
 }  // namespace lode::serve
