@@ -5,12 +5,12 @@
 
 namespace lode::render {
 
-/// Estimated exponent k: if the error threshold of a frame's parts is raised, the work falls in proportion to
-/// 1 / threshold^k. The true exponent lies between 1 and 2, depending on how flat the model is.
+/// Estimated exponent k: the work of a frame is proportional to 1 / threshold^k, where `threshold` is the
+/// error threshold of its parts. The true exponent lies between 1 and 2, depending on how flat the model is.
 constexpr double kFallOfWork = 1.5;
 
-/// Mean of the error thresholds of a frame's parts (core::CutPart::threshold_px). The frame would take the
-/// same work if each part had this mean as its threshold (see kFallOfWork).
+/// Mean of the error thresholds of a frame's parts (core::CutPart::threshold_px). The mean is chosen such
+/// that the frame would take the same work if each part had it as its threshold (see kFallOfWork).
 class MeanThreshold {
  public:
   void add(uint64_t triangles, double threshold_px) noexcept;
@@ -23,13 +23,13 @@ class MeanThreshold {
   double triangles_at_1px_ = 0;  ///< estimated number of triangles at a threshold of one pixel
 };
 
-/// Mean thresholds of the parts in a picture.
+/// Two mean thresholds of the parts in a picture. They differ if the picture shows coarse stand-ins: parts
+/// whose error exceeds the cut's threshold, drawn in place of missing meshes.
 struct ShownThresholds {
-  /// Mean for the frame as drawn. A part that is coarser than the cut's threshold counts with the cut's
-  /// threshold.
+  /// Mean of all drawn parts. A coarse stand-in counts with the cut's threshold.
   MeanThreshold drawn;
-  /// Mean for the complete cut. A part that is coarser than the cut's threshold counts with its own error,
-  /// and a part that fades out does not count.
+  /// Mean of the cut's parts, for estimating the work when all missing meshes have arrived. A coarse stand-in
+  /// counts with its own error. Parts that fade out are no longer parts of the cut.
   MeanThreshold complete;
 
   ShownThresholds& operator+=(const ShownThresholds& more) noexcept;
@@ -40,7 +40,7 @@ struct ShownThresholds {
 struct Coarsening {
   /// The means of ShownThresholds divided by the requested threshold, at least 1.
   double drawn = 1, complete = 1;
-  double pixel_share = 0;  ///< share of the frame's work that depends on pixels rather than on triangles
+  double pixel_share = 0;  ///< share of the frame's work that depends on the number of pixels
   double scale = 1;        ///< width and height of the picture relative to full resolution
 };
 
@@ -53,8 +53,8 @@ double pixelShareInSoftware(uint64_t triangles, double pixels) noexcept;
 
 /// Statistics of one picture.
 struct DrawCounts {
-  /// Triangles drawn after culling. With OcclusionCulling::kOnGpu, the number is that of a frame drawn a
-  /// few frames earlier.
+  /// Number of triangles drawn after culling. With OcclusionCulling::kOnGpu, this is the number of a frame
+  /// that was drawn a few frames earlier.
   uint64_t triangles = 0;
   uint32_t nodes = 0;
   uint32_t calls = 0;

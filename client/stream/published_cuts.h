@@ -7,8 +7,9 @@
 
 namespace lode::stream {
 
-/// Keeps a reference to every published cut until all other references are gone. So the refinement thread
-/// frees the cut's meshes; on the render thread, this would delay a frame. Not thread safe.
+/// Keeps a reference to every published cut until all other references are gone. The refinement thread then
+/// frees the cut's meshes. If the render thread dropped the last reference, it would free them and delay a
+/// frame. Not thread safe.
 class PublishedCuts {
  public:
   void add(const std::shared_ptr<const core::Cut>& cut,

@@ -19,7 +19,8 @@
 namespace lode::stream {
 
 struct StreamOptions {
-  /// The streamer fills in the model's name, jitter_seed, has_cache and cached_model.
+  /// Options of the engine. The streamer itself sets the model's name, jitter_seed, has_cache and
+  /// cached_model.
   core::EngineOptions engine;
   /// Trusted certificate authorities for TLS, in PEM; empty: the system's authorities.
   std::filesystem::path ca_file;
@@ -72,10 +73,11 @@ class Streamer {
   void setViews(std::span<const core::View> views, float threshold_px);
   /// Replaces the memory and drawn budgets of the options: see core::Engine.
   void setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes);
-  /// Takes references to cuts that the caller has derived from the stream's cuts. The stream's thread frees
-  /// each of them once no other references exist: see PublishedCuts.
+  /// Keeps references to cuts that the caller has derived from the stream's cuts. When the caller has dropped
+  /// its own references to a cut, the stream's thread frees the cut, so that no frame waits: see
+  /// PublishedCuts.
   void keep(std::vector<std::shared_ptr<const core::Cut>> cuts);
-  /// Returns the last status; never blocks on the network. If it is not `current`, it is not settled.
+  /// Returns the last status; never blocks on the network. A status that is not `current` is not settled.
   StreamStatus status() const;
   /// Returns the summary of the model's latest build; nothing until the model is open.
   std::optional<ModelSummary> model() const;

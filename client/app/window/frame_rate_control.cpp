@@ -7,7 +7,7 @@
 namespace lode::app {
 namespace {
 
-constexpr double kStepsOfOctave = 4;
+constexpr double kStepsOfOctave = 4;  ///< number of threshold steps that double the threshold
 /// Numbers of threshold steps that halve and double the work. kStepsOfHalving, for raising the threshold,
 /// assumes that the work is proportional to 1 / threshold^kFallOfWork. kStepsOfDoubling, for lowering the
 /// threshold, cautiously assumes an exponent of 2.
@@ -17,7 +17,7 @@ constexpr double kStepsOfDoubling = kStepsOfOctave / 2;
 /// halved.
 constexpr int kMostSteps = 12;
 constexpr int kMostHalvings = 3;  ///< largest number of halvings of the rate; 60 frames a second become 7.5
-constexpr double kFill = 0.8;     ///< fraction of the target time that frames should take
+constexpr double kFill = 0.8;     ///< fraction of the target time that a frame should take
 /// Fraction of the target time that frames may take after the frame rate is restored. The fraction is below
 /// 1, so that the rate does not drop again at once.
 constexpr double kFillOfFaster = 0.9;
@@ -38,8 +38,8 @@ constexpr int kStepsBeforeScale = 4;
 /// The resolution drops only if the pixel load (see last_pixel_load_) exceeds this value.
 constexpr double kPixelFill = 0.5;
 constexpr double kPixelFillAgain = 0.45;  ///< largest pixel load that a restored resolution may cause
-constexpr double kNoThreshold = 1000;     ///< number of steps that means that no threshold is coarse enough
-constexpr double kRestSeconds = 0.25;
+constexpr double kNoThreshold = 1000;     ///< stands for a number of steps if no threshold is coarse enough
+constexpr double kRestSeconds = 0.25;     ///< time without motion after which the camera is at rest
 /// A cut is worth waiting for if its threshold is coarser by the factor kMuchCoarser, and if the last frame
 /// exceeded the target time by the factor kMuchSlower.
 constexpr double kMuchCoarser = 1.4, kMuchSlower = 2;
@@ -48,7 +48,8 @@ constexpr double kLongestWaitS = 0.25;
 
 double stepsOf(double coarsening) noexcept { return kStepsOfOctave * std::log2(coarsening); }
 
-/// Returns the number of threshold steps that bring a load to 1; negative steps lower the threshold.
+/// Returns the number of threshold steps that bring a frame's load to 1; negative steps lower the threshold.
+/// @param load   time of the frame, divided by the time that it should take.
 /// @param share  fraction of the load that is work per pixel, which no threshold reduces.
 double stepsFor(double load, double share) noexcept {
   const double left = 1 - share * load, triangles = (1 - share) * load;
@@ -105,8 +106,8 @@ void FrameRateControl::step(double seconds, bool moved) noexcept {
 }
 
 /// Adds a drawn frame. Even a frame that shows coarse stand-ins for missing meshes can prove that the
-/// threshold must rise. Whether the threshold may fall depends on Coarsening::complete, which is larger for
-/// coarse stand-ins, because the missing meshes will add work.
+/// threshold must rise. Whether the threshold may fall depends on Coarsening::complete. It counts the work
+/// that the missing meshes will add, so it is larger if the frame shows coarse stand-ins.
 void FrameRateControl::add(double work_ms, const render::Coarsening& coarsening) noexcept {
   if (coarsening.scale != movingScale()) return;
   const double steps = stepsOf(coarsening.drawn), complete_steps = stepsOf(coarsening.complete);
@@ -173,7 +174,7 @@ void FrameRateControl::lowerRate() noexcept {
 void FrameRateControl::ease() noexcept {
   calm_frames_ = 0;
   const bool fits_limit = double_need_ <= mostSteps();
-  // True if frames at the higher resolution would need too few steps to lower the resolution again.
+  // True if frames at the higher resolution would need so few steps that the resolution would not drop again.
   const bool stays_fine = full_need_ < kStepsBeforeScale;
   const bool leaves_room =
       double_need_ <= mostSteps() + kStepsOfScale && 2 * calm_pixel_load_ <= kPixelFillAgain;

@@ -28,18 +28,19 @@ class Panel {
   Panel(const Panel&) = delete;
   Panel& operator=(const Panel&) = delete;
 
-  /// Prepares draw(): reloads the font, which is slow, if the scale has changed or the content has new
-  /// characters. @param scale  scale of the text, 1 on a standard display.
+  /// Prepares the font for drawMarksOf(). Reloads it, which is slow, if the scale has changed or the content
+  /// has new characters. @param scale  scale of the text, 1 on a standard display.
   void prepare(double scale, const PanelContent& content);
-  /// Draws the marks of the picture into the window's framebuffer. A picture that is saved has the marks, but
-  /// neither the panel nor the help or the settings.
+  /// Lays out everything, then draws the marks (picked points, axes and scale bar) into the window's
+  /// framebuffer. Saved pictures have these marks, but not the panel, the help and the settings.
   void drawMarksOf(const PanelContent& content);
   /// Draws the panel, the help and the settings. Call it after drawMarksOf(), for the same content.
   void drawWindows() { drawLists(false); }
-  /// Returns the area that captured the mouse in the last drawMarksOf().
+  /// Returns the area of the settings, which captures the mouse; nothing if the last drawMarksOf() laid out
+  /// no settings.
   const std::optional<Covered>& covered() const noexcept { return covered_; }
-  /// Returns the scrollable panel window that covers a pixel of the picture since the last drawMarksOf(), or
-  /// null if none does.
+  /// Returns the panel or the help if it covers a pixel of the picture and can scroll, else null. The last
+  /// drawMarksOf() determines their place. @param place_px  position in the picture, in pixels.
   PanelScroll* scrolledAt(const glm::dvec2& place_px);
   /// Returns the settings if the user has changed them since the last call.
   std::optional<Settings> takeSettings() { return std::exchange(changed_, std::nullopt); }
@@ -53,7 +54,7 @@ class Panel {
                  std::span<const render::LegendEntry> legend) const;
 
   static constexpr size_t kFramesShown = 120;
-  std::array<float, kFramesShown> frames_ms_{};  ///< ring buffer of the last frame times
+  std::array<float, kFramesShown> frames_ms_{};  ///< ring buffer of the latest frame times
   size_t next_frame_ = 0;
   float scale_ = 0;
   PanelCharacters characters_;

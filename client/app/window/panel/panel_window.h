@@ -18,7 +18,7 @@ constexpr float kPanelMarginPx = 12;
 inline const ImVec4 kMuted(0.62f, 0.66f, 0.72f, 1), kGood(0.55f, 0.85f, 0.60f, 1),
     kWarning(1.0f, 0.72f, 0.40f, 1), kBad(1.0f, 0.50f, 0.45f, 1), kBar(0.26f, 0.48f, 0.72f, 1);
 
-/// Limits a width to the width of the display minus padding and margins.
+/// Returns the width, but at most the width of the display minus padding and margins.
 float fittingPx(float width_px);
 
 /// Starts a table row with a name in the colour kMuted and moves on to the next column.
@@ -27,7 +27,7 @@ void nameRow(const char* name);
 /// Scrolls a panel window by the mouse wheel if its content is taller than the display.
 class PanelScroll {
  public:
-  /// Requests scrolling at the next layout. @param steps  wheel steps; forward scrolls up.
+  /// Requests scrolling at the next layout. @param steps  number of wheel steps, positive to scroll up.
   void turn(double steps) noexcept { steps_ += steps; }
   /// Limits the height of the next window to the display. Call it before ImGui::Begin().
   static void limit();

@@ -20,17 +20,17 @@ constexpr uint32_t instanceNumber(size_t model, size_t instance) noexcept {
 }
 
 /// Returns a lattice for a scene in which models are still missing. On every side, the lattice extends beyond
-/// the box of the open models by 64 times the box's longest side. This room is for the missing models: their
+/// the box of the open models by 64 times the box's longest side. This room is for the missing models. Their
 /// placements alone do not tell where they will lie, because the coordinates of a georeferenced model can be
 /// in the millions. Pure.
-/// @param whole  summary of the open models, with their box.
+/// @param whole  summary of all open models as if they were one: see SceneStage::whole().
 Lattice latticeWithRoom(const ModelSummary& whole);
 
-/// Returns the box of `whole` in another lattice, clipped to the range of this lattice. Pure.
+/// Returns the box of `whole` in coordinates of `lattice`, clipped to the range of `lattice`. Pure.
 LatticeBox boxIn(const Lattice& lattice, const ModelSummary& whole);
 
-/// The scene without its models: the extent and the ground. Create, use and destroy it on the thread of its
-/// OpenGL context.
+/// Everything in a scene except its models: the extent and the ground. Create, use and destroy it on the
+/// thread of its OpenGL context.
 class SceneStage {
  public:
   /// @param models  summaries of the models, indexed as in Scene::models; null for a missing model.
@@ -46,7 +46,7 @@ class SceneStage {
 
   /// Starts a picture: clears the depth buffer, and draws the ground with contact shadows if the scene has a
   /// ground.
-  /// @param view  view of the scene.
+  /// @param view  view in scene coordinates.
   void begin(const core::View& view, const render::Framebuffer& target, const render::DrawStyle& style);
 
  private:
@@ -59,8 +59,8 @@ class SceneStage {
 };
 
 /// Draws the background into all pixels that show neither ground nor model. The background is the scene's
-/// sky, or has the colours of the style if the scene has no sky.
-/// @param renderer  renderer of any model.
+/// sky. If the scene has no sky, or if style.hides_sky is set, it has the background colours of the style.
+/// @param renderer  renderer that draws the background; the renderer of any model in the scene will do.
 void drawSky(const render::Renderer& renderer, const Scene& scene, const render::Framebuffer& target,
              render::DrawStyle style);
 
