@@ -17,11 +17,11 @@ struct SampleVertex {
   glm::vec2 uv{0};  ///< texture coordinates in 0..1
 };
 
-/// A procedural mesh of any size, computed in blocks of tens of thousands of vertices or triangles. The
-/// content of a block depends only on its index. All functions are thread safe.
+/// A procedural mesh of any size. It is computed block by block; a block has tens of thousands of vertices or
+/// triangles, which depend only on the block's index. All functions are thread safe.
 class SampleModel {
  public:
-  /// @param attributes  requested attributes; a model need not compute other attributes.
+  /// @param attributes  attributes that the caller needs; the model may leave all others unset.
   explicit SampleModel(AttributeSet attributes) : attributes_(attributes) {}
   virtual ~SampleModel() = default;
   SampleModel(const SampleModel&) = delete;
@@ -32,9 +32,10 @@ class SampleModel {
 
   /// Returns the number of blocks, which is the same for vertices and for triangles.
   virtual uint64_t blocks() const = 0;
+  /// Appends the vertices of a block.
   virtual void addVertices(uint64_t block, std::vector<SampleVertex>& to) const = 0;
-  /// Appends a block's triangles, as vertex indices in the whole model, counter-clockwise seen from outside
-  /// or above.
+  /// Appends the triangles of a block. Their indices count the vertices of the whole model. Their vertices
+  /// are counter-clockwise as seen from outside a solid, or from above a terrain.
   virtual void addTriangles(uint64_t block, std::vector<glm::u32vec3>& to) const = 0;
 
  protected:
@@ -44,7 +45,8 @@ class SampleModel {
   AttributeSet attributes_;
 };
 
-/// Rows of one block. A row is a vertex, or a square of a grid.
+/// The range of rows in one block. Rows are the equal parts of a mesh that a block is made of: vertices, or
+/// squares of a grid.
 struct RowRange {
   uint64_t first = 0, end = 0;
 

@@ -20,15 +20,16 @@ struct TreeResources {
 struct TreeFiles {
   PayloadSpool& payloads;         ///< receives the encoded LODs
   const TemporaryFolder& folder;  ///< folder for LODs of large nodes
-  SimplifyLog& log;               ///< finished nodes, from which a resumed build continues
+  SimplifyLog& log;               ///< finished nodes; a resumed build continues from them
   NodeSpool& nodes;               ///< receives the nodes
 };
 
 /// Builds and encodes all nodes on several threads, children before parents, and adds them to files.nodes.
-/// Builds an inner node as soon as its children are built, so that memory holds coarsest LODs only along
-/// about one path of the tree. A node waits if it does not fit into memory beside the nodes being built. The
-/// calling thread reports progress and writes finished nodes to the log. Continues from the nodes in the log.
-/// Throws the first error of any thread.
+/// A built node keeps its coarsest LOD in memory until its parent is built. So an inner node is built as soon
+/// as its children are built. Memory then holds the coarsest LODs of few nodes: about those beside one path
+/// from a leaf to the root. A node waits if it does not fit into memory beside the nodes being built. The
+/// calling thread reports progress and writes finished nodes to the log. Nodes that the log has from an
+/// interrupted build are not built again. Throws the first error of any thread.
 void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, const TreeFiles& files,
                const TreeResources& resources, const BuildProgress& progress);
 
