@@ -45,7 +45,9 @@ std::string_view checkText(std::string_view text, uint32_t limit, const char* wh
   return text;
 }
 
-/// Makes a text for people valid: cuts it to kMaxStringBytes and replaces unprintable characters with '?'.
+/// Returns a text as a message may contain it. Cuts the text to kMaxStringBytes. If it is not printable
+/// UTF-8, replaces every byte that is not printable ASCII with '?'. Use it for texts that only people read,
+/// such as reasons and names of programs.
 std::string sanitized(std::string_view text) {
   std::string out(text.substr(0, kMaxStringBytes));
   // If the cut is inside a character, remove the whole character: the continuation bytes here, the lead byte

@@ -65,7 +65,7 @@ struct RequestChange {
   uint32_t request = 0;   ///< number above 0 that the client chooses; unique among the session's open
                           ///< requests
   uint32_t blob = 0;      ///< number of the blob in the model's store; used by kAdd only
-  float priority_px = 0;  ///< projected error; within a class, the server sends the highest first
+  float priority_px = 0;  ///< projected error; within a class, the highest priority is served first
   bool operator==(const RequestChange&) const = default;
 };
 
@@ -150,8 +150,8 @@ constexpr FrameType kFrameTypeOf = FrameType::kBlob;
 LODE_MESSAGES(LODE_MESSAGE)
 #undef LODE_MESSAGE
 
-/// Encodes any message of LODE_MESSAGES as a whole frame, header included. Texts for people (reasons, errors,
-/// names of programs) are cut to the limit and made printable. Thread safe.
+/// Encodes any message of LODE_MESSAGES as a whole frame, header included. Cuts texts that only people read
+/// (reasons, errors, names of programs) to the limit, and replaces their unprintable characters. Thread safe.
 /// @throws Error kProtocol or kLimit if a model's name, a token or a list is invalid or exceeds a limit.
 template <typename Message>
 Bytes encode(const Message& message, uint32_t call);
