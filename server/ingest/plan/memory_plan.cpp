@@ -14,8 +14,8 @@ constexpr uint64_t kMarginBytes = 24 << 20;   ///< freed memory that the allocat
 /// capacity. Most builds need only half of it.
 constexpr uint64_t kFrontierBytes = 5 << 10;
 constexpr uint64_t kWorkerBytes = 2816;  ///< bytes per thread and triangle of the node capacity
-/// Memory per triangle of a large node, that is, a node whose LODs are written to disk. The second value is
-/// for models whose quadrics include attributes.
+/// Memory per triangle of a large node, that is, a node whose LODs are written to disk.
+/// kLargeNodeBytesWithAttributes is for models whose quadrics include attributes.
 constexpr uint64_t kLargeNodeBytes = 300, kLargeNodeBytesWithAttributes = 360;
 /// Memory per triangle of a small model: kSmallModelBytes for the nodes that threads simplify,
 /// kGrowingFrontierBytes for finished nodes that wait for their parents.

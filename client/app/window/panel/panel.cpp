@@ -227,8 +227,8 @@ void Panel::drawMarksOf(const PanelContent& content) {
   drawLists(true);
 }
 
-/// Draws the lists of the marks, or all other lists, of the last layout. ImGui has the marks in the list of
-/// the background.
+/// Draws the marks of the last layout, or everything else. ImGui keeps the marks in the draw list of the
+/// background.
 void Panel::drawLists(bool marks) {
   ImDrawData data = *ImGui::GetDrawData();
   const ImDrawList* const background = ImGui::GetBackgroundDrawList();
@@ -241,7 +241,7 @@ void Panel::drawLists(bool marks) {
 }
 
 /// Lays out the panel or the help at the left and the settings at the right. If the window is too narrow for
-/// both, leaves out the settings while the help is open, and else the panel.
+/// both, leaves out the settings while the help is open, and the panel otherwise.
 void Panel::layOut(const PanelContent& content) {
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
