@@ -272,6 +272,27 @@ def moved(keys):
     return [b - a for a, b in zip(keys[0]["eye"], keys[-1]["eye"])]
 
 
+def place_in_picture(camera, point):
+    """Projects a point into the picture of a recorded camera with a field of view of 45 degrees."""
+    def cross(a, b):
+        return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+
+    def dot(a, b):
+        return sum(x * y for x, y in zip(a, b))
+    forward = direction(camera)
+    right = cross(forward, camera["up"])
+    right = [part / math.hypot(*right) for part in right]
+    away = [b - a for a, b in zip(camera["eye"], point)]
+    scale = HEIGHT / 2 / math.tan(math.radians(22.5)) / dot(away, forward)
+    return round(WIDTH / 2 + dot(away, right) * scale), round(HEIGHT / 2 - dot(away, cross(right, forward)) * scale)
+
+
+def at_rest(window):
+    """Returns the rows of a settled picture; None if the picture still changes."""
+    one, two = (pixels_of(window.picture()) for _ in range(2))
+    return two if one == two else None
+
+
 class WindowTest(unittest.TestCase):
     @contextlib.contextmanager
     def window(self, target=STORE, *options, is_open=True, **pipes):
