@@ -114,6 +114,23 @@ TEST_P(HiddenBy, showsAtOnceWhenTheCameraJumps) {
   for (const int frame : {0, 0, 29, 3, 29, 50, 0}) ways.expectSamePicture(viewAt(frame));
 }
 
+/// The plane moves in every second frame, so that it uncovers what the half in front of it has hidden.
+TEST_P(HiddenBy, showsWhatASectionUncovers) {
+  TwoWays ways(GetParam());
+  ways.show(scene());
+  uint64_t all = 0, seen = 0;
+  for (int frame = 0; frame < 40; ++frame) {
+    render::DrawStyle style;
+    glm::dvec3 normal(0);
+    normal[frame / 10 % 3] = frame % 4 < 2 ? 1 : -1;
+    style.section = render::Section{normal, (2500 + 50 * (frame / 2)) * normal[frame / 10 % 3], {0, 0, 1}};
+    ways.expectSamePicture(viewAt(frame / 3), style);
+    all += ways.all_triangles;
+    seen += ways.seen_triangles;
+  }
+  EXPECT_LT(seen, all);
+}
+
 TEST_P(HiddenBy, isNotDrawnAgainWhileTheCameraRests) {
   TwoWays ways(GetParam());
   ways.show(scene(1, 192));

@@ -1,5 +1,7 @@
 #include "client/render/passes/section.h"
 
+#include <algorithm>
+
 #include "gl_fixture.h"
 #include "tests/support/test_meshes.h"
 
@@ -58,6 +60,29 @@ TEST_F(Sections, leaveTheShownHalfAsItIs) {
       ASSERT_EQ(cut.pixel(x, y)[1], whole.pixel(x, y)[1]) << x << ", " << y;
     ASSERT_TRUE(showsMagenta(cut.pixel(kWidthPx / 2 + 10, y))) << y;
   }
+}
+
+TEST_F(Sections, haveNoEdgesOfTrianglesOnTheCut) {
+  const Mesh mesh = makeSphere(48, 24, {.attributes = {AttributeSet::kNormal}, .bump = 0});
+  const auto imageOf = [&](render::ColorMode show, bool cuts) {
+    render::DrawStyle style = magentaBehind();
+    style.show = show;
+    if (cuts) style.section = render::Section{{1, 0, 0}, 2048, {0, 0, 1}};
+    return drawMeshes({mesh}, 1, lookAt({6000, 2048, 8000}, {2048, 2048, 2048}), style);
+  };
+  using enum render::ColorMode;
+  const render::Image surface = imageOf(kSurface, true), wireframe = imageOf(kWireframe, true);
+  int blue = 0, edges = 0;
+  for (uint32_t y = 0; y < kHeightPx; ++y)
+    for (uint32_t x = 0; x < kWidthPx; ++x) {
+      const uint8_t *const plain = surface.pixel(x, y), *const wired = wireframe.pixel(x, y);
+      const bool is_on_cut = plain[2] > 250 && plain[0] < 5 && plain[1] < 5;
+      EXPECT_TRUE(!is_on_cut || std::equal(plain, plain + 3, wired)) << x << ", " << y;
+      blue += is_on_cut;
+      edges += !is_on_cut && wired[1] < plain[1];
+    }
+  EXPECT_GT(blue, 500);
+  EXPECT_GT(edges, 100) << "on the outside beside the cut";
 }
 
 TEST_F(Sections, showTheInsideOfAnOpenSurfaceToAnEyeOnItsSide) {
