@@ -77,6 +77,8 @@ class IncompleteScene(WindowTest):
                 self.assertIn(said, next(line for line in map(bytes.decode, stderr) if line.startswith("lodestream")))
             eventually(lambda: self.picked(window, MIDDLE))
             self.assertGreater(reds_of(window.screen()), 100)
+            window.key("Escape")  # ends the measurement
+            window.picture()
             self.assertEqual(window.leave(), 0)
 
     def test_shows_a_model_once_its_server_starts(self):
@@ -148,6 +150,8 @@ class Dropped(WindowTest):
                 self.assertEqual(self.title(window), title)
                 window.click(MIDDLE)
                 self.assertIn("LOD", window.copied())
+            window.key("Escape")  # ends the measurement
+            window.picture()
             self.assertEqual(window.leave(), 0)
 
     def test_file_replaces_a_target_that_cannot_be_opened(self):

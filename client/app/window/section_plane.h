@@ -24,16 +24,17 @@ constexpr std::array<CapColour, 4> kCapColours{{{"red", {0.80f, 0.45f, 0.35f}},
                                                 {"blue", {0.35f, 0.55f, 0.80f}},
                                                 {"white", {0.92f, 0.92f, 0.92f}}}};
 
-/// The plane with which the user cuts the model open. It is perpendicular to an axis and moves within the
-/// model's box. Pure.
+/// The plane with which the user cuts the model open. It is perpendicular to an axis. Only a drag moves it:
+/// it stays in place if the box changes, because models are hidden, shown or added. Pure.
 class SectionPlane {
  public:
-  /// Steps from no section through the x, y and z axes and back to none.
-  void step() noexcept;
+  /// Steps from no section through the x, y and z axes and back to none. Each section begins in the middle of
+  /// the box.
+  void step(const core::ModelBox& box) noexcept;
   /// Shows the other half.
   void flip() noexcept { is_flipped_ = !is_flipped_; }
   /// Moves the plane, so that it follows the pointer: along the axis in the picture, or, if the axis points
-  /// at the viewer, away from the viewer by an upward drag.
+  /// at the viewer, away from the viewer by an upward drag. The plane stops at the sides of the box.
   /// @param distance_model  distance along the view direction at which the plane follows the pointer.
   void drag(const glm::dvec2& pixels, const core::View& view, double distance_model,
             const core::ModelBox& box) noexcept;
@@ -41,14 +42,14 @@ class SectionPlane {
   size_t colour() const noexcept { return colour_; }  ///< index into kCapColours
 
   bool isOn() const noexcept { return axis_ < 3; }
-  /// Returns the plane in the frame of the box; nothing if there is no section.
-  std::optional<render::Section> in(const core::ModelBox& box) const noexcept;
-  /// Describes the section: "section along x, at 12 %".
-  std::string describe() const;
+  /// Returns the plane in the frame of the boxes; nothing if there is no section.
+  std::optional<render::Section> section() const noexcept;
+  /// Describes the section by its place in a box: "section across x at 12 %".
+  std::string describe(const core::ModelBox& box) const;
 
  private:
-  int axis_ = 3;        ///< 0 to 2; 3: no section
-  double place_ = 0.5;  ///< 0 to 1, from the box's minimum to its maximum
+  int axis_ = 3;            ///< 0 to 2; 3: no section
+  double place_model_ = 0;  ///< coordinate of the plane
   bool is_flipped_ = false;
   size_t colour_ = 0;
 };

@@ -73,6 +73,7 @@ bool Viewer::run() {
   while (!isLeaving()) frame();
   if (picture_request_.isOpen() && !isMinimized()) draw();
   if (recorder_.recording()) saveRecording();
+  if (picks_.hasUnsaved()) saveMeasures();
   while (const auto written = picture_writer_.waitAndTake()) noteWritten(*written);
   if (!options_.screenshot.empty() && !has_screenshot_)
     throw Error(ErrorCode::kTimeout, options_.common.target + ": the window was closed before the picture " +
@@ -196,8 +197,9 @@ void Viewer::openWhenReady() {
   window_.setTitle(summary.name + " - Lodestream");
 }
 
-/// Opens a file in place of the scene. If the file is no target, notes the reason and keeps the scene. The
-/// options that fit only the former target no longer apply: its camera path, up axis and offline use.
+/// Opens a file in place of the scene. If the file is no target, or if kept measurements cannot be saved,
+/// notes the reason and keeps the scene. The options that fit only the former target no longer apply: its
+/// camera path, up axis and offline use.
 void Viewer::openInstead(const std::string& file) {
   CommonOptions common = options_.common;
   common.target = file;
@@ -212,6 +214,7 @@ void Viewer::openInstead(const std::string& file) {
   } catch (const Error& error) {
     return note(messageOf(error));
   }
+  if (picks_.hasUnsaved() && !saveMeasures()) return;
   if (recorder_.recording()) saveRecording();
   rig_.reset();  // refers to the scene
   scene_ = std::move(scene);

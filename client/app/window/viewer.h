@@ -39,9 +39,9 @@ class Viewer {
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
   /// Runs until the user closes the window, or until --screenshot or --laps is done. Then writes the pending
-  /// pictures and recording.
+  /// pictures, recording and kept measurements.
   /// @return false if the target could not be opened; the window and stderr have shown the reason.
-  /// @throws Error on wrong usage, or if a pending picture or recording cannot be written. With --screenshot
+  /// @throws Error on wrong usage, or if a pending file cannot be written. With --screenshot
   /// or --laps, also throws if the target cannot be opened. With --screenshot, throws if the picture is still
   /// incomplete at the timeout or when the window is closed. With --laps, throws if the flight cannot begin,
   /// or, after printing the frame times, if the flight ends early.
@@ -84,6 +84,7 @@ class Viewer {
   // viewer_input.cpp: keys, mouse, camera and settings.
   void scrollPanel(Input& input);
   void obeyKeys(Input& input);
+  void endMeasureOrLeave();
   void cut(const Input& input);
   void hideModels(const Input& input);
   void noteBookmark(const Input& input);
@@ -102,11 +103,12 @@ class Viewer {
   void setMemoryBudget(uint64_t budget_bytes);
   void keepChoices() const;
   void note(const std::string& message);
+  void noteSaved(const std::string& file);
 
   // viewer_files.cpp: pictures and recorded camera paths.
   void record(const Input& input);
   void saveRecording();
-  void saveMeasures();
+  bool saveMeasures();
   void saveScreenshots();
   [[noreturn]] void refuseScreenshot() const;
   void noteWritten(const PictureWriter::Written& written);

@@ -18,28 +18,28 @@ namespace lode::app {
 void Viewer::record(const Input& input) {
   recorder_.add(secondsSince(started_), rig_->camera(), glm::degrees(rig_->view().fov_y_rad));
   if (!input.record) return;
-  if (recorder_.recording())
-    saveRecording();
-  else
-    recorder_.start();
+  if (recorder_.recording()) return saveRecording();
+  recorder_.start();
+  rig_->holdFieldOfView(true);
 }
 
 /// Ends the recording and writes its file. While the window is open, shows a failure as a note in the panel.
 /// While the window closes, throws the error instead, because nobody would read the note.
 void Viewer::saveRecording() {
+  if (rig_) rig_->holdFieldOfView(false);
   try {
     if (const std::optional<std::string> file = recorder_.save())
-      note("saved " + *file + ", for render --frames and replay");
+      noteSaved(*file + ", for render --frames and replay");
   } catch (const Error& error) {
     if (isLeaving()) throw;
     note(messageOf(error));
   }
 }
 
-/// Writes all measurements as CSV and JSON into the current folder.
-void Viewer::saveMeasures() {
+/// Writes all measurements as CSV and JSON into the current folder. Shows a failure as saveRecording() does.
+/// @return false if they cannot be written.
+bool Viewer::saveMeasures() {
   const std::vector<Measure> measures = picks_.all();
-  if (measures.empty()) return note("no measurement: click on the model first");
   try {
     std::string name = timedName("measurements");
     for (int number = 2; std::filesystem::exists(name + ".csv") || std::filesystem::exists(name + ".json");
@@ -52,9 +52,13 @@ void Viewer::saveMeasures() {
       output.write(std::as_bytes(std::span(text)));
       output.commit();
     }
-    note("saved " + csv + " and .json");
+    picks_.markSaved();
+    noteSaved(csv + " and .json");
+    return true;
   } catch (const Error& error) {
+    if (isLeaving()) throw;
     note(messageOf(error));
+    return false;
   }
 }
 

@@ -9,6 +9,7 @@
 #include "client/app/window/viewer.h"
 #include "client/core/view/framing.h"
 #include "client/render/residency/staging_ring.h"
+#include "common/printable.h"
 #include "common/up_axis.h"
 
 /// Part of Viewer that handles input: keys, mouse, camera and settings.
@@ -31,7 +32,7 @@ void Viewer::obeyKeys(Input& input) {
   const Chosen chosen = std::exchange(chosen_, {});
   input.toggle_parallel = input.toggle_parallel != chosen.toggle_parallel;
   if (chosen.side) input.side = chosen.side;
-  if (input.quit && !content_.help) done_ = true;
+  if (input.quit && !content_.help) endMeasureOrLeave();
   if (input.quit_where_idle && failed_) done_ = true;
   openOrCloseHelp(input);
   if (input.toggle_wireframe) show_.toggleWireframe();
@@ -51,16 +52,26 @@ void Viewer::obeyKeys(Input& input) {
   pacing_.sharpen(input.finer);
 }
 
+/// Ends the open measurement; without one, leaves.
+void Viewer::endMeasureOrLeave() {
+  if (picks_.current().points.empty()) {
+    done_ = true;
+  } else {
+    picks_.clear();
+    note("measurement ended; Esc leaves");
+  }
+}
+
 /// Cuts the model open by a plane, moves the plane and flips it.
 void Viewer::cut(const Input& input) {
   const ModelSummary& summary = scene_->summary();
   const core::ModelBox box = core::toModelBox(summary.box, summary.lattice.step);
-  for (int step = 0; step < input.next_section; ++step) section_.step();
+  for (int step = 0; step < input.next_section; ++step) section_.step(box);
   if (input.flip_section) section_.flip();
   section_.drag(input.section_px, rig_->view(), rig_->distanceModel(), box);
-  style_.section = section_.in(box);
+  style_.section = section_.section();
   if (input.next_section != 0 || input.flip_section || (section_.isOn() && input.section_px != glm::dvec2(0)))
-    note(section_.describe());
+    note(section_.describe(box));
 }
 
 /// Hides or isolates the model under the pointer; beside all models, shows all.
@@ -97,7 +108,7 @@ void Viewer::openOrCloseHelp(const Input& input) {
   }
 }
 
-/// Returns the nearest surface point drawn at a pixel.
+/// Returns the nearest point drawn at a pixel.
 std::optional<PickedPoint> Viewer::under(const glm::dvec2& pixel_px) {
   return scene_->under(rig_->view(), pixel_px, style_.section);
 }
@@ -144,7 +155,11 @@ void Viewer::measure(const Input& input) {
   if (input.keep_measure)
     note(picks_.keep() ? "measurement kept; J saves all" : "click on the model first; Shift+K: next kind");
   if (input.drop_measure && !picks_.dropLast()) note("no measurement is kept");
-  if (input.save_measures) saveMeasures();
+  if (!input.save_measures) return;
+  if (picks_.all().empty())
+    note("no measurement: click on the model first");
+  else
+    saveMeasures();
 }
 
 /// Returns the share of the window's width that the panel covers. Returns 0 with --screenshot and --laps, so
@@ -160,7 +175,7 @@ double Viewer::coveredShare() const {
 std::optional<glm::dvec3> Viewer::startOfWalk(const glm::dvec2& pointer_px, const GroundBelow& ground) {
   const core::View& view = rig_->view();
   for (const glm::dvec2& pixel_px : {pointer_px, glm::dvec2(view.width_px, view.height_px) / 2.0})
-    if (const auto hit = under(pixel_px)) return hit->position_model;
+    if (const auto hit = under(pixel_px); hit && !hit->is_on_cut) return hit->position_model;
   if (const auto below = ground(view.eye_model)) return view.eye_model - below->depth_model * rig_->up();
   return std::nullopt;
 }
@@ -171,8 +186,13 @@ void Viewer::moveCamera(Input input, double seconds) {
   const auto ground = [this](const glm::dvec3& point) -> std::optional<Ground> {
     return scene_->groundBelow(rig_->view(), point, rig_->up());
   };
-  if (recorder_.recording() && std::exchange(input.toggle_parallel, false))
+  const bool would_change_projection =
+      input.toggle_parallel || (input.next_camera != 0 && rig_->isParallel());
+  if (recorder_.recording() && would_change_projection) {
+    input.toggle_parallel = false;
+    input.next_camera = 0;
     note("a recorded path has one projection; P ends the recording");
+  }
   std::optional<glm::dvec3> start;
   if (input.next_camera != 0) start = startOfWalk(input.pointer_px, ground);
   rig_->apply(input, std::min(seconds, kLongestStepS), ground);
@@ -253,6 +273,12 @@ void Viewer::setMemoryBudget(uint64_t budget_bytes) {
   content_.gpu_budget_bytes = memory.gpu.budget_bytes + memory.gpu.texture_budget_bytes +
                               render::StagingRing::kSegments *
                                   (uint64_t{memory.gpu.staging_bytes} + memory.gpu.texture_staging_bytes);
+}
+
+/// Tells which file was saved; on stderr if the window is about to close.
+void Viewer::noteSaved(const std::string& file) {
+  note("saved " + file);
+  if (isLeaving()) printOnOneLine("lodestream", note_);
 }
 
 void Viewer::note(const std::string& message) {

@@ -71,6 +71,49 @@ Input parallel() {
   return input;
 }
 
+TEST(CameraRig, keepsTheFieldOfViewWhileItIsHeld) {
+  const ModelSummary model = someModel();
+  for (const bool is_parallel : {false, true}) {
+    CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+    const core::View perspective = rig.view();
+    Input bookmark;
+    bookmark.bookmark = 1;
+    bookmark.set_bookmark = true;
+    if (!is_parallel) rig.apply(parallel(), 0.016, plainAt(0));
+    rig.apply(bookmark, 0.016, plainAt(0));
+    rig.apply(parallel(), 0.016, plainAt(0));
+    rig.holdFieldOfView(true);
+    const double held_rad = rig.view().fov_y_rad;
+    bookmark.set_bookmark = false;
+    Input reset, up, side;
+    reset.reset_camera = true;
+    up.next_axis = 1;
+    side.side = core::Side::kTop;
+    for (const Input& input : {bookmark, tab(), up, side, reset}) {
+      rig.apply(input, 0.016, plainAt(0));
+      EXPECT_EQ(rig.view().fov_y_rad, held_rad);
+    }
+    EXPECT_TRUE(!is_parallel || rig.kind() == CameraKind::kOrbit);
+    rig.holdFieldOfView(false);
+    rig.apply(reset, 0.016, plainAt(0));
+    EXPECT_EQ(rig.view().fov_y_rad, perspective.fov_y_rad);
+  }
+}
+
+TEST(CameraRig, keepsThePictureOfTheFirstViewWhileItsFieldOfViewIsHeld) {
+  const ModelSummary model = someModel();
+  CameraRig rig(model, zUp(), std::nullopt, 800, 600);
+  const core::View first = rig.view();
+  const glm::dvec3 point = first.eye_model + first.forward * rig.distanceModel() + first.up * 100.0;
+  const auto before = pointInPicture(first, point);
+  rig.apply(parallel(), 0.016, plainAt(0));
+  rig.holdFieldOfView(true);
+  Input reset;
+  reset.reset_camera = true;
+  rig.apply(reset, 0.016, plainAt(0));
+  EXPECT_LT(glm::distance(*pointInPicture(rig.view(), point), *before), 1e-6);
+}
+
 TEST(CameraRig, keepsThePictureOfTheOrbitedPlaneInParallelProjection) {
   const ModelSummary model = someModel();
   CameraRig rig(model, zUp(), std::nullopt, 800, 600);

@@ -38,6 +38,27 @@ TEST(Picks, bearTheErrorsOfBothEndsAndTheUnit) {
   EXPECT_EQ(valueText(picks.current(), kUpwards, "mm"), "1.900 \u00b1 0.031 mm");
 }
 
+TEST(Picks, areUnsavedOnceOneIsKept) {
+  Picks picks;
+  picks.add(pointAt(1));
+  picks.add(pointAt(2));
+  EXPECT_FALSE(picks.hasUnsaved()) << "an open measurement";
+  picks.keep();
+  EXPECT_TRUE(picks.hasUnsaved());
+  picks.markSaved();
+  EXPECT_FALSE(picks.hasUnsaved());
+  picks.dropLast();
+  EXPECT_FALSE(picks.hasUnsaved()) << "nothing is kept";
+}
+
+TEST(Picks, onASectionHaveNoNode) {
+  Picks picks;
+  PickedPoint point = pointAt(1);
+  point.is_on_cut = true;
+  picks.add(point);
+  EXPECT_EQ(picks.lines(kUpwards, "").back(), "the section");
+}
+
 TEST(Picks, areRestoredWhenAClickIsUndone) {
   Picks picks;
   picks.add(pointAt(1));

@@ -17,43 +17,63 @@ core::View sectionView() {
 
 TEST(SectionPlane, stepsThroughTheAxesInTheMiddleOfTheBox) {
   SectionPlane plane;
-  EXPECT_FALSE(plane.in(kCutBox));
+  EXPECT_FALSE(plane.section());
   for (int axis = 0; axis < 3; ++axis) {
-    plane.step();
-    const auto section = plane.in(kCutBox);
+    plane.step(kCutBox);
+    const auto section = plane.section();
     ASSERT_TRUE(section);
     EXPECT_EQ(section->normal[axis], 1);
     EXPECT_EQ(section->offset_model, (kCutBox.min[axis] + kCutBox.max[axis]) / 2);
   }
-  plane.step();
-  EXPECT_FALSE(plane.in(kCutBox));
+  plane.step(kCutBox);
+  EXPECT_FALSE(plane.section());
 }
 
 TEST(SectionPlane, followsThePointerWithinTheBox) {
   SectionPlane plane;
-  plane.step();
+  plane.step(kCutBox);
   const core::View view = sectionView();
   const double unit_px = core::focalPx(view) / 40;
   plane.drag({unit_px, 50}, view, 40, kCutBox);
-  EXPECT_NEAR(plane.in(kCutBox)->offset_model, 3, 1e-9);
+  EXPECT_NEAR(plane.section()->offset_model, 3, 1e-9);
   plane.drag({50 * unit_px, 0}, view, 40, kCutBox);
-  EXPECT_EQ(plane.in(kCutBox)->offset_model, 4);
+  EXPECT_EQ(plane.section()->offset_model, 4);
+}
+
+TEST(SectionPlane, staysInPlaceWhenTheBoxChanges) {
+  SectionPlane plane;
+  plane.step(kCutBox);
+  const core::ModelBox of_the_rest{{3, -2, 10}, {4, 2, 30}};
+  plane.drag({0, 0}, sectionView(), 40, of_the_rest);
+  EXPECT_EQ(plane.section()->offset_model, 2);
+  plane.flip();
+  EXPECT_EQ(plane.section()->offset_model, -2);
+  plane.drag({1, 0}, sectionView(), 40, of_the_rest);
+  EXPECT_EQ(plane.section()->offset_model, -3);
+}
+
+TEST(SectionPlane, isDescribedByItsPlaceInTheBox) {
+  SectionPlane plane;
+  EXPECT_EQ(plane.describe(kCutBox), "no section");
+  plane.step(kCutBox);
+  EXPECT_EQ(plane.describe(kCutBox), "section across x at 50 %");
+  EXPECT_EQ(plane.describe({{0, -2, 10}, {8, 2, 30}}), "section across x at 25 %");
 }
 
 TEST(SectionPlane, movesAwayFromTheViewerByAnUpwardDrag) {
   SectionPlane plane;
-  for (int axis = 0; axis < 3; ++axis) plane.step();
+  for (int axis = 0; axis < 3; ++axis) plane.step(kCutBox);
   plane.drag({0, -30}, sectionView(), 40, kCutBox);
-  EXPECT_LT(plane.in(kCutBox)->offset_model, 20);
+  EXPECT_LT(plane.section()->offset_model, 20);
 }
 
 TEST(SectionPlane, showsTheOtherHalfWhenItIsFlipped) {
   SectionPlane plane;
-  plane.step();
-  const auto before = plane.in(kCutBox);
+  plane.step(kCutBox);
+  const auto before = plane.section();
   plane.flip();
-  EXPECT_EQ(plane.in(kCutBox)->normal, -before->normal);
-  EXPECT_EQ(plane.in(kCutBox)->offset_model, -before->offset_model);
+  EXPECT_EQ(plane.section()->normal, -before->normal);
+  EXPECT_EQ(plane.section()->offset_model, -before->offset_model);
 }
 
 TEST(SectionPlane, cutsRaysToTheShownSide) {

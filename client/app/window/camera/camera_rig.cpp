@@ -125,7 +125,12 @@ void CameraRig::toggleParallel() {
   if (kind_ != CameraKind::kOrbit) restart(view_, orbit_.distanceModel());  // orbit what the camera looks at
   kind_ = CameraKind::kOrbit;
   if (!isParallel()) perspective_fov_rad_ = view_.fov_y_rad;
-  const double fov_rad = isParallel() ? perspective_fov_rad_ : glm::radians(kParallelFovDeg);
+  changeFieldOfView(isParallel() ? perspective_fov_rad_ : glm::radians(kParallelFovDeg));
+}
+
+/// Changes the field of view and the distance, so that the picture of the orbited point's plane stays the
+/// same.
+void CameraRig::changeFieldOfView(double fov_rad) {
   const double ratio = std::tan(view_.fov_y_rad / 2) / std::tan(fov_rad / 2);
   const double distance_model = orbit_.distanceModel();
   const glm::dvec3 point_model = orbit_.pointModel();
@@ -170,6 +175,12 @@ void CameraRig::startAgain() {
 /// Applies the input of a frame. If nothing steers the camera, leaves the view as it is, because computing
 /// the view again could round differently.
 void CameraRig::apply(const Input& input, double seconds, const GroundBelow& ground) {
+  choose(input);
+  if (isSteered(input)) steer(input, seconds, ground);
+}
+
+/// Applies the keys that choose a view or a kind of camera.
+void CameraRig::choose(const Input& input) {
   if (input.reset_camera) startAgain();
   for (int i = 0; i < input.next_axis; ++i) turnUp();
   if (input.bookmark != 0) useBookmark(static_cast<size_t>(input.bookmark), input.set_bookmark);
@@ -180,10 +191,16 @@ void CameraRig::apply(const Input& input, double seconds, const GroundBelow& gro
     restart(view_, orbit_.distanceModel());
     kind_ = static_cast<CameraKind>((static_cast<int>(kind_) + input.next_camera) % kCameraKindCount);
   }
-  if (!isSteered(input)) return;
+  if (!held_fov_rad_ || view_.fov_y_rad == *held_fov_rad_) return;
+  changeFieldOfView(*held_fov_rad_);
+  if (isParallel()) kind_ = CameraKind::kOrbit;
+}
+
+/// Moves the camera by drags, the wheel, keys that are held and the gamepad.
+void CameraRig::steer(const Input& input, double seconds, const GroundBelow& ground) {
   const glm::dvec2 looked_px = input.turned_px + input.shifted_px -
                                input.pad_turn * (kPadHeightsPerSecond * seconds * view_.height_px);
-  const auto steer = [&](auto& camera, const auto&... where) {
+  const auto move = [&](auto& camera, const auto&... where) {
     camera.changeSpeed(input.wheel);
     camera.look(looked_px, view_);
     camera.move(input.fly, seconds, where...);
@@ -198,10 +215,10 @@ void CameraRig::apply(const Input& input, double seconds, const GroundBelow& gro
       orbit_.apply(view_);
       break;
     case CameraKind::kFly:
-      steer(fly_);
+      move(fly_);
       break;
     case CameraKind::kWalk:
-      steer(walk_, ground);
+      move(walk_, ground);
       break;
   }
 }

@@ -46,6 +46,12 @@ class CameraRig {
   /// 0.09 % of the picture's height from an exact parallel projection.
   void toggleParallel();
   bool isParallel() const noexcept { return view_.fov_y_rad == glm::radians(kParallelFovDeg); }
+  /// Keeps the field of view from now on, or no longer. Meanwhile, a camera with another field of view moves
+  /// along its view to where the picture of the orbited point's plane stays the same, as toggleParallel()
+  /// does. In parallel projection, only the orbiting camera is available.
+  void holdFieldOfView(bool held) noexcept {
+    held_fov_rad_ = held ? std::optional(view_.fov_y_rad) : std::nullopt;
+  }
   /// Sets the point to orbit. The view stays the same.
   void turnAbout(const glm::dvec3& point_model) noexcept { orbit_.turnAbout(point_model); }
   /// Starts a flight of the orbit camera towards a point.
@@ -77,6 +83,9 @@ class CameraRig {
   void restart(core::View from, double distance_model);
   void turnUp();
   void leaveParallel();
+  void changeFieldOfView(double fov_rad);
+  void choose(const Input& input);
+  void steer(const Input& input, double seconds, const GroundBelow& ground);
   bool isSteered(const Input& input) const noexcept;
   void useBookmark(size_t number, bool set);
 
@@ -85,6 +94,7 @@ class CameraRig {
   core::View start_, view_;
   double start_distance_model_ = 0;
   double perspective_fov_rad_ = core::View().fov_y_rad;  ///< last field of view of a perspective
+  std::optional<double> held_fov_rad_;                   ///< set while holdFieldOfView() applies
   bool starts_framed_;
   glm::dvec3 up_;
   CameraKind kind_ = CameraKind::kOrbit;

@@ -48,6 +48,7 @@ constexpr std::array kCommonHelp{
     KeyHelp{"Alt+1 to 6  N", "front, back, left, right, top, bottom; parallel"},
     KeyHelp{"click  C", "measure; copy the measurement"},
     KeyHelp{"K  Shift+K  J", "keep; other measurements; save them as CSV"},
+    KeyHelp{"Backspace", "remove the measurement kept last"},
     KeyHelp{"V  F  G", "next colour mode; wireframe; clay"},
     KeyHelp{"L, X and drag", "turn the light; move the section"},
     KeyHelp{"X  Shift+X", "next section; show the other half"},

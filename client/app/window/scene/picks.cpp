@@ -38,6 +38,7 @@ PickedPoint pointOf(const core::Hit& hit, const ModelSummary& model, const core:
   return {hit.position_model,
           model.lattice.origin + hit.position_model,
           false,
+          false,
           hit.part->node,
           hit.part->lod,
           hit.part->error_px,
@@ -78,6 +79,7 @@ void Picks::nextKind() noexcept {
 bool Picks::keep() {
   if (!valueOf(current_, {0, 1, 0}) || kept_.size() >= kMostMeasures) return false;
   kept_.push_back(current_);
+  is_unsaved_ = true;
   clear();
   before_.clear();
   return true;
@@ -86,6 +88,7 @@ bool Picks::keep() {
 bool Picks::dropLast() noexcept {
   if (kept_.empty()) return false;
   kept_.pop_back();
+  is_unsaved_ = true;
   return true;
 }
 
@@ -111,7 +114,7 @@ std::vector<std::string> Picks::lines(const glm::dvec3& up, std::string_view uni
     if (!last.model.empty()) lines.push_back("model " + last.model);
     std::snprintf(text, sizeof text, "node %s, LOD %u, error %.2f px", render::nodeName(last.node).c_str(),
                   last.lod, static_cast<double>(last.error_px));
-    lines.emplace_back(last.is_ground ? "the ground" : text);
+    lines.emplace_back(last.is_ground ? "the ground" : last.is_on_cut ? "the section" : text);
     if (const auto& colour = last.colour) {
       std::snprintf(text, sizeof text, "colour #%02x%02x%02x", colour->r, colour->g, colour->b);
       lines.emplace_back(text);

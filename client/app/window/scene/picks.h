@@ -28,6 +28,9 @@ class Picks {
   bool keep();
   /// Removes the measurement that was kept last. @return false if there is none.
   bool dropLast() noexcept;
+  /// Returns true if measurements were kept, or one of them removed, since the last markSaved().
+  bool hasUnsaved() const noexcept { return is_unsaved_ && !kept_.empty(); }
+  void markSaved() noexcept { is_unsaved_ = false; }
   /// Returns the kept measurements, and then the current one if it has all points.
   std::vector<Measure> all() const;
   /// Returns the kept measurements, and then the current one. snap() changes their points.
@@ -44,6 +47,7 @@ class Picks {
   Measure current_;
   std::vector<PickedPoint> before_;
   std::vector<Measure> kept_;
+  bool is_unsaved_ = false;
 };
 
 }  // namespace lode::app

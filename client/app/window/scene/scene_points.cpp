@@ -30,7 +30,7 @@ std::optional<PickedPoint> ViewedScene::groundUnder(const core::Ray& ray, double
 }
 
 /// The ground is never cut. Behind the cut of a solid, the nearest surface is seen from its back: the pointer
-/// is on the cut, where there is no surface to pick.
+/// is on the cut, and the picked point is in the plane of the section.
 std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm::dvec2& pixel_px,
                                               const std::optional<render::Section>& section) {
   const core::View scene_view = withNear(view);
@@ -62,7 +62,20 @@ std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm:
   }
   const bool is_on_cut = nearest && !nearest->is_ground && shown_ray.begins_in_cut &&
                          glm::dot(nearest->normal, scene_ray.direction) > 0;
-  return is_on_cut ? std::nullopt : nearest;
+  return is_on_cut ? onCut(*nearest, shown_ray.origin_model) : nearest;
+}
+
+/// Returns the point of a section through the solid whose back a ray has hit.
+PickedPoint ViewedScene::onCut(const PickedPoint& behind, const glm::dvec3& point_model) const {
+  PickedPoint point;
+  point.position_model = point_model;
+  point.position = point_model + whole_.lattice.origin;
+  point.is_on_cut = true;
+  point.step = behind.step;
+  point.model = behind.model;
+  point.model_number = behind.model_number;
+  point.instance = behind.instance;
+  return point;
 }
 
 /// Returns the picked point of a hit on an instance, in the scene.
@@ -84,7 +97,8 @@ PickedPoint ViewedScene::pointInScene(const InstancedModel& model, size_t instan
 std::optional<PickedPoint> ViewedScene::snapped(const core::View& view, const PickedPoint& point) {
   const auto found =
       std::ranges::find(models_, point.model_number, [](const auto& model) { return model->number; });
-  if (point.is_ground || found == models_.end() || point.instance >= (*found)->instances.size())
+  if (point.is_ground || point.is_on_cut || found == models_.end() ||
+      point.instance >= (*found)->instances.size())
     return std::nullopt;
   InstancedModel& model = **found;
   const core::CutProbe* const probe = model.probe(point.instance);

@@ -69,7 +69,8 @@ class ViewedScene {
   /// Returns a line for each missing model, with the reason.
   std::vector<std::string> missing() const;
   /// Hides all instances of a model. Views, picks, the extent of the scene and the first camera leave out
-  /// hidden models. @param model_number  PickedPoint::model_number. @return false if no other model is shown.
+  /// hidden models. A hidden model streams nothing and leaves its memory to the others.
+  /// @param model_number  PickedPoint::model_number. @return false if no other model is shown.
   bool hide(size_t model_number);
   /// Hides all models but one. @return false for a single model.
   bool isolate(size_t model_number);
@@ -121,7 +122,7 @@ class ViewedScene {
   };
   GpuUse gpuUse() const;
 
-  /// Returns the nearest surface point drawn at a pixel.
+  /// Returns the nearest point drawn at a pixel: of a surface, of the ground, or of a solid's cut.
   /// @param pixel_px  position in the picture, from the top left corner.
   /// @param section   plane that cuts the models open, in the frame of summary().
   std::optional<PickedPoint> under(const core::View& view, const glm::dvec2& pixel_px,
@@ -144,12 +145,14 @@ class ViewedScene {
   void openNext();
   Error errorOf(const InstancedModel& model) const;
   void setUp();
+  static void rest(const InstancedModel& model);
   void setHidden(const std::function<bool(const InstancedModel&)>& is_hidden);
   void addLateModels();
   core::View withNear(const core::View& view) const;
   core::View inTrueCoordinates(const core::View& view) const;
   render::DrawStyle styleOf(const VisibleInstance& visible, render::DrawStyle style) const;
   std::optional<PickedPoint> groundUnder(const core::Ray& ray, double& distance) const;
+  PickedPoint onCut(const PickedPoint& behind, const glm::dvec3& point_model) const;
   PickedPoint pointInScene(const InstancedModel& model, size_t instance, const core::Hit& hit) const;
   std::vector<VisibleInstance> visibleInstances(const core::View& view) const;
   void forgetInvisible(std::span<const VisibleInstance> visible);
