@@ -74,6 +74,12 @@ void Renderer::show(std::shared_ptr<const core::ViewCuts> view_cuts) {
   showTextures();
 }
 
+void Renderer::release() {
+  instances_.clear();
+  meshes_.release();
+  textures_.release();
+}
+
 void Renderer::showTextures() {
   const auto all = [](const std::shared_ptr<const core::ViewCuts>& view_cuts) {
     return view_cuts ? view_cuts->all : nullptr;

@@ -41,6 +41,8 @@ class Renderer {
   void show(const std::shared_ptr<const core::Cut>& cut);
   /// Sets the newest cuts of a model with several instances.
   void show(std::shared_ptr<const core::ViewCuts> view_cuts);
+  /// Frees the GPU memory of meshes and textures. Draws nothing until the next show().
+  void release();
   /// Uploads meshes, then textures, of the newest cuts within the budget. @return the rest of the budget.
   UploadBudget uploadInRenderThread(const UploadBudget& budget);
   /// Returns true if the newest cuts are drawn with all of their textures.

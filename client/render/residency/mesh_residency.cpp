@@ -75,6 +75,16 @@ void MeshResidency::setBudget(uint64_t bytes) noexcept {
   pages_.setBudget(bytes);
 }
 
+void MeshResidency::release() {
+  for (auto* const cuts : {&newest_, &target_, &before_, &rejected_, &complete_}) cuts->reset();
+  exchange_.reset();
+  instances_.clear();
+  entries_.clear();
+  pages_ = GpuPages(options_.budget_bytes, options_.page_bytes);
+  drawn_serial_ = ++serial_;
+  kept_from_ = std::max(kept_from_, drawn_serial_);
+}
+
 void MeshResidency::show(const std::shared_ptr<const core::Cut>& cut) {
   if (newest_ && newest_->all == cut) return;
   show(cut ? std::make_shared<const core::ViewCuts>(core::ViewCuts{{cut}, cut}) : nullptr);

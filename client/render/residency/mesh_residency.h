@@ -58,6 +58,9 @@ class MeshResidency {
   /// Uploads meshes of the newest cuts within the budget. @return bytes uploaded.
   uint64_t uploadInRenderThread(const UploadBudget& budget);
 
+  /// Frees all meshes and pages. Draws nothing until the next show().
+  void release();
+
   /// Returns true if the newest cuts are drawn.
   bool upToDate() const noexcept { return newest_ == complete_; }
   /// Returns true if the newest cuts do not fit into the budget, so that the previous cuts are still drawn.

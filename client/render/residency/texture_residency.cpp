@@ -96,9 +96,15 @@ void TextureResidency::setBudget(uint64_t bytes) {
   cut_.reset();
   waiting_.clear();
   if (layers >= array_layers_) return cells_.allow(layers);
+  release();
+}
+
+void TextureResidency::release() {
+  cut_.reset();
+  drawn_.reset();
+  waiting_.clear();
   array_ = {};
   array_layers_ = 0;
-  drawn_.reset();
   takeSet(nullptr);
 }
 

@@ -75,6 +75,9 @@ class TextureResidency {
   /// uploaded again after the next show().
   void setBudget(uint64_t bytes);
 
+  /// Evicts all tiles and frees the array. Draws no textures until the next show().
+  void release();
+
   /// Selects the tiles to upload and to keep.
   /// @param newest  cut whose tiles are uploaded.
   /// @param drawn   cut that is drawn until the meshes of `newest` are resident, or null. If the tiles of

@@ -62,6 +62,38 @@ TEST_F(Residency, drawsACutOfAnotherBuildOnlyWhenAllOfItIsUploaded) {
   EXPECT_EQ(residency.drawnCut(), next);
 }
 
+TEST_F(Residency, freesAllPagesUntilTheNextCutIsShown) {
+  MeshResidency residency({.page_bytes = 64u << 10});
+  const auto cut = cutOf(std::vector{gridOf(1), gridOf(2), gridOf(3), gridOf(4)});
+  residency.show(cut);
+  residency.uploadInRenderThread({.wait = true});
+  const uint64_t held_bytes = residency.pages().capacityBytes(), serial = residency.drawnSerial();
+  residency.release();
+  EXPECT_EQ(residency.pages().capacityBytes(), 0u);
+  EXPECT_EQ(residency.meshCount(), 0u);
+  EXPECT_FALSE(residency.drawnCut());
+  EXPECT_GT(residency.drawnSerial(), serial);
+  EXPECT_TRUE(residency.upToDate());
+  residency.show(cut);
+  residency.uploadInRenderThread({.wait = true});
+  EXPECT_EQ(residency.drawnCut(), cut);
+  EXPECT_EQ(residency.pages().capacityBytes(), held_bytes);
+}
+
+TEST_F(Residency, freesAllPagesDuringAnUpload) {
+  MeshResidency residency({});
+  residency.show(cutOf(std::vector{gridOf(1), gridOf(2)}));
+  residency.uploadInRenderThread({.wait = true});
+  const auto next = cutOf(std::vector{gridOf(3), gridOf(4), gridOf(5)});
+  residency.show(next);
+  residency.uploadInRenderThread({.bytes = 10'000, .ms = 1000});
+  residency.release();
+  EXPECT_EQ(residency.pages().capacityBytes(), 0u);
+  residency.show(next);
+  uploadSlowly(residency, [] {});
+  EXPECT_EQ(residency.drawnCut(), next);
+}
+
 /// One of the second cut's four regions is in progress when the third cut is shown.
 TEST_F(Residency, switchesToANewerCutAfterOneRegionOfTheCurrentOne) {
   const auto cutFrom = [](uint32_t seed) {

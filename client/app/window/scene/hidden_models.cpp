@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "client/app/window/scene/viewed_scene.h"
+#include "client/core/view/framing.h"
 
 /// Part of ViewedScene that hides models.
 namespace lode::app {
@@ -35,12 +37,21 @@ void ViewedScene::setHidden(const std::function<bool(const InstancedModel&)>& is
   for (const auto& model : models_) {
     const bool was_hidden = std::exchange(model->is_hidden, is_hidden(*model));
     if (was_hidden == model->is_hidden) continue;
-    for (size_t instance = 0; instance < model->instances.size(); ++instance)
-      model->renderer.leaveOut(instance);
+    model->renderer.release();
     model->probes.clear();
     model->status = {};
+    if (model->is_hidden && model->isOpen()) rest(*model);
   }
+  memory_.allowChanges();
   setUp();
+}
+
+/// Lets the stream of a hidden model rest: it then needs the coarsest mesh only.
+void ViewedScene::rest(const InstancedModel& model) {
+  const ModelSummary& summary = *model.opened.model;
+  const core::CameraPath path = core::framingCamera(summary);
+  model.opened.streamer->setView(core::toView(path.keys.front(), path.fov_y_deg, 1, 1, summary),
+                                 std::numeric_limits<float>::max());
 }
 
 std::vector<std::string> ViewedScene::hidden() const {

@@ -23,7 +23,7 @@ class SceneMemory {
   /// Sets the view; call this function in each frame. While the view stays the same, parts change only a few
   /// times, so that the picture settles.
   void setView(const core::View& view, float threshold_px);
-  /// Lets parts change again in the same view, because a model was added.
+  /// Lets parts change again in the same view, because models were added, hidden or shown.
   void allowChanges() noexcept { changes_ = 0; }
   /// Divides the budget anew if a model is short of memory. @param needs  need of each model. @return true if
   /// parts have changed.
