@@ -151,6 +151,10 @@ void ProgressBar::drawJson() {
     const ingest::BuildStatus status = build_->status();
     json["doing"] = status.doing;
     json["build_fraction"] = is_finished_ ? 1 : status.fraction;
+    json["done"] = status.total > 0 ? Json(status.done) : Json();
+    json["total"] = status.total > 0 ? Json(status.total) : Json();
+    json["unit"] = status.unit;
+    json["per_second"] = status.items_per_s > 0 ? Json(status.items_per_s) : Json();
     json["seconds_left"] = is_finished_ ? Json(0) : status.seconds_left ? Json(*status.seconds_left) : Json();
   }
   std::fprintf(stream_, "%s\n", json.dump().c_str());

@@ -13,6 +13,9 @@ struct BuildStep {
   std::string doing;                   ///< current stage in a user's words, such as "simplifying"
   double fraction = 0;                 ///< finished part of the whole build, 0 to 1
   std::optional<double> seconds_left;  ///< empty while unknown
+  double done = 0, total = 0;          ///< items of the stage, finished and all; 0: unknown
+  double per_s = 0;                    ///< items finished per second; 0: unknown
+  std::string unit = {};               ///< name of the items, such as "triangles"; "B": bytes
 };
 
 /// Watches a build. builtStore() calls the functions on the thread of its own caller.
@@ -22,7 +25,8 @@ struct BuildWatch {
   std::function<void(const std::filesystem::path& preview)> on_preview;
 };
 
-/// Describes what a build does and how long it will take: "simplifying; 12 s left".
+/// Describes what a build does, how far and how fast it is, and how long it will take: "simplifying: 1.2 of
+/// 2.0 million triangles, 0.3 million a second; 12 s left".
 std::string stepInWords(const BuildStep& step);
 /// Returns a percentage without rounding up: "46 %".
 std::string percentInWords(double fraction);

@@ -196,10 +196,18 @@ void tell(const std::function<void(const BuildStep&)>& watch, const Json& line) 
   if (!line.contains("doing") || !line["doing"].is_string() || !line.contains("build_fraction") ||
       !line["build_fraction"].is_number())
     return;
-  BuildStep step{
-      line["doing"].get<std::string>(), std::clamp(line["build_fraction"].get<double>(), 0.0, 1.0), {}};
-  if (line.contains("seconds_left") && line["seconds_left"].is_number())
-    step.seconds_left = line["seconds_left"].get<double>();
+  BuildStep step;
+  step.doing = line["doing"].get<std::string>();
+  step.fraction = std::clamp(line["build_fraction"].get<double>(), 0.0, 1.0);
+  const auto number = [&line](const char* key) -> std::optional<double> {
+    const auto found = line.find(key);
+    return found != line.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
+  };
+  step.seconds_left = number("seconds_left");
+  step.done = number("done").value_or(0);
+  step.total = number("total").value_or(0);
+  step.per_s = number("per_second").value_or(0);
+  if (line.contains("unit") && line["unit"].is_string()) step.unit = line["unit"].get<std::string>();
   watch(step);
 }
 
@@ -281,7 +289,7 @@ BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& 
   const FolderLock lock(of_source, ply.path, announce, stop);
   if (const auto record = readRecord(folder); record && record->isCurrent(source) && fs::exists(store)) {
     warn(*record);
-    return {store, useStore(store), record->warnings};
+    return {store, useStore(store), record->warnings, ply.preview_only};
   }
   std::error_code ignored;
   makeOwnFolder(folder, kCacheFolderUse);
@@ -316,7 +324,7 @@ BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& 
   FileLock in_use = useStore(store);
   trimStores(stores, max_bytes.value_or(storeCacheBytes(stores)));
   if (!shows_progress) warn(record);  // if the build shows progress, it has printed the warnings itself
-  return {store, std::move(in_use), std::move(record.warnings)};
+  return {store, std::move(in_use), std::move(record.warnings), ply.preview_only};
 }
 
 }  // namespace lode::app

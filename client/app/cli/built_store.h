@@ -18,6 +18,7 @@ struct BuiltStore {
   std::filesystem::path path;
   FileLock in_use;                         ///< lock that keeps other programs from removing the store
   std::vector<std::string> warnings = {};  ///< warnings of the build
+  bool is_preview = false;                 ///< the store is only a preview: PlyFile::preview_only
 };
 
 /// Returns the place of the preview that a build of a cached store makes. Both files have the same name, so

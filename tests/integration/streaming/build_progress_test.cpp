@@ -22,18 +22,20 @@ TEST(BuildOfATarget, reportsItsStagesAndProgressUnlessTheStoreExists) {
   const WorkFolder cache;
   setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
   std::vector<std::string> stages;
-  double last = 0;
+  double last = 0, triangles = 0;
   app::BuildWatch watch;
   watch.on_step = [&](const app::BuildStep& step) {
     EXPECT_GE(step.fraction, last);
     EXPECT_LE(step.fraction, 1);
     last = step.fraction;
+    if (step.doing == "simplifying" && step.total > 0) triangles = step.total;
     if (stages.empty() || stages.back() != step.doing) stages.push_back(step.doing);
   };
   app::builtStore({ply}, true, {}, watch);
   EXPECT_TRUE(std::ranges::count(stages, "reading the file") == 1 &&
               std::ranges::count(stages, "simplifying") == 1);
   EXPECT_EQ(last, 1);
+  EXPECT_GT(triangles, 50'000);
   stages.clear();
   app::builtStore({ply}, true, {}, watch);
   EXPECT_TRUE(stages.empty());
