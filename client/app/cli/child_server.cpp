@@ -64,8 +64,8 @@ ResolvedTarget serveStore(BuiltStore store, const fs::path& file, stream::Stream
   auto child = std::make_unique<ChildServer>(store.path, stop);
   options.engine.session.token = child->token();
   stream::ServedModel served = child->served();
-  return {std::move(served),       std::move(options),       std::move(child), file,
-          std::move(store.in_use), std::move(store.warnings)};
+  return {std::move(served),       std::move(options),        std::move(child), file,
+          std::move(store.in_use), std::move(store.warnings), store.is_preview};
 }
 
 ModelSummary openModel(stream::Streamer& streamer, const ResolvedTarget& target,

@@ -45,6 +45,7 @@ struct ResolvedTarget {
   std::filesystem::path file;  ///< path of the local file as the user wrote it; empty for a model on a server
   FileLock in_use;             ///< lock that keeps other programs from removing the cached store
   std::vector<std::string> warnings = {};  ///< warnings of the store's build
+  bool is_preview = false;                 ///< the store is only a preview of a PLY file
 };
 
 /// Resolves a target: builds the store of a PLY file if necessary, and starts a child server for a local

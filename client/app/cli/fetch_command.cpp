@@ -93,6 +93,7 @@ class Fetch {
   void run() {
     OpenedTarget target(options_.common, options_.common.streamOptions(), !options_.json);
     start_ = target.start();
+    is_preview_ = target.isPreview();
     double total_ms = 0;  // time until the last key converged
     for (const core::CameraKey& camera : target.path().keys) {
       // The first key is timed from the start of the connection.
@@ -169,6 +170,7 @@ class Fetch {
 
   void printJson(double total_ms) const {
     Json json = toJson(keys_, total_ms);
+    json["preview"] = is_preview_;
     json["files_beside"] = Json::array();
     for (const std::filesystem::path& file : files_beside_) json["files_beside"].push_back(file.string());
     std::printf("%s\n", json.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
@@ -177,10 +179,13 @@ class Fetch {
   void print(double total_ms) const {
     std::fputs(describeFilesBeside(files_beside_).c_str(), report_);
     const KeyResult& last = keys_.back();
+    if (is_preview_)
+      std::fprintf(report_, "only a preview, at most %.2f px off where it is seen: ",
+                   static_cast<double>(last.status.cut->max_error_px));
     std::fprintf(
         report_,
-        "converged in %.0f ms, first image after %.0f ms: %llu triangles in %zu nodes, %llu bytes received\n",
-        total_ms, keys_.front().first_image_ms.value_or(total_ms),
+        "%s in %.0f ms, first image after %.0f ms: %llu triangles in %zu nodes, %llu bytes received\n",
+        is_preview_ ? "complete" : "converged", total_ms, keys_.front().first_image_ms.value_or(total_ms),
         static_cast<unsigned long long>(last.status.cut->triangles), last.status.cut->parts.size(),
         static_cast<unsigned long long>(last.status.counts.received_bytes));
   }
@@ -189,6 +194,7 @@ class Fetch {
   const PictureSize size_;
   std::FILE* const report_ = reportStream(options_.output, options_.json);
   Clock::time_point start_ = Clock::now();
+  bool is_preview_ = false;
   std::vector<KeyResult> keys_;
   std::vector<std::filesystem::path> files_beside_;  ///< files written beside the output, such as images
 };

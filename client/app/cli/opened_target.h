@@ -43,6 +43,8 @@ class OpenedTarget {
 
   stream::Streamer& streamer() noexcept { return streamer_; }
   const ModelSummary& model() const noexcept { return model_; }
+  /// Returns true if the model is only a preview, because of --preview.
+  bool isPreview() const noexcept { return target_.is_preview; }
   /// Returns the path of --camera, or else the default camera as a path with one key.
   const core::CameraPath& path() const noexcept { return path_; }
   /// Returns the up direction of --up, or else a guess from the coarsest mesh. May wait for this mesh.

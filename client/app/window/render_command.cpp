@@ -111,6 +111,7 @@ struct Shown {
     double t = 0;
     stream::StreamStatus status;
   };
+  bool has_preview = false;
   size_t pictures = 0;
   float max_error_px = 0;
   std::vector<render::LegendEntry> legend;  ///< legend of the last picture
@@ -128,6 +129,7 @@ void printJson(const Shown& shown, std::FILE* report) {
   using Json = nlohmann::ordered_json;
   Json json;
   json["converged"] = !shown.first_unconverged;
+  json["preview"] = shown.has_preview;
   json["pictures"] = shown.pictures;
   json["max_error_px"] = shown.pictures > 0 ? Json(shown.max_error_px) : Json();
   json["tiles_left_out"] = shown.last.counts.tiles_left_out;
@@ -168,6 +170,7 @@ void render(const RenderOptions& options) {
 
   RenderedScene scene(options.common, !options.json);
   Shown shown;
+  shown.has_preview = scene.hasPreview();
   const render::DrawStyle style = styleOf(options.look);
   for (const Shot& shot : planShots(options, scene.path())) {
     RenderedScene::Picture picture = scene.draw(shot.t, target, style);

@@ -215,6 +215,23 @@ TEST(FetchOfAFile, convergesOnTheOriginalTrianglesEvenIfALatticeStepIsVisible) {
   EXPECT_EQ(CutFile(folder / "cut.ply").triangles.size(), json["triangles"]);
 }
 
+TEST(FetchOfAFile, tellsThatItShowsOnlyAPreview) {
+  const WorkFolder folder;
+  const std::filesystem::path ply = folder / "a.ply";
+  ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "20000", "-o", ply}).status, 0);
+  const std::vector<std::string> cache{"XDG_CACHE_HOME=" + (folder / "cache").string()};
+  const Outcome preview = lodestream({"fetch", ply, "--preview"}, cache);
+  EXPECT_EQ(preview.status, 0) << preview.err;
+  EXPECT_EQ(preview.out.find("only a preview, at most "), 0u) << preview.out;
+  EXPECT_EQ(preview.out.find("converged"), std::string::npos) << preview.out;
+  for (const bool is_preview : {true, false}) {
+    std::vector<std::string> arguments{"fetch", ply, "--json", "--pixels", "4"};
+    if (is_preview) arguments.emplace_back("--preview");
+    const Json json = Json::parse(lodestream(arguments, cache).out, nullptr, false);
+    EXPECT_EQ(json["preview"], is_preview);
+  }
+}
+
 TEST(FetchOfAFile, measuresTheErrorFromTheWallsOfARoomNotFromItsBox) {
   const WorkFolder folder;
   writeBytes(folder / "room.ply",

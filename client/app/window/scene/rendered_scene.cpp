@@ -55,6 +55,10 @@ RenderedScene::RenderedScene(const CommonOptions& options, bool announce)
 
 RenderedScene::~RenderedScene() = default;
 
+bool RenderedScene::hasPreview() const {
+  return std::ranges::any_of(models_, [](const auto& model) { return model->target.is_preview; });
+}
+
 void RenderedScene::drawInstance(Model& model, const Placement& placement, const core::View& seen,
                                  const render::Framebuffer& target, render::DrawStyle style, double t) {
   model.renderer.uploadInRenderThread({.wait = true});

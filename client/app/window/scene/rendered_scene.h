@@ -35,6 +35,8 @@ class RenderedScene {
   RenderedScene(const CommonOptions& options, bool announce);
   ~RenderedScene();
 
+  /// Returns true if a model is only a preview, because of --preview.
+  bool hasPreview() const;
   /// Returns the camera path of --camera, or else the default camera as a path with one key.
   const core::CameraPath& path() const { return path_; }
   /// Draws the scene from the camera at time `t` of the path. Draws the instances one after another, each as
