@@ -54,6 +54,14 @@ bool JpegDecoder::readHeader() {
   return true;
 }
 
+glm::uvec2 JpegDecoder::shrink() {
+  if (setjmp(errors_.jump) != 0) return glm::uvec2(0);
+  info_.scale_num = 1;
+  info_.scale_denom = 8;
+  jpeg_calc_output_dimensions(&info_);
+  return {info_.output_width, info_.output_height};
+}
+
 bool JpegDecoder::readTexels(std::span<glm::u8vec4> texels) {
   if (setjmp(errors_.jump) != 0) return false;
   info_.out_color_space = JCS_EXT_RGBA;

@@ -80,7 +80,13 @@ void buildPreview(const BuildOptions& options, std::vector<std::string>& warning
   const uint64_t needed_bytes = previewBytes(model.input);
   if (needed_bytes > memory_bytes)
     throw Error(ErrorCode::kLimit, budgetBelowInWords(needed_bytes, "a preview of this file"));
-  if (!writePreview(target, model.input, chooseLattice(model.input, options.input)))
+  TextureColours textures;
+  if (model.input.attributes().has(AttributeSet::kTexture)) {
+    const uint64_t image_bytes = memory_bytes / 2;
+    textures = {surveyTextures(options.input, options.textures_folder, model.texture_files, image_bytes),
+                model.input.uvGrid(), image_bytes};
+  }
+  if (!writePreview(target, model.input, chooseLattice(model.input, options.input), textures))
     throw Error(ErrorCode::kInput,
                 options.input.string() +
                     ": no triangle has three different corners; export the model again, with its faces");

@@ -136,8 +136,19 @@ void ScanStage::writePreview() const {
   const uint64_t needed_bytes = previewBytes(*input_);
   if (needed_bytes > options.memory_bytes / 2)
     return session_.warn(budgetBelowInWords(2 * needed_bytes, "a preview") + "; no preview was written");
-  const bool is_written = ingest::writePreview(options.preview, *input_, session_.facts().choice);
+  const bool is_written =
+      ingest::writePreview(options.preview, *input_, session_.facts().choice, textureColours());
   if (is_written && session_.progress()) session_.progress()(kPreviewStage, 1, 0, 0);
+}
+
+/// Returns the colours of the model's images, for a preview.
+TextureColours ScanStage::textureColours() const {
+  if (!input_->attributes().has(AttributeSet::kTexture)) return {};
+  const BuildOptions& options = session_.options();
+  const uint64_t image_bytes = session_.plan().image_bytes;
+  if (!images_.empty()) return {images_, input_->uvGrid(), image_bytes};
+  return {surveyTextures(options.input, options.textures_folder, texture_files_, image_bytes),
+          input_->uvGrid(), image_bytes};
 }
 
 void ScanStage::save(RecordWriter& record) const {

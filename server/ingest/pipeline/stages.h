@@ -13,6 +13,7 @@
 #include "server/ingest/nodes/node_spool.h"
 #include "server/ingest/partition/partition.h"
 #include "server/ingest/pipeline/build_session.h"
+#include "server/ingest/preview/texture_colours.h"
 #include "server/ingest/soup/packed_input.h"
 #include "server/ingest/textures/texture_images.h"
 #include "server/ingest/textures/textures.h"
@@ -41,6 +42,7 @@ class ScanStage final : public Stage {
 
  private:
   void noteFacts(const PackedInput& input, uint64_t dropped_triangles);
+  TextureColours textureColours() const;
 
   BuildSession& session_;
   std::vector<std::string> texture_files_;

@@ -11,7 +11,8 @@ namespace {
 /// unique on flat surfaces.
 constexpr double kMeanWeight = 1e-3;
 
-AttributeSet withoutTextures(AttributeSet attributes) noexcept {
+AttributeSet withoutTextures(AttributeSet attributes, bool has_images) noexcept {
+  if (has_images && attributes.has(AttributeSet::kTexture)) attributes.bits |= AttributeSet::kColour;
   attributes.bits &= AttributeSet::kNormal | AttributeSet::kColour | AttributeSet::kAlpha;
   if (!attributes.has(AttributeSet::kNormal))
     attributes.bits |= AttributeSet::kNormal | AttributeSet::kComputedNormal;
@@ -20,14 +21,18 @@ AttributeSet withoutTextures(AttributeSet attributes) noexcept {
 
 }  // namespace
 
-CellSums::CellSums(const PackedInput& input, const ClusterGrid& grid)
-    : attributes_(withoutTextures(input.attributes())),
+CellSums::CellSums(const PackedInput& input, const ClusterGrid& grid, const TextureColours& textures)
+    : attributes_(withoutTextures(input.attributes(), !textures.empty())),
       has_vertex_normals_(input.ofVertices().has(AttributeSet::kNormal)),
+      textures_(textures),
       sums_(grid.cellCount()) {
+  if (!textures.empty() && input.ofVertices().has(AttributeSet::kTexture))
+    texture_of_vertex_.resize(input.vertexCount());
   const bool has_colours = input.ofVertices().has(AttributeSet::kColour);
   input.readVertices(0, input.vertexCount(),
                      [&](uint64_t number, glm::dvec3, const VertexAttributes& attributes) {
                        const auto vertex = static_cast<uint32_t>(number);
+                       if (!texture_of_vertex_.empty()) texture_of_vertex_[vertex] = attributes.texture;
                        Sum& sum = sums_[grid.cellOf(vertex)];
                        sum.point += glm::dvec3(grid.positionOf(vertex) - grid.cornerOf(grid.cellOf(vertex)));
                        ++sum.points;
@@ -40,21 +45,36 @@ CellSums::CellSums(const PackedInput& input, const ClusterGrid& grid)
 }
 
 void CellSums::addTriangle(const ClusterGrid& grid, glm::u32vec3 vertices, glm::u32vec3 cells,
-                           const glm::u8vec4* colour) {
+                           const PackedInput::FaceBlock& block, const TrianglePlace& place) {
   const glm::dvec3 a = grid.positionOf(vertices.x), b = grid.positionOf(vertices.y),
                    c = grid.positionOf(vertices.z);
   const glm::dvec3 normal = glm::cross(b - a, c - a);
   const double length = glm::length(normal);
   if (length == 0) return;
+  addTexels(vertices, cells, block, place);
   for (int k = 0; k < 3; ++k) {
     if ((k > 0 && cells[k] == cells[0]) || (k == 2 && cells[2] == cells[1])) continue;
     Sum& sum = sums_[cells[k]];
     const glm::dvec3 from_corner = a - glm::dvec3(grid.cornerOf(cells[k]));
     sum.quadric.addPlane(normal, -glm::dot(normal, from_corner), 1 / length);
     if (!has_vertex_normals_) sum.normal += normal;
-    if (colour == nullptr) continue;
-    sum.colour += glm::u64vec4(*colour);
+    if (block.colours.empty()) continue;
+    sum.colour += glm::u64vec4(block.colours[place.face]);
     ++sum.colours;
+  }
+}
+
+/// Adds the colours of the images at a triangle's corners.
+void CellSums::addTexels(glm::u32vec3 vertices, glm::u32vec3 cells, const PackedInput::FaceBlock& block,
+                         const TrianglePlace& place) {
+  if (textures_.empty() || (block.texture.empty() && texture_of_vertex_.empty())) return;
+  const uint16_t material = block.materials.empty() ? 0 : block.materials[place.face];
+  for (int k = 0; k < 3; ++k) {
+    const glm::u16vec2 texture =
+        block.texture.empty() ? texture_of_vertex_[vertices[k]] : block.texture[place.corners[k]];
+    Sum& sum = sums_[cells[k]];
+    sum.texel += glm::u64vec3(textures_.at(material, texture));
+    ++sum.texels;
   }
 }
 
@@ -79,6 +99,11 @@ VertexAttributes CellSums::attributesOf(uint32_t cell) const {
   attributes.normal = encodeOctahedral(glm::vec3(length > 0 ? sum.normal / length : glm::dvec3(0)));
   if (sum.colours > 0)
     attributes.colour = glm::u8vec4((sum.colour + glm::u64vec4(sum.colours / 2)) / uint64_t{sum.colours});
+  if (sum.texels > 0) {
+    const glm::u64vec3 full = sum.texel * glm::u64vec3(attributes.colour);
+    const uint64_t of_texels = uint64_t{sum.texels} * 255;
+    attributes.colour = glm::u8vec4((full + of_texels / 2) / of_texels, attributes.colour.a);
+  }
   if (!attributes_.has(AttributeSet::kAlpha)) attributes.colour.a = 255;
   return attributes;
 }

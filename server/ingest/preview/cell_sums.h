@@ -7,6 +7,8 @@
 
 #include "common/mesh.h"
 #include "server/ingest/preview/cluster_grid.h"
+#include "server/ingest/preview/face_triangles.h"
+#include "server/ingest/preview/texture_colours.h"
 #include "server/ingest/simplify/quadric.h"
 #include "server/ingest/soup/packed_input.h"
 
@@ -15,15 +17,19 @@ namespace lode::ingest {
 /// Sums over the vertices and triangles of each cell of a grid, from which the cell's vertex follows.
 class CellSums {
  public:
-  /// Adds all vertices of the input.
-  CellSums(const PackedInput& input, const ClusterGrid& grid);
+  /// Memory per vertex of a textured input.
+  static constexpr uint64_t kTexturedVertexBytes = sizeof(glm::u16vec2);
 
-  /// Returns the attributes of the cells' vertices: those of the input without textures, and normals.
+  /// Adds all vertices of the input. @param textures  colours of the input's images; must outlive this
+  /// object.
+  CellSums(const PackedInput& input, const ClusterGrid& grid, const TextureColours& textures);
+
+  /// Returns the attributes of the cells' vertices: those of the input, with colours in place of textures,
+  /// and normals.
   AttributeSet attributes() const noexcept { return attributes_; }
-  /// Adds a triangle to the cells of its corners, unless it has no area. @param colour  colour of the face,
-  /// or null.
+  /// Adds a triangle to the cells of its corners, unless it has no area. @param place  place in `block`.
   void addTriangle(const ClusterGrid& grid, glm::u32vec3 vertices, glm::u32vec3 cells,
-                   const glm::u8vec4* colour);
+                   const PackedInput::FaceBlock& block, const TrianglePlace& place);
   /// Returns the lattice point in the cell that fits the cell's triangles best.
   glm::uvec3 pointOf(const ClusterGrid& grid, uint32_t cell) const;
   VertexAttributes attributesOf(uint32_t cell) const;
@@ -34,11 +40,16 @@ class CellSums {
     glm::dvec3 point{0};   ///< vertices, relative to the cell's corner
     glm::dvec3 normal{0};  ///< normals of vertices, or of triangles by area if vertices have none
     glm::u64vec4 colour{0};
-    uint32_t points = 0, colours = 0;
+    glm::u64vec3 texel{0};
+    uint32_t points = 0, colours = 0, texels = 0;
   };
+  void addTexels(glm::u32vec3 vertices, glm::u32vec3 cells, const PackedInput::FaceBlock& block,
+                 const TrianglePlace& place);
 
   AttributeSet attributes_;
   bool has_vertex_normals_;
+  const TextureColours& textures_;
+  std::vector<glm::u16vec2> texture_of_vertex_;  ///< empty unless vertices have texture coordinates
   std::vector<Sum> sums_;
 };
 

@@ -106,10 +106,10 @@ std::optional<SortedTriangles> sortTriangles(const PackedInput& input, const Clu
   PackedInput::FaceCursor cursor(input);
   PackedInput::FaceBlock block;
   while (cursor.next(block)) {
-    forEachTriangle(block, grid, [&](glm::u32vec3 vertices, const glm::u8vec4* colour) {
+    forEachTriangle(block, grid, [&](glm::u32vec3 vertices, const TrianglePlace& place) {
       const glm::u32vec3 cells(grid.cellOf(vertices.x), grid.cellOf(vertices.y), grid.cellOf(vertices.z));
       if (grid.coincide(vertices)) return;
-      sums.addTriangle(grid, vertices, cells, colour);
+      sums.addTriangle(grid, vertices, cells, block, place);
       if (cells.x == cells.y && cells.y == cells.z)
         sorted.flat.addInCell(cells.x, vertices);
       else if (cells.x == cells.y || cells.y == cells.z || cells.z == cells.x)
@@ -167,10 +167,10 @@ class MeshAssembly {
 double ClusteredMesh::errorSteps() const noexcept { return std::sqrt(3.0) * cell_steps; }
 
 ClusteredMesh clusterInput(const PackedInput& input, const Lattice& lattice, glm::uvec3 extent,
-                           const ClusterLimits& limits) {
+                           const TextureColours& textures, const ClusterLimits& limits) {
   ClusterGrid grid(input, lattice, extent, limits.cells);
   for (;; grid.coarsen()) {
-    CellSums sums(input, grid);
+    CellSums sums(input, grid, textures);
     const std::optional<SortedTriangles> sorted = sortTriangles(input, grid, sums, limits.triangles);
     if (!sorted) continue;
     const std::vector<FlatTriangles::Flat> flat = sorted->flat.uncovered(sorted->of_three.all());

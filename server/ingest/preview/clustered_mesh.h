@@ -4,6 +4,7 @@
 
 #include "common/mesh.h"
 #include "server/ingest/preview/cluster_grid.h"
+#include "server/ingest/preview/texture_colours.h"
 #include "server/ingest/soup/packed_input.h"
 
 namespace lode::ingest {
@@ -27,11 +28,11 @@ struct ClusteredMesh {
 /// the quadrics of the triangles that touch the cell. Reads vertices and faces sequentially, and keeps
 /// ClusterGrid::kVertexBytes per vertex in memory. A triangle with corners in two cells, or in one cell,
 /// stays as it is unless other triangles cover its cells, so that thin and small pieces remain. The mesh has
-/// no texture coordinates and no materials. Deterministic.
+/// no texture coordinates and no materials; its colours include those of the textures. Deterministic.
 /// @param input    must be flushed and have its grid for texture coordinates.
 /// @param extent   largest lattice coordinates.
 /// Source: Lindstrom, Out-of-Core Simplification of Large Polygonal Models, 2000.
 ClusteredMesh clusterInput(const PackedInput& input, const Lattice& lattice, glm::uvec3 extent,
-                           const ClusterLimits& limits = {});
+                           const TextureColours& textures = {}, const ClusterLimits& limits = {});
 
 }  // namespace lode::ingest

@@ -11,8 +11,13 @@
 
 namespace lode::ingest {
 
-/// Calls visit(vertices, colour) for each triangle of a block, with polygons cut as in the build. `colour` is
-/// the colour of the face, or null if faces have none.
+/// Place of a triangle in a block of faces.
+struct TrianglePlace {
+  size_t face;           ///< index of the face
+  glm::u64vec3 corners;  ///< indices of the corners
+};
+
+/// Calls visit(vertices, place) for each triangle of a block, with polygons cut as in the build.
 template <typename Visit>
 void forEachTriangle(const PackedInput::FaceBlock& block, const ClusterGrid& grid, Visit&& visit) {
   std::vector<glm::dvec3> outline;
@@ -20,14 +25,16 @@ void forEachTriangle(const PackedInput::FaceBlock& block, const ClusterGrid& gri
   size_t number = 0;
   forEachFace(block, [&](size_t first, uint32_t corners) {
     const uint32_t* const vertices = &block.corners[first];
-    const glm::u8vec4* const colour = block.colours.empty() ? nullptr : &block.colours[number];
-    ++number;
-    if (corners == 3) return visit(glm::u32vec3(vertices[0], vertices[1], vertices[2]), colour);
+    const size_t face = number++;
+    const auto visitCorners = [&](glm::u32vec3 t) {
+      visit(glm::u32vec3(vertices[t.x], vertices[t.y], vertices[t.z]),
+            TrianglePlace{face, glm::u64vec3(first) + glm::u64vec3(t)});
+    };
+    if (corners == 3) return visitCorners({0, 1, 2});
     outline.clear();
     for (uint32_t c = 0; c < corners; ++c) outline.emplace_back(grid.positionOf(vertices[c]));
     triangulate(outline, cut);
-    for (const glm::u32vec3& t : cut)
-      visit(glm::u32vec3(vertices[t.x], vertices[t.y], vertices[t.z]), colour);
+    for (const glm::u32vec3& t : cut) visitCorners(t);
   });
 }
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/codec/draco_codec.h"
+#include "server/ingest/preview/cell_sums.h"
 #include "server/ingest/preview/clustered_mesh.h"
 #include "server/store/writer.h"
 
@@ -15,11 +16,14 @@ constexpr uint64_t kMeshBytes = 256u << 20;
 }  // namespace
 
 uint64_t previewBytes(const PackedInput& input) noexcept {
-  return input.vertexCount() * ClusterGrid::kVertexBytes + kMeshBytes;
+  const bool is_textured = input.ofVertices().has(AttributeSet::kTexture);
+  const uint64_t texture_bytes = is_textured ? CellSums::kTexturedVertexBytes : 0;
+  return input.vertexCount() * (ClusterGrid::kVertexBytes + texture_bytes) + kMeshBytes;
 }
 
-bool writePreview(const std::filesystem::path& path, const PackedInput& input, const LatticeChoice& choice) {
-  const ClusteredMesh clustered = clusterInput(input, choice.lattice, choice.extent);
+bool writePreview(const std::filesystem::path& path, const PackedInput& input, const LatticeChoice& choice,
+                  const TextureColours& textures) {
+  const ClusteredMesh clustered = clusterInput(input, choice.lattice, choice.extent, textures);
   const Mesh& mesh = clustered.mesh;
   if (mesh.triangles.empty()) return false;
   const EncodedPayload payload = encodePayload(mesh, choice.lattice.step);

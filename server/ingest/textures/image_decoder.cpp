@@ -20,6 +20,7 @@ constexpr uint64_t kTexelBytes = sizeof(glm::u8vec4);
 constexpr uint64_t kUsualTexelBytes = 2;
 /// Additional memory per texel for a progressive JPEG: the decoder keeps the coefficients of the whole image.
 constexpr uint64_t kCoefficientBytes = 6;
+constexpr uint64_t kJpegShrinking = 8;  ///< ratio of the edges of a JPEG and of JpegDecoder::shrink()
 /// For these coefficients, width and height are rounded up to a multiple of this size.
 constexpr uint64_t kJpegBlockPx = 32;
 /// Memory of the tables for decoding lossless WebP or lossless alpha. Files of the reference encoder need no
@@ -128,6 +129,26 @@ Image decodeImage(std::span<const std::byte> file, uint64_t memory_bytes, std::s
   } else {
     decodeWebp(file, image);
   }
+  return image;
+}
+
+uint64_t coarsePixels(std::span<const std::byte> file) {
+  const ImageHeader header = readImageHeader(file);
+  const uint64_t pixels = header.width * header.height;
+  return tileKind(file) == TileKind::kJpeg ? pixels / (kJpegShrinking * kJpegShrinking) : pixels;
+}
+
+Image decodeCoarsely(std::span<const std::byte> file, uint64_t memory_bytes) {
+  std::string damage;
+  if (isPng(file) || tileKind(file) != TileKind::kJpeg) return decodeImage(file, memory_bytes, damage);
+  JpegDecoder decoder(file, false);
+  if (!decoder.readHeader()) refuse(std::string("is a damaged JPEG: ") + decoder.failure());
+  if (readJpegHeader(file).working_bytes > memory_bytes) refuse("needs more memory");
+  Image image;
+  image.size = decoder.shrink();
+  image.texels.resize(size_t{image.size.x} * image.size.y);
+  if (image.texels.empty() || !decoder.readTexels(image.texels))
+    refuse(std::string("is a damaged JPEG: ") + decoder.failure());
   return image;
 }
 

@@ -140,7 +140,7 @@ class Clustered : public testing::TestWithParam<std::tuple<Kind, uint32_t>> {
     input.addVertices(shape.vertices);
     input.addFaces(shape.faces);
     input.flush();
-    return clusterInput(input, kLattice, glm::uvec3(kExtent), limits);
+    return clusterInput(input, kLattice, glm::uvec3(kExtent), {}, limits);
   }
   Shape shape() const { return std::get<0>(GetParam()).make(std::get<1>(GetParam())); }
 };
