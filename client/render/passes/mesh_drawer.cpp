@@ -69,8 +69,7 @@ glm::vec3 toLinear(const glm::u8vec3& srgb) {
 }  // namespace
 
 MeshPrograms::MeshPrograms() {
-  for (const unsigned parts : {0u, unsigned{kFading}, unsigned{kTextured}, unsigned{kFading | kTextured}})
-    with(parts);
+  for (const unsigned parts : {0u, unsigned{kFading}}) with(parts);
 }
 
 const GlProgram& MeshPrograms::with(unsigned parts) {

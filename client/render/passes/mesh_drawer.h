@@ -28,7 +28,9 @@ class MeshPrograms {
     kSection = 32,  ///< leaves out what is beyond a plane, and draws the cut
   };
 
-  /// Links the programs for kSurface. @throws Error kInternal if the driver rejects a shader.
+  /// Links the programs for kSurface without textures, and with the others waits until they are needed,
+  /// because linking takes time before the first picture. @throws Error kInternal if the driver rejects a
+  /// shader.
   MeshPrograms();
 
   /// Returns a program, and links it at the first use. @param parts  bits of Part.
