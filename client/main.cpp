@@ -48,11 +48,17 @@ int main(int argc, char** argv) {
   lode::endCleanlyWhenInterrupted();
   CLI::App program(
       "Shows models while they stream from a Lodestream server.\n"
-      "lodestream TARGET [OPTIONS] opens a window, as lodestream view TARGET [OPTIONS] does.",
+      "lodestream TARGET [OPTIONS] opens a window, as lodestream view TARGET [OPTIONS] does. "
+      "Without arguments, the window asks for a file.",
       "lodestream");
+#ifdef LODE_GL
+  const lode::DefaultCommand view{"view", looksLikeTarget, hasDisplay};
+#else
+  const lode::DefaultCommand view{"view", looksLikeTarget};
+#endif
   const auto declare = [&](int& exit_status) { declareCommands(program, exit_status); };
   return lode::runCommandLine(program, argc, argv, declare,
                               {.more_memory = "give --memory-budget a smaller value",
                                .message_of = lode::app::messageOf,
-                               .default_command = {"view", lode::app::looksLikeTarget}});
+                               .default_command = view});
 }

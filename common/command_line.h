@@ -70,17 +70,22 @@ struct DefaultCommand {
   const char* name = nullptr;  ///< null: there is none, and such a command line is wrong
   /// Returns true if the first word is an argument of the default command, false if it is a mistyped command.
   bool (*takes)(std::string_view first_word) = nullptr;
+  /// Returns true if the command runs for a command line without words; null: it does not.
+  bool (*stands_alone)() = nullptr;
 };
 
 namespace command_line {
 
-/// Returns the words of a command line, with the default command in front if they begin with its argument.
+/// Returns the words of a command line, with the default command in front if they begin with its argument, or
+/// if there are none and the command stands alone.
 inline std::vector<const char*> withDefaultCommand(const CLI::App& program, int argc, const char* const* argv,
                                                    const DefaultCommand& default_command) {
   std::vector<const char*> words(argv, argv + argc);
-  if (default_command.name != nullptr && words.size() > 1 && *words[1] != '-' &&
-      !hasCommand(program, words[1]) && default_command.takes(words[1]))
-    words.insert(words.begin() + 1, default_command.name);
+  if (default_command.name == nullptr) return words;
+  const bool is_default =
+      words.size() > 1 ? *words[1] != '-' && !hasCommand(program, words[1]) && default_command.takes(words[1])
+                       : default_command.stands_alone != nullptr && default_command.stands_alone();
+  if (is_default) words.insert(words.begin() + 1, default_command.name);
   return words;
 }
 

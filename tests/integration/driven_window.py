@@ -75,12 +75,13 @@ class SelectionEvent(ctypes.Structure):
 
 class Window:
     """Runs `lodestream view` on a display, with its files in a folder. The end of the `with` ends the
-    program."""
+    program. Without a target, the window shows the start page."""
 
     def __init__(self, screen, folder, target, *options, **pipes):
         self.folder, self.pipes = pathlib.Path(folder), pipes
         self.environment = dict(os.environ, DISPLAY=screen, HOME=folder, XDG_CACHE_HOME=folder, LIBGL_ALWAYS_SOFTWARE="1")
-        self.command = [BIN / "lodestream", "view", target, "--size", f"{WIDTH}x{HEIGHT}", *options]
+        targets = [] if target is None else [target]
+        self.command = [BIN / "lodestream", "view", *targets, "--size", f"{WIDTH}x{HEIGHT}", *options]
 
     def __enter__(self):
         with contextlib.ExitStack() as stack:

@@ -81,7 +81,8 @@ void warnOfOpenToken(const CommonOptions& options) {
 void keepFilesPrivate(const CommonOptions& options) {
   const char* const token = std::getenv("LODESTREAM_TOKEN");
   const bool has_token = !options.token_file.empty() || (token != nullptr && *token != '\0');
-  const bool is_local = options.target.find("://") == std::string::npos && !namesScene(options.target);
+  const bool is_local = !options.target.empty() && options.target.find("://") == std::string::npos &&
+                        !namesScene(options.target);
   constexpr mode_t kOthers = S_IRWXG | S_IRWXO;
   if (has_token && !is_local) ::umask(::umask(kOthers) | kOthers);
 }

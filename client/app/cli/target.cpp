@@ -47,6 +47,14 @@ bool looksLikeTarget(std::string_view word) {
   return word.find_first_of("./") != word.npos || std::filesystem::is_regular_file(word, failed);
 }
 
+std::string fullName(std::string_view target) {
+  if (target.find("://") != std::string_view::npos) return std::string(target);
+  std::error_code failed;
+  const std::filesystem::path full =
+      std::filesystem::weakly_canonical(std::filesystem::absolute(target, failed), failed);
+  return failed ? std::string(target) : full.string();
+}
+
 Target parseTarget(std::string_view text, const std::filesystem::path& textures_folder) {
   if (text.find("://") == std::string_view::npos) return parseFile(text, textures_folder);
   return stream::parseServedModel(text);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <variant>
 
@@ -26,6 +27,9 @@ bool namesScene(std::string_view text);
 /// Returns true if a word can only be a TARGET, not a mistyped command: an address, a path with a slash or a
 /// dot, or the name of a file.
 bool looksLikeTarget(std::string_view word);
+
+/// Returns a target's name, which does not depend on the working folder: a file's absolute path.
+std::string fullName(std::string_view target);
 
 /// Parses a TARGET. @param textures_folder  folder to search first for the images of a PLY; empty: none.
 /// @throws Error kUsage for an invalid target, kIo for a missing file, kInput for a file of another format

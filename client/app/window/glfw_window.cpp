@@ -248,6 +248,10 @@ void GlfwWindow::pressKey(int key, int modifiers) {
     case GLFW_KEY_Q:
       pending_.quit_where_idle = true;
       break;
+    case GLFW_KEY_ENTER:
+    case GLFW_KEY_KP_ENTER:
+      pending_.enter = true;
+      break;
     case GLFW_KEY_ESCAPE:
       pending_.quit = true;
       break;

@@ -24,6 +24,18 @@ double trigger(double at) noexcept { return curved((at + 1) / 2); }
 
 }  // namespace
 
+Input withoutTyping(const Input& input) {
+  Input kept;
+  kept.pointer_px = input.pointer_px;
+  kept.any_key = input.any();
+  kept.enter = input.enter;
+  kept.quit = input.quit;
+  kept.toggle_full_screen = input.toggle_full_screen;
+  kept.dropped = input.dropped;
+  kept.damaged = input.damaged;
+  return kept;
+}
+
 PadMotion motionOf(const PadAxes& axes) noexcept {
   const glm::dvec2 left = stick(axes.left);
   return {.move = {.right = left.x,

@@ -48,6 +48,7 @@ struct Input {
   int next_axis = 0;                               ///< number of steps through the up axes
   int next_show = 0;  ///< number of steps through the colour modes; negative steps go back
   int finer = 0;      ///< number of steps by which to lower the threshold; negative steps raise it
+  bool enter = false;
   bool screenshot = false, copy = false, record = false, quit = false;
   /// Q was pressed; it quits if the scene failed to open, and otherwise moves the camera down.
   bool quit_where_idle = false;
@@ -65,6 +66,10 @@ struct Input {
            copy || record || pressed || clicked || any_key || quit || over_panel || !dropped.empty();
   }
 };
+
+/// Returns the input without keys that are typed into a text box: it keeps Enter, Esc, F11, a dropped file,
+/// and what redraws the window. Pure.
+Input withoutTyping(const Input& input);
 
 /// Positions of a gamepad's sticks and triggers as GLFW maps them, from -1 to 1. The y of a stick points
 /// down. A released trigger is at -1.

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/app/cli/store_cache.h"
+#include "client/app/cli/target.h"
 #include "client/app/window/settings.h"
 #include "common/codec/blob.h"
 #include "common/error.h"
@@ -20,14 +21,6 @@ namespace lode::app {
 namespace {
 
 constexpr size_t kMostBytes = 256;  ///< longest file that read() accepts
-
-/// Returns the target's name, which does not depend on the working folder.
-std::string fullName(std::string_view target) {
-  if (target.find("://") != std::string_view::npos) return std::string(target);
-  std::error_code failed;
-  const std::filesystem::path full = std::filesystem::weakly_canonical(target, failed);
-  return failed ? std::string(target) : full.string();
-}
 
 std::string fileNameOf(std::string_view target) {
   const std::string name = fullName(target);

@@ -1,5 +1,8 @@
 #include "client/app/window/view_command.h"
 
+#include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -15,6 +18,7 @@ void declareView(CLI::App& program, int& exit_status) {
       "view", "Shows a model or a scene in a window while it streams; F1 lists the keys");
   const auto options = std::make_shared<ViewOptions>();
   addCommonOptions(*command, options->common, Takes::kScenesToo);
+  CLI::Option* const target = command->get_option("target")->required(false);
   addFadeOption(*command, options->common);
   CLI::Option* const screenshot =
       command
@@ -37,10 +41,20 @@ void declareView(CLI::App& program, int& exit_status) {
       ->needs(laps);
   addLookOptions(*command, options->look);
   const CLI::Option* const pixels = command->get_option("--pixels");
+  screenshot->needs(target);
+  laps->needs(target);
   command->callback([options, pixels, &exit_status] {
+    if (options->common.target.empty() && !hasDisplay()) throw CLI::RequiredError("target");
     options->is_threshold_fixed = pixels->count() > 0;
     if (!options->screenshot.empty()) checkPictureFile(options->common.target, options->screenshot);
     exit_status = Viewer(*options).run() ? command_line::kDone : command_line::kWorkFailed;
+  });
+}
+
+bool hasDisplay() {
+  return std::ranges::any_of(std::array{"DISPLAY", "WAYLAND_DISPLAY"}, [](const char* name) {
+    const char* const display = std::getenv(name);
+    return display != nullptr && *display != '\0';
   });
 }
 

@@ -25,7 +25,11 @@ struct ViewOptions {
   bool json = false;  ///< true to print the frame times as JSON
 };
 
-/// Declares the subcommand `view`: a window that shows a model or a scene while its data streams.
+/// Declares the subcommand `view`: a window that shows a model or a scene while its data streams. Without a
+/// target, the window asks for one.
 void declareView(CLI::App& program, int& exit_status);
+
+/// Returns true if the environment names a display for windows.
+bool hasDisplay();
 
 }  // namespace lode::app

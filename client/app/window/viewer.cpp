@@ -7,12 +7,10 @@
 #include "client/app/cli/opened_target.h"
 #include "client/app/cli/remedy_words.h"
 #include "client/app/cli/store_cache.h"
-#include "client/app/cli/target.h"
 #include "client/app/window/panel/notice.h"
 #include "client/app/window/panel/scale_bar.h"
 #include "client/app/window/panel/sharpness.h"
 #include "common/error.h"
-#include "common/printable.h"
 
 namespace lode::app {
 namespace {
@@ -25,23 +23,10 @@ constexpr double kFramesOfFade = 4;       ///< parts fade only if a fade takes a
 constexpr double kScaleBarPx = 150;       ///< longest scale bar on a standard display
 constexpr double kNoteS = 6;              ///< time for which a note stays on the panel
 
-/// Adds the up axis that the user has chosen before, unless the command line names one.
-CommonOptions withUp(CommonOptions options, const std::string& up) {
-  if (options.up_text.empty()) options.up_text = up;
-  return options;
-}
-
 }  // namespace
 
 double Viewer::secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// Returns the user's earlier choices about a model. Scenes have none, because their files set the up axis,
-/// and neither have pictures and flights, which others should be able to repeat.
-ModelChoices Viewer::keptChoices(const std::string& target) const {
-  if (!isInteractive() || namesScene(target)) return {};
-  return KeptChoices(cacheFolder(), target).read();
 }
 
 Viewer::Viewer(const ViewOptions& options)
@@ -52,7 +37,7 @@ Viewer::Viewer(const ViewOptions& options)
           std::make_unique<ViewedScene>(withUp(options.common, choices_.up),
                                         isInteractive() ? MissingModels::kAllowed : MissingModels::kRefused)),
       window_(options.common.size().width_px, options.common.size().height_px,
-              options.common.target + " - Lodestream"),
+              options.common.target.empty() ? "Lodestream" : options.common.target + " - Lodestream"),
       panel_(window_.handle()),
       pacing_(
           {.threshold_px = options.common.pixels,
@@ -61,12 +46,14 @@ Viewer::Viewer(const ViewOptions& options)
            .begin = draws_in_software_ ? FrameRateControl::Begin::kCoarse : FrameRateControl::Begin::kFine},
           Clock::now()),
       first_start_(cacheFolder()),
+      recent_(cacheFolder()),
       style_(styleOf(options.look)),
       show_(style_.show) {
   content_.title = options.common.target;
   if (options.laps > 0) pilot_.emplace(options, wanted_path_);
   content_.help = isInteractive() && first_start_.isHelpDue();
   setMemoryBudget(options.common.streamOptions().engine.memory_budget_bytes);
+  if (begins_at_start_page_) showStartPage("");
 }
 
 bool Viewer::run() {
@@ -101,7 +88,7 @@ bool Viewer::settled() const {
 
 /// Returns the time to wait for input, which is long while nothing changes and short while streams refine.
 double Viewer::waitSeconds() const {
-  if (isMinimized() || (failed_ && redraws_.frames() == 0)) return kIdleWaitS;
+  if (isMinimized() || ((failed_ || content_.start) && redraws_.frames() == 0)) return kIdleWaitS;
   if (isWorthWaiting()) return kCoarserWaitS;
   if ((rig_ && moved_) || redraws_.frames() > 0 || uploading_ || scene_->fading()) return 0;
   return (settled() || scene_->status().ended) && !window_.hasGamepad() ? kIdleWaitS : kStreamingWaitS;
@@ -113,9 +100,13 @@ void Viewer::frame() {
   const double seconds = secondsSince(last_frame_);
   last_frame_ = Clock::now();
   Input input = window_.takeInput();
+  if (content_.start) {
+    input = withoutTyping(input);
+    content_.start->enter = input.enter;
+  }
   scrollPanel(input);
   obeyKeys(input);
-  if (!input.dropped.empty() && isInteractive()) openInstead(input.dropped);
+  openChosen(input);
   openWhenReady();
   if (const auto written = picture_writer_.take()) noteWritten(*written);
   if (isMinimized()) return passUnseen();
@@ -165,77 +156,6 @@ Difference Viewer::difference(const Input& input) const {
 /// Returns true if drawing should wait, because a much coarser cut will arrive soon.
 bool Viewer::isWorthWaiting() const {
   return rig_ && pacing_.isWorthWaiting(drawnThresholdPx(), scene_->uploaded(), Clock::now());
-}
-
-/// Shows the error in the window, which stays open because the user may have no terminal. With --screenshot
-/// or --laps, and on wrong usage, throws the error instead.
-void Viewer::fail(const Error& error) {
-  if (!isInteractive() || error.code() == ErrorCode::kUsage) throw error;
-  failed_ = error;
-  printOnOneLine("lodestream", messageOf(error));
-  content_.waiting.clear();
-  content_.help = false;
-}
-
-void Viewer::openWhenReady() {
-  if (rig_ || failed_) return;
-  const ViewedScene::Opening opening = scene_->open();
-  if (opening.error) return fail(*opening.error);
-  content_.waiting = opening.phase;
-  content_.waiting_part = opening.part;
-  content_.waited_s = secondsSince(started_);
-  if (!opening.is_open) return;
-  const ModelSummary& summary = scene_->summary();
-  opened_ = Clock::now();
-  content_.is_open = true;
-  core::Framing framing = scene_->framing();
-  framing.covered = coveredShare();
-  rig_.emplace(summary, framing, wanted_path_, window_.widthPx(), window_.heightPx());
-  content_.title = summary.name;
-  for (const std::string& model : scene_->missing())
-    printOnOneLine("lodestream", options_.common.target + ": " + model);
-  window_.setTitle(summary.name + " - Lodestream");
-}
-
-/// Opens a file in place of the scene. If the file is no target, or if kept measurements cannot be saved,
-/// notes the reason and keeps the scene. The options that fit only the former target no longer apply: its
-/// camera path, up axis and offline use.
-void Viewer::openInstead(const std::string& file) {
-  CommonOptions common = options_.common;
-  common.target = file;
-  common.camera_file.clear();
-  common.up_text.clear();
-  common.offline = false;
-  common.memory_text = std::to_string(memory_bytes_);  // the settings may have changed it
-  const ModelChoices choices = keptChoices(file);
-  std::unique_ptr<ViewedScene> scene;
-  try {
-    scene = std::make_unique<ViewedScene>(withUp(common, choices.up), MissingModels::kAllowed);
-  } catch (const Error& error) {
-    return note(messageOf(error));
-  }
-  if (picks_.hasUnsaved() && !saveMeasures()) return;
-  if (recorder_.recording()) saveRecording();
-  rig_.reset();  // refers to the scene
-  scene_ = std::move(scene);
-  options_.common = std::move(common);
-  choices_ = choices;
-  wanted_path_.reset();
-  failed_.reset();
-  picks_ = {};
-  section_ = {};
-  progress_ = {};
-  drawn_ = {};
-  uploading_ = false;
-  started_ = opened_ = Clock::now();
-  PanelContent content;
-  content.title = file;
-  content.visible = content_.visible;
-  content.shows_settings = content_.shows_settings;
-  content.shows_messages = content_.shows_messages;
-  content_ = std::move(content);
-  setMemoryBudget(memory_bytes_);
-  window_.setTitle(file + " - Lodestream");
 }
 
 void Viewer::noteFlight(std::optional<uint64_t> number) {
@@ -331,7 +251,10 @@ void Viewer::draw() {
   const std::optional<uint64_t> number = timer_.begin();
   if (rig_) style_.up = rig_->up();
   const render::DrawCounts drawn = scene_->draw(view, target, style_, time());
-  if (rig_ && darkensHollows() && !isQuick()) occlusion_.darken(target, rig_->view().fov_y_rad, style_.show);
+  if (rig_ && darkensHollows() && !isQuick()) {
+    if (!occlusion_) occlusion_.emplace();
+    occlusion_->darken(target, rig_->view().fov_y_rad, style_.show);
+  }
   target.resolve();
   target.copyTo(0, window_.widthPx(), window_.heightPx());
   content_.triangles = drawn.triangles;

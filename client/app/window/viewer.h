@@ -15,6 +15,7 @@
 #include "client/app/window/panel/first_start.h"
 #include "client/app/window/panel/panel.h"
 #include "client/app/window/panel/panel_content.h"
+#include "client/app/window/recent_targets.h"
 #include "client/app/window/redraws.h"
 #include "client/app/window/scene/picks.h"
 #include "client/app/window/scene/viewed_scene.h"
@@ -33,7 +34,7 @@ namespace lode::app {
 /// the main thread.
 class Viewer {
  public:
-  /// Opens the window and begins to open the target. @throws Error.
+  /// Opens the window and begins to open the target, or shows the start page if there is none. @throws Error.
   explicit Viewer(const ViewOptions& options);
   ~Viewer() { scene_.reset(); }  // before the window's OpenGL context
   Viewer(const Viewer&) = delete;
@@ -50,15 +51,11 @@ class Viewer {
  private:
   using Clock = std::chrono::steady_clock;
 
-  // Defined in viewer.cpp: opening of models, the frame loop and drawing.
+  // Defined in viewer.cpp: the frame loop and drawing.
   static double secondsSince(Clock::time_point start);
-  ModelChoices keptChoices(const std::string& target) const;
   bool isInteractive() const;
   void frame();
   void passUnseen();
-  void fail(const Error& error);
-  void openWhenReady();
-  void openInstead(const std::string& file);
   void takeTimes();
   void stream();
   Difference difference(const Input& input) const;
@@ -80,6 +77,16 @@ class Viewer {
   bool isTimeOver() const;
   double waitSeconds() const;
   bool settled() const;
+
+  // viewer_opening.cpp: targets.
+  /// Adds the up axis that the user has chosen before, unless the command line names one.
+  static CommonOptions withUp(CommonOptions options, const std::string& up);
+  ModelChoices keptChoices(const std::string& target) const;
+  void fail(const Error& error);
+  void openWhenReady();
+  void openInstead(const std::string& file);
+  void openChosen(const Input& input);
+  void showStartPage(const std::string& message);
 
   // viewer_input.cpp: keys, mouse, camera and settings.
   void scrollPanel(Input& input);
@@ -123,7 +130,7 @@ class Viewer {
   Panel panel_;
   /// Framebuffers: `smooth_` has several samples per pixel, `quick_` has one.
   std::optional<render::Framebuffer> smooth_, quick_;
-  render::AmbientOcclusion occlusion_;
+  std::optional<render::AmbientOcclusion> occlusion_;  ///< made at its first use, because linking takes time
   render::FrameTimer timer_;
   Pacing pacing_;
   double uploads_ms_ = 0;         ///< time spent on uploads since the last drawn frame
@@ -149,6 +156,8 @@ class Viewer {
   uint64_t snapped_serial_ = 0;  ///< ViewedScene::drawnSerial() when the picks were last snapped
   RefiningProgress progress_;
   const FirstStart first_start_;
+  const RecentTargets recent_;
+  const bool begins_at_start_page_ = options_.common.target.empty();
   PathRecorder recorder_;
   std::optional<Pilot> pilot_;  ///< set if --laps is given
   render::DrawStyle style_;

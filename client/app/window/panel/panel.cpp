@@ -196,6 +196,7 @@ Panel::Panel(GLFWwindow* window) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;
+  ImGui::GetIO().ConfigInputTextCursorBlink = false;  // the window draws only after input
   ImGui_ImplGlfw_InitForOpenGL(window, true);
   ImGui_ImplOpenGL3_Init("#version 450 core");
 }
@@ -212,6 +213,11 @@ void Panel::prepare(double scale, const PanelContent& content) {
                                   &content.missing, &content.warning, &content.hidden})
     is_new |= characters_.add(*text);
   for (const std::string& line : content.pick) is_new |= characters_.add(line);
+  if (content.start) {
+    is_new |= characters_.add(path_.data());
+    is_new |= characters_.add(content.start->message);
+    for (const OfferedTarget& one : content.start->recent) is_new |= characters_.add(one.target);
+  }
   for (const render::LegendEntry& entry : content.legend) is_new |= characters_.add(entry.meaning);
   if (is_new) setPanelFont(scale_, characters_);
 }
@@ -245,6 +251,7 @@ void Panel::drawLists(bool marks) {
 void Panel::layOut(const PanelContent& content) {
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
+  if (content.start) return layOutStart(*content.start);
   if (content.visible && content.scale_marks) drawScale(*content.scale_marks);
   for (const PickMarks& marks : content.marks)
     if (content.visible) drawMarks(marks, kWarning);
@@ -266,6 +273,14 @@ void Panel::layOut(const PanelContent& content) {
   Settings settings = content.settings;
   covered_ = drawSettings(kPanelMarginPx, settings);
   if (settings != content.settings) changed_ = settings;
+}
+
+/// Lays out the start page, which is alone in the window.
+void Panel::layOutStart(const StartPage& page) {
+  for (PanelScroll* const scroll : {&help_scroll_, &scroll_}) scroll->leaveOut();
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  covered_ = Covered{{0, 0}, {display.x, display.y}};
+  if (std::string chosen = drawStartPage(page, path_); !chosen.empty()) chosen_ = std::move(chosen);
 }
 
 /// Draws the panel, or the help in its place: the title and notices are at the top of both.

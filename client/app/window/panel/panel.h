@@ -14,6 +14,7 @@
 #include "client/app/window/panel/panel_font.h"
 #include "client/app/window/panel/panel_settings.h"
 #include "client/app/window/panel/panel_window.h"
+#include "client/app/window/panel/start_page.h"
 
 struct GLFWwindow;
 
@@ -44,9 +45,12 @@ class Panel {
   PanelScroll* scrolledAt(const glm::dvec2& place_px);
   /// Returns the settings if the user has changed them since the last call.
   std::optional<Settings> takeSettings() { return std::exchange(changed_, std::nullopt); }
+  /// Returns the target that the user has chosen on the start page since the last call; empty: none.
+  std::string takeTarget() { return std::exchange(chosen_, {}); }
 
  private:
   void layOut(const PanelContent& content);
+  void layOutStart(const StartPage& page);
   void drawLeft(const PanelContent& content, float width_px, PanelScroll& scroll) const;
   static void drawLists(bool marks);
   void drawOpen(const PanelContent& content) const;
@@ -61,6 +65,8 @@ class Panel {
   std::optional<Covered> covered_;
   PanelScroll scroll_, help_scroll_;
   std::optional<Settings> changed_;
+  PathText path_{};  ///< text of the start page's path box
+  std::string chosen_;
 };
 
 }  // namespace lode::app

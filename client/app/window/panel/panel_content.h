@@ -10,6 +10,7 @@
 #include "client/app/window/panel/notice.h"
 #include "client/app/window/panel/pick_marks.h"
 #include "client/app/window/panel/scale_bar.h"
+#include "client/app/window/panel/start_page.h"
 #include "client/app/window/redraws.h"
 #include "client/app/window/scene/viewed_scene.h"
 #include "client/app/window/settings.h"
@@ -33,10 +34,11 @@ class RefiningProgress {
 
 /// Everything that the panel shows.
 struct PanelContent {
-  std::string title;        ///< name of the model or the target
-  bool is_open = false;     ///< true if the model is open
-  bool is_preview = false;  ///< true while a preview is shown in place of a store
-  std::string waiting;      ///< step that the user waits for; empty if there is none
+  std::string title;               ///< name of the model or the target
+  std::optional<StartPage> start;  ///< set while there is no target; nothing else is then shown
+  bool is_open = false;            ///< true if the model is open
+  bool is_preview = false;         ///< true while a preview is shown in place of a store
+  std::string waiting;             ///< step that the user waits for; empty if there is none
   double waited_s = 0;
   double waiting_part = -1;           ///< finished fraction of this step, 0 to 1; negative: unknown
   uint64_t triangles = 0, nodes = 0;  ///< numbers of drawn triangles and nodes

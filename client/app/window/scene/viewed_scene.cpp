@@ -33,6 +33,14 @@ void refuseWrongTargets(const Scene& scene, const std::string& source, MissingMo
     throw *refused[scene.instances.front().model];
 }
 
+/// Returns the scene that a target names, or a scene without models if there is no target.
+Scene sceneOrNone(const std::string& target) {
+  if (!target.empty()) return sceneOf(target);
+  Scene scene;
+  scene.is_single_model = true;
+  return scene;
+}
+
 stream::StreamOptions streamOptionsOf(const CommonOptions& common, const Scene& scene) {
   stream::StreamOptions options = common.streamOptions();
   options.engine.refine.hysteresis_factor = core::kHysteresisFactor;
@@ -54,11 +62,12 @@ render::Section sectionOf(const render::Section& in_scene, const InstancedModel&
 }  // namespace
 
 ViewedScene::ViewedScene(const CommonOptions& options, MissingModels missing_models)
-    : scene_(sceneOf(options.target)),
+    : scene_(sceneOrNone(options.target)),
       options_(options),
       missing_models_(missing_models),
       framing_(framingOf(scene_, options)),
       memory_(options.streamOptions().engine.memory_budget_bytes, scene_.models.size()) {
+  if (scene_.models.empty()) return;
   whole_.name = std::filesystem::path(options.target).filename().string();
   refuseWrongTargets(scene_, options.target, missing_models);
   first_opener_ = openerOf(0);
@@ -89,6 +98,7 @@ void ViewedScene::openNext() {
 /// parallel, because a server may not answer.
 ViewedScene::Opening ViewedScene::open() {
   if (stage_) return {.is_open = true};
+  if (scene_.models.empty()) return {};
   for (const auto& model : models_) model->poll();
   while (models_.size() < scene_.models.size() &&
          (models_.empty() || !models_.back()->isAwaited() || models_.back()->opener->targetIsServer()))
@@ -372,7 +382,12 @@ render::DrawCounts ViewedScene::draw(const core::View& view, const render::Frame
   } else {
     render::startPicture(target, style);
   }
-  if (!models_.empty()) drawSky(models_.front()->renderer, scene_, target, style);
+  if (models_.empty()) {
+    if (!background_renderer_) background_renderer_.emplace();
+    background_renderer_->drawBackground(target, style);
+  } else {
+    drawSky(models_.front()->renderer, scene_, target, style);
+  }
   return counts;
 }
 

@@ -41,8 +41,8 @@ enum class MissingModels : uint8_t {
 /// window's thread.
 class ViewedScene {
  public:
-  /// Reads the scene that the target names, and begins to open its first model. Needs no OpenGL. @throws
-  /// Error.
+  /// Reads the scene that the target names, and begins to open its first model. Without a target, the scene
+  /// is empty and never opens. Needs no OpenGL. @throws Error.
   ViewedScene(const CommonOptions& options, MissingModels missing_models);
   ~ViewedScene();
 
@@ -172,6 +172,7 @@ class ViewedScene {
   size_t first_upload_ = 0;
   std::optional<SceneStage> stage_;  ///< empty until the scene is open
   render::InstanceDrawer instance_drawer_;
+  std::optional<render::Renderer> background_renderer_;  ///< set once a scene without models was drawn
   ModelSummary whole_;
   stream::StreamStatus status_;
   std::vector<render::DrawItem> in_picture_;
