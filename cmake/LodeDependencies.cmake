@@ -11,6 +11,7 @@ pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
 find_package(JPEG REQUIRED)
 find_package(PNG REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(spdlog REQUIRED)
 
 # Debian's draco package config names a missing include folder, so only the library is looked for.
@@ -40,6 +41,11 @@ if(LODE_SANITIZE MATCHES thread)
   # The thread sanitizer does not support fences, and g++ warns of it. Asio's queues are behind mutexes anyway.
   target_compile_definitions(lode_asio INTERFACE ASIO_DISABLE_FENCED_BLOCK)
 endif()
+
+# Boost.Beast is header-only. Only its parser of HTTP heads is used, not its sockets, which need Boost.Asio beside Asio.
+find_path(LODE_BEAST_INCLUDE boost/beast/http/parser.hpp REQUIRED)
+add_library(lode_beast INTERFACE)
+target_include_directories(lode_beast SYSTEM INTERFACE ${LODE_BEAST_INCLUDE})
 
 if(LODE_GL)
   find_package(glfw3 REQUIRED)

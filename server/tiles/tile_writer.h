@@ -54,8 +54,13 @@ class TileWriter {
 
   /// Returns a JPEG or WebP file. @throws Error kIo, kFormat or kLimit, naming the store's file.
   std::vector<std::byte> image(SharedImage image) const;
+  /// Returns true if the store has textures that tiles show.
+  bool hasImages() const noexcept { return has_images_; }
   /// Returns a path like "t/0123456789abcdef0123456789abcdef.1.jpg".
   std::string imageName(SharedImage image) const;
+
+  /// Returns the error of the whole tileset, which is the error above the root's tiles, in model units.
+  double errorOfTileset() const;
 
  private:
   class PageMaker;
@@ -67,7 +72,6 @@ class TileWriter {
 
   const Node& nodeOf(NodeKey key) const;
   std::string pageName(const Node& owner, double error_model) const;
-  double errorOfTileset() const;
   /// Returns the error of the finest tile of a node.
   double finestError(NodeKey key) const;
 

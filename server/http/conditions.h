@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace lode::http {
+
+/// Returns true if a field If-None-Match names an entity tag. Ignores "W/" (RFC 9110, 8.8.3.2).
+/// @param field  the field's value; empty: false. @param etag  a strong tag with its quotes.
+bool matchesAny(std::string_view field, std::string_view etag) noexcept;
+
+/// Returns true if the client accepts gzip by its field Accept-Encoding (RFC 9110, 12.5.3).
+bool acceptsGzip(std::string_view field) noexcept;
+
+enum class RangeKind : uint8_t { kWhole, kPart, kNotSatisfiable };
+
+/// Part of a content that a request asks for.
+struct ContentRange {
+  RangeKind kind = RangeKind::kWhole;
+  uint64_t first = 0, bytes = 0;
+};
+
+/// Parses the field Range (RFC 9110, 14.1.2). Several ranges and other units select the whole content.
+/// @param field  the field's value, or empty. @param total_bytes  size of the content.
+ContentRange parseRange(std::string_view field, uint64_t total_bytes) noexcept;
+
+}  // namespace lode::http

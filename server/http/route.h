@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace lode::http {
+
+enum class Resource : uint8_t {
+  kIndex,        ///< "/", a page with links to all models
+  kModels,       ///< "/models.json"
+  kTileset,      ///< "/MODEL/tileset.json"
+  kTilesetPage,  ///< "/MODEL/p/PAGE.json"
+  kTile,         ///< "/MODEL/g/BLOB.V.glb"
+  kWebSocket,    ///< "/ws"
+  kUnknown,      ///< a path without a resource
+  kMalformed,    ///< a target that is no path, or whose percent signs are wrong
+};
+
+/// Resource that a request names.
+struct Route {
+  Resource resource = Resource::kUnknown;
+  std::string model;                 ///< for files of tilesets
+  std::string file;                  ///< for files of tilesets: name as TileWriter gives it, "p/PAGE.json"
+  std::optional<std::string> token;  ///< token of a path "/t/TOKEN/..."
+};
+
+/// Finds the resource that a request's target names. A segment of the path is decoded after the path is
+/// split, so an encoded slash never divides a path. Ignores the query. Names are only compared, never opened
+/// as files. Thread safe.
+Route parseTarget(std::string_view target);
+
+/// Encodes a text as one segment of a path: every byte except letters, digits and "-._~" becomes %XX.
+std::string percentEncode(std::string_view text);
+
+/// Decodes %XX. @return nothing if a percent sign is not followed by two hexadecimal digits. The result can
+/// contain any byte.
+std::optional<std::string> percentDecode(std::string_view text);
+
+}  // namespace lode::http

@@ -1,0 +1,60 @@
+#include "server/http/conditions.h"
+
+#include <gtest/gtest.h>
+
+namespace lode::http {
+namespace {
+
+TEST(Conditions, compareEntityTags) {
+  EXPECT_TRUE(matchesAny("\"a\"", "\"a\""));
+  EXPECT_TRUE(matchesAny("W/\"a\"", "\"a\""));
+  EXPECT_TRUE(matchesAny("\"b\" ,\t\"a\"", "\"a\""));
+  EXPECT_TRUE(matchesAny("*", "\"a\""));
+  for (const char* const field : {"", "\"b\"", "a", "\"a", "\"a\"x", ",,"})
+    EXPECT_FALSE(matchesAny(field, "\"a\"")) << field;
+}
+
+TEST(Conditions, knowWhoAcceptsGzip) {
+  for (const char* const field :
+       {"gzip", "br, GZIP", "gzip;q=0.5", "x-gzip", "*", "br;q=1.0, *;q=0.1", "gzip ; q=0.001"})
+    EXPECT_TRUE(acceptsGzip(field)) << field;
+  for (const char* const field :
+       {"", "br", "gzip;q=0", "gzip;q=0.000", "*;q=0", "gzip;q=0, *", "gzipped", "identity"})
+    EXPECT_FALSE(acceptsGzip(field)) << field;
+}
+
+TEST(Conditions, selectARange) {
+  const auto part = [](const char* field, uint64_t first, uint64_t bytes) {
+    const ContentRange range = parseRange(field, 100);
+    EXPECT_EQ(range.kind, RangeKind::kPart) << field;
+    EXPECT_EQ(range.first, first) << field;
+    EXPECT_EQ(range.bytes, bytes) << field;
+  };
+  part("bytes=0-0", 0, 1);
+  part("bytes=10-19", 10, 10);
+  part("Bytes = 10-", 10, 90);
+  part("bytes=10-1000", 10, 90);
+  part("bytes=99-99", 99, 1);
+  part("bytes=-5", 95, 5);
+  part("bytes=-500", 0, 100);
+  part("bytes=5-18446744073709551615", 5, 95);
+}
+
+TEST(Conditions, selectTheWholeContentOtherwise) {
+  for (const char* const field : {"", "bytes", "bytes=", "bytes=-", "bytes=a-b", "bytes=1-2,4-5", "lines=1-2",
+                                  "bytes=5-4", "bytes=1-99999999999999999999", "bytes=+1-2", "bytes=--1"}) {
+    const ContentRange range = parseRange(field, 100);
+    EXPECT_EQ(range.kind, RangeKind::kWhole) << field;
+    EXPECT_EQ(range.bytes, 100) << field;
+  }
+}
+
+TEST(Conditions, refuseRangesBeyondTheContent) {
+  EXPECT_EQ(parseRange("bytes=100-", 100).kind, RangeKind::kNotSatisfiable);
+  EXPECT_EQ(parseRange("bytes=-0", 100).kind, RangeKind::kNotSatisfiable);
+  EXPECT_EQ(parseRange("bytes=0-0", 0).kind, RangeKind::kNotSatisfiable);
+  EXPECT_EQ(parseRange("bytes=-1", 0).kind, RangeKind::kNotSatisfiable);
+}
+
+}  // namespace
+}  // namespace lode::http
