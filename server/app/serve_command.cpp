@@ -117,10 +117,13 @@ void runServe(serve::ServeOptions options) {
   Signals signals(server);
   Json metrics = nullptr;
   if (const auto address = server.metricsAddress()) metrics = *address;
+  Json http = nullptr;
+  if (const auto address = server.httpAddress()) http = *address;
   Json skipped = Json::array();
   for (const serve::SkippedStore& store : server.skipped())
     skipped.push_back({{"model", store.model}, {"why", store.why}});
   printJson({{"listen", server.address()},
+             {"http", http},
              {"metrics", metrics},
              {"models", server.models()},
              {"skipped", std::move(skipped)}});
@@ -183,6 +186,9 @@ void addLimits(CLI::App& command, serve::ServeOptions& options) {
       "memory of all connections together, such as 512MB or 2GiB (default: an eighth of the memory that the "
       "process may use)",
       1'000'000, uint64_t{1} << 50);
+  addByteSize(command, "--http-memory", options.http_memory_bytes,
+              "memory of the tiles and pages that --http keeps", 1'000'000, uint64_t{1} << 50)
+      ->default_str("256MB");
   addSeconds(command, "--handshake-deadline", options.handshake_deadline, kLeastSeconds,
              "longest time from the connection to Hello");
   addSeconds(command, "--idle-deadline", options.idle_deadline, kLeastSeconds,
@@ -210,6 +216,10 @@ void addServeCommand(CLI::App& program) {
       ->add_option("--listen", options->listen, "address and port to listen on; port 0 selects a free port")
       ->type_name("ADDR:PORT")
       ->capture_default_str();
+  command
+      ->add_option("--http", options->http,
+                   "address and port for HTTP, which serves the stores as 3D Tiles to browsers and viewers")
+      ->type_name("ADDR:PORT");
   command->add_flag("--strict", options->strict,
                     "refuse to start if a store in a folder cannot be opened (default: skip the store)");
   command->add_flag("--public", options->public_ok,

@@ -12,10 +12,12 @@
 
 #include "common/error.h"
 #include "common/io/own_folder.h"
+#include "server/http/response_head.h"
 #include "server/serve/access.h"
 #include "server/serve/memory/memory_reserve.h"
 #include "server/serve/net/acceptor.h"
 #include "server/serve/net/admission.h"
+#include "server/serve/net/http_files.h"
 #include "server/serve/net/listener.h"
 #include "server/serve/net/wrong_tokens.h"
 #include "server/serve/ops/health_endpoint.h"
@@ -56,6 +58,20 @@ unsigned threadsOf(const ServeOptions& options) {
   return options.threads == 0 ? std::max(1u, std::thread::hardware_concurrency()) : options.threads;
 }
 
+/// Returns an HTTP response that refuses a connection.
+proto::Bytes httpRefusal(const std::string& why) {
+  const std::string body = why + "\n";
+  const std::string text = http::formatHead({.status = 503,
+                                             .content_type = "text/plain; charset=utf-8",
+                                             .content_bytes = body.size(),
+                                             .closes = true,
+                                             .extra = http::kRetryField},
+                                            std::time(nullptr)) +
+                           body;
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
 }  // namespace
 
 struct Server::State {
@@ -70,6 +86,7 @@ struct Server::State {
   ServerGauges gauges() const;
   asio::ip::tcp::acceptor openListeningSocket();
   void listen();
+  std::unique_ptr<Acceptor> makeAcceptor(asio::ip::tcp::acceptor listener, ClientProtocol protocol);
   void startWorkers();
   void run();
   void reload();
@@ -99,16 +116,17 @@ struct Server::State {
   std::atomic<bool> stopping{false};
   std::atomic<size_t> models{0}, models_skipped{0};
   std::atomic<uint64_t> certificate_expires_s{0};  ///< Unix time of the expiry; 0 without TLS
-  std::string address;
+  std::string address, http_address;
   uint16_t port = 0;
   /// Context for accepting connections and for the health port; runs on run()'s thread.
   asio::io_context context{1};
-  std::unique_ptr<Acceptor> acceptor;
+  std::unique_ptr<Acceptor> acceptor, http_acceptor;  ///< the latter is null without HTTP
   std::unique_ptr<HealthEndpoint> health;
   asio::steady_timer drain_timer{context}, maintain_timer{context};
   uint64_t peak_bytes = 0;       ///< peak use of the budget since the last trim
   uint64_t last_used_bytes = 0;  ///< use of the budget at the last call of maintain()
   std::vector<std::unique_ptr<Worker>> workers;
+  std::unique_ptr<HttpFiles> http_files;  ///< null without HTTP
   DiskReaders readers;
 };
 
@@ -134,6 +152,7 @@ Server::State::~State() {
   for (auto& worker : workers) worker->join();
   // Join the readers before the workers' contexts are destroyed, because reads end on these contexts.
   readers.join();
+  if (http_files) http_files->makers().join();
 }
 
 BlobReaderOptions Server::State::readerOptions() {
@@ -165,8 +184,8 @@ std::shared_ptr<asio::ssl::context> Server::State::openCertificate() {
 
 /// Returns --max-connections, or fewer connections if the limit of open files does not allow as many.
 uint32_t Server::State::possibleConnections() {
-  const uint64_t others = kOtherDescriptors + Refusals::kMost + WrongTokens::kMostWaiting +
-                          2 * published.served.catalog->models().size();
+  const uint64_t others = kOtherDescriptors + (options.http.empty() ? 1 : 2) * Refusals::kMost +
+                          WrongTokens::kMostWaiting + 2 * published.served.catalog->models().size();
   const uint64_t room = open_files > 2 * others ? open_files - others : open_files / 2;
   if (room >= options.max_connections) return options.max_connections;
   log->write(LogKind::kServer,
@@ -183,10 +202,12 @@ ConnectionLimits Server::State::limits() const {
           .write = options.write_deadline,
           .bytes_per_second = options.bytes_per_second_per_connection,
           .queued_answer_bytes = options.max_queued_answer_bytes,
-          .proxy_protocol = options.proxy_protocol};
+          .proxy_protocol = options.proxy_protocol,
+          .read = options.read_deadline};
 }
 
 ServerGauges Server::State::gauges() const {
+  http::ContentMakers* const made = http_files ? &http_files->makers() : nullptr;
   return {.connections = admission.count(),
           .models = models,
           .models_skipped = models_skipped,
@@ -196,6 +217,9 @@ ServerGauges Server::State::gauges() const {
           .allocated_bytes = allocatedBytes(),
           .log_lines_dropped = log->linesDropped(),
           .log_lines_left_out = log->linesLeftOut(),
+          .http_cache_bytes = made != nullptr ? made->cache().usedBytes() : 0,
+          .http_cache_limit_bytes = made != nullptr ? made->cache().limitBytes() : 0,
+          .http_contents_made = made != nullptr ? made->made() : 0,
           .stopping = stopping};
 }
 
@@ -210,20 +234,37 @@ asio::ip::tcp::acceptor Server::State::openListeningSocket() {
   return openListener(context, endpoint, "--listen");
 }
 
+std::unique_ptr<Acceptor> Server::State::makeAcceptor(asio::ip::tcp::acceptor listener,
+                                                      ClientProtocol protocol) {
+  const AcceptorOptions acceptor_options{
+      .count_addresses = !options.proxy_protocol,
+      .connection_bytes = published.tls ? kTlsConnectionBytes : kPlainConnectionBytes,
+      .refusal = protocol == ClientProtocol::kHttp ? httpRefusal : nativeRefusal};
+  auto made = std::make_unique<Acceptor>(
+      std::move(listener), acceptor_options, admission, budget, metrics.ofThread(0), *log,
+      [this, protocol](asio::ip::tcp::socket socket, Slot slot, MemoryAccount memory, std::string client) {
+        Worker& worker = **std::ranges::min_element(workers, {}, [](const auto& w) { return w->load(); });
+        worker.give(std::move(socket), std::move(slot), std::move(memory), std::move(client), protocol);
+      });
+  made->setTls(published.tls);
+  return made;
+}
+
 void Server::State::listen() {
   asio::ip::tcp::acceptor listener = openListeningSocket();
   port = listener.local_endpoint().port();
   address = toString(listener.local_endpoint());
-  const AcceptorOptions acceptor_options{
-      .count_addresses = !options.proxy_protocol,
-      .connection_bytes = published.tls ? kTlsConnectionBytes : kPlainConnectionBytes};
-  acceptor = std::make_unique<Acceptor>(
-      std::move(listener), acceptor_options, admission, budget, metrics.ofThread(0), *log,
-      [this](asio::ip::tcp::socket socket, Slot slot, MemoryAccount memory, std::string client) {
-        Worker& worker = **std::ranges::min_element(workers, {}, [](const auto& w) { return w->load(); });
-        worker.give(std::move(socket), std::move(slot), std::move(memory), std::move(client));
-      });
-  acceptor->setTls(published.tls);
+  acceptor = makeAcceptor(std::move(listener), ClientProtocol::kNative);
+  if (!options.http.empty()) {
+    const asio::ip::tcp::endpoint endpoint = resolveListen(context, options.http);
+    checkAccessBeyondLoopback(options, endpoint);
+    asio::ip::tcp::acceptor http_listener = openListener(context, endpoint, "--http");
+    http_address = toString(http_listener.local_endpoint());
+    http_acceptor = makeAcceptor(std::move(http_listener), ClientProtocol::kHttp);
+    http_files = std::make_unique<HttpFiles>(
+        http::ContentMakersOptions{.threads = threadsOf(options), .memory_bytes = options.http_memory_bytes},
+        log);
+  }
   if (options.metrics.empty()) return;
   checkMetricsBeyondLoopback(options, resolveListen(context, options.metrics));
   health = std::make_unique<HealthEndpoint>(
@@ -237,7 +278,7 @@ void Server::State::startWorkers() {
       std::min({options.handshake_deadline, options.idle_deadline, options.write_deadline}) / 4;
   const auto sweep_every =
       std::clamp<std::chrono::milliseconds>(shortest, std::chrono::milliseconds(5), std::chrono::seconds(1));
-  const WorkerShared shared{*log, readers, budget, rate, wrong_tokens, limits()};
+  const WorkerShared shared{*log, readers, budget, rate, wrong_tokens, limits(), http_files.get()};
   const std::lock_guard lock(published_mutex);
   try {
     for (unsigned i = 0; i < threads; ++i)
@@ -254,6 +295,7 @@ void Server::State::run() {
   const auto guard = asio::make_work_guard(context);
   while (true) try {
       acceptor->open();
+      if (http_acceptor) http_acceptor->open();
       maintain();
       context.run();
       break;
@@ -312,7 +354,11 @@ void Server::State::reload() {
     published = next;
     for (auto& worker : workers) worker->publish(next);
   }
-  asio::post(context, [this, now = next.tls] { acceptor->setTls(now); });
+  if (http_files) http_files->retain(*next.served.catalog);
+  asio::post(context, [this, now = next.tls] {
+    acceptor->setTls(now);
+    if (http_acceptor) http_acceptor->setTls(now);
+  });
   complete = complete && unopened.empty();
   log->write(LogKind::kServer, complete ? "reloaded" : "reloaded partly", {{"models", uint64_t{models}}});
 }
@@ -367,6 +413,7 @@ void Server::State::stopNow() {
 
 void Server::State::closeAcceptor() {
   acceptor->close();
+  if (http_acceptor) http_acceptor->close();
   for (auto& worker : workers) worker->drain("the server is stopping");
   drain_timer.expires_after(options.drain_deadline);
   drain_timer.async_wait([this](const asio::error_code&) { context.stop(); });
@@ -383,6 +430,11 @@ std::string Server::address() const { return state_->address; }
 std::optional<std::string> Server::metricsAddress() const {
   if (!state_->health) return {};
   return state_->health->address();
+}
+
+std::optional<std::string> Server::httpAddress() const {
+  if (state_->options.http.empty()) return {};
+  return state_->http_address;
 }
 
 std::vector<std::string> Server::models() const {

@@ -15,12 +15,17 @@
 
 namespace lode::serve {
 
+constexpr uint64_t kHttpMemoryBytes = 256'000'000;
+
 struct ServeOptions {
   std::vector<std::filesystem::path> stores;  ///< .lode files, and folders of .lode files
   /// ADDRESS:PORT, [V6]:PORT or NAME:PORT; port 0 selects a free port.
   std::string listen = "127.0.0.1:7400";
   /// Open listening socket that replaces `listen`; the server owns the socket.
   std::optional<int> listening_socket;
+  /// Address of the port for HTTP, or empty for no such port. Access and limits are those of `listen`.
+  std::string http;
+  uint64_t http_memory_bytes = kHttpMemoryBytes;  ///< memory of contents for HTTP
   /// Address of the port for metrics and health, or empty for no such port.
   std::string metrics;
   bool strict = false;     ///< refuse to start if a store in a folder cannot be opened
@@ -68,6 +73,7 @@ class Server {
   uint16_t port() const noexcept;
   std::string address() const;                        ///< address of the open port: "127.0.0.1:7400"
   std::optional<std::string> metricsAddress() const;  ///< nothing without a metrics port
+  std::optional<std::string> httpAddress() const;     ///< nothing without a port for HTTP
   std::vector<std::string> models() const;            ///< sorted names of all models
   /// Stores that the constructor skipped.
   const std::vector<SkippedStore>& skipped() const noexcept;

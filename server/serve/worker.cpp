@@ -11,6 +11,8 @@
 #include <asio/redirect_error.hpp>
 #include <asio/use_awaitable.hpp>
 
+#include "server/serve/net/http_connection.h"
+
 namespace lode::serve {
 
 using asio::ip::tcp;
@@ -31,6 +33,7 @@ Worker::Worker(Published published, const WorkerShared& shared, ThreadCounters& 
   host_.rate = &shared.rate;
   host_.budget = &shared.budget;
   host_.wrong_tokens = &shared.wrong_tokens;
+  host_.http = shared.http;
 }
 
 void Worker::start(Clock::duration sweep_every) {
@@ -49,42 +52,52 @@ void Worker::join() {
   if (thread_.joinable()) thread_.join();
 }
 
-void Worker::give(tcp::socket socket, Slot slot, MemoryAccount memory, std::string client) {
+void Worker::give(tcp::socket socket, Slot slot, MemoryAccount memory, std::string client,
+                  ClientProtocol protocol) {
   slot.countIn(load_);
-  const auto protocol = socket.local_endpoint().protocol();
+  const auto family = socket.local_endpoint().protocol();
   tcp::socket own(context_);
-  own.assign(protocol, socket.release());
+  own.assign(family, socket.release());
   asio::post(context_, [this, own = std::move(own), slot = std::move(slot), memory = std::move(memory),
-                        client = std::move(client)]() mutable {
-    admit(std::move(own), std::move(slot), std::move(memory), std::move(client));
+                        client = std::move(client), protocol]() mutable {
+    admit(std::move(own), std::move(slot), std::move(memory), std::move(client), protocol);
   });
 }
 
-void Worker::admit(tcp::socket socket, Slot slot, MemoryAccount memory, std::string client) {
+void Worker::admit(tcp::socket socket, Slot slot, MemoryAccount memory, std::string client,
+                   ClientProtocol protocol) {
   try {
     proto::ByteStream stream =
         host_.tls ? proto::ByteStream(std::move(socket), host_.tls) : proto::ByteStream(std::move(socket));
-    const auto connection = std::make_shared<Connection>(
-        std::move(stream), std::move(slot), std::move(memory), host_, limits_, std::move(client));
-    connection->start();
-    if (!draining_.empty()) connection->drain(draining_);
+    if (protocol == ClientProtocol::kHttp)
+      start(std::make_shared<HttpConnection>(std::move(stream), std::move(slot), std::move(memory), host_,
+                                             limits_, std::move(client)));
+    else
+      start(std::make_shared<Connection>(std::move(stream), std::move(slot), std::move(memory), host_,
+                                         limits_, std::move(client)));
   } catch (const std::exception& error) {  // memory ran out
     host_.log->write(LogKind::kSystem, "a connection was dropped", {{"why", reasonOf(error)}});
   }
+}
+
+template <typename Kind>
+void Worker::start(std::shared_ptr<Kind> connection) {
+  connection->start();
+  if (!draining_.empty()) connection->drain(draining_);
 }
 
 void Worker::publish(const Published& published) {
   asio::post(context_, [this, published] {
     host_.served = published.served;
     host_.tls = published.tls;
-    for (Connection* connection : host_.connections) connection->servedSetChanged();
+    for (ClientConnection* connection : host_.connections) connection->servedSetChanged();
   });
 }
 
 void Worker::drain(const std::string& reason) {
   asio::post(context_, [this, reason] {
     draining_ = reason;
-    for (Connection* connection : host_.connections) connection->drain(reason);
+    for (ClientConnection* connection : host_.connections) connection->drain(reason);
   });
 }
 
@@ -102,7 +115,7 @@ asio::awaitable<void> Worker::sweep(Clock::duration every) {
 }
 
 void Worker::sweepNow(Clock::time_point now) {
-  for (Connection* connection : host_.connections) connection->sweep(now);
+  for (ClientConnection* connection : host_.connections) connection->sweep(now);
   if (budget_.pressed()) closeLargest();
 }
 
@@ -110,10 +123,11 @@ void Worker::sweepNow(Clock::time_point now) {
 /// memory than the average connection of the server, or less than half of kPoliteBytes.
 void Worker::closeLargest() {
   const uint64_t mean = budget_.mean();
-  std::vector<Connection*> largest;
-  for (Connection* connection : host_.connections)
+  std::vector<ClientConnection*> largest;
+  for (ClientConnection* connection : host_.connections)
     if (connection->heldBytes() >= std::max(mean, kPoliteBytes / 2)) largest.push_back(connection);
-  std::ranges::sort(largest, std::ranges::greater(), [](const Connection* c) { return c->heldBytes(); });
+  std::ranges::sort(largest, std::ranges::greater(),
+                    [](const ClientConnection* c) { return c->heldBytes(); });
   for (auto next = largest.begin(); next != largest.end() && !budget_.relieved(); ++next)
     (*next)->endForMemory();
 }

@@ -22,6 +22,11 @@ struct Published {
   std::shared_ptr<asio::ssl::context> tls;
 };
 
+enum class ClientProtocol : uint8_t {
+  kNative,  ///< docs/protocol.md
+  kHttp,
+};
+
 /// Parts of the server that all workers share. They outlive the workers.
 struct WorkerShared {
   Log& log;
@@ -30,6 +35,7 @@ struct WorkerShared {
   ByteRate& rate;
   WrongTokens& wrong_tokens;
   ConnectionLimits limits;
+  HttpFiles* http = nullptr;  ///< null without HTTP
 };
 
 /// One thread of the server with its event loop and connections. Thread safe, except for construction,
@@ -46,7 +52,8 @@ class Worker {
   /// Returns the number of connections, including those that give() has queued.
   uint32_t load() const noexcept { return load_.load(std::memory_order_relaxed); }
   /// Takes over a connection. If memory runs out, closes the connection and throws std::bad_alloc.
-  void give(asio::ip::tcp::socket socket, Slot slot, MemoryAccount memory, std::string client);
+  void give(asio::ip::tcp::socket socket, Slot slot, MemoryAccount memory, std::string client,
+            ClientProtocol protocol = ClientProtocol::kNative);
   void publish(const Published& published);
   void drain(const std::string& reason);
 
@@ -54,7 +61,10 @@ class Worker {
   asio::awaitable<void> sweep(Clock::duration every);
   void sweepNow(Clock::time_point now);
   void closeLargest();
-  void admit(asio::ip::tcp::socket socket, Slot slot, MemoryAccount memory, std::string client);
+  void admit(asio::ip::tcp::socket socket, Slot slot, MemoryAccount memory, std::string client,
+             ClientProtocol protocol);
+  template <typename Kind>
+  void start(std::shared_ptr<Kind> connection);
 
   MemoryBudget& budget_;
   ConnectionLimits limits_;

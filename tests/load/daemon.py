@@ -28,6 +28,7 @@ class Daemon:
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, **options)
         ready = json.loads(self.process.stdout.readline())
         self.address, self.health, self.models, self.skipped = (ready[key] for key in ("listen", "metrics", "models", "skipped"))
+        self.http = ready["http"]
 
     def __enter__(self):
         return self

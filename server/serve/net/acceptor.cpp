@@ -45,6 +45,10 @@ auto ending(bool& running) {
 
 }  // namespace
 
+proto::Bytes nativeRefusal(const std::string& why) {
+  return proto::encode(proto::ErrorMessage{proto::WireError::kLimit, 0, true, why}, 0);
+}
+
 uint64_t raiseOpenFileLimit() noexcept {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
@@ -65,7 +69,7 @@ void ReserveDescriptor::acquire() noexcept {
 Acceptor::Acceptor(tcp::acceptor acceptor, AcceptorOptions options, Admission& admission,
                    MemoryBudget& budget, ThreadCounters& counters, Log& log, Handler handler)
     : acceptor_(std::move(acceptor)),
-      options_(options),
+      options_(std::move(options)),
       admission_(admission),
       budget_(budget),
       counters_(counters),
@@ -136,11 +140,8 @@ void Acceptor::refuseForDescriptors() {
   acceptor_.accept(socket, error);
   if (!error) {
     counters_.refused[static_cast<size_t>(RefusalReason::kDescriptors)].add();
-    const proto::Bytes word = proto::encode(
-        proto::ErrorMessage{
-            proto::WireError::kLimit, 0, true,
-            "this server has no room for another connection; try again later, or another server"},
-        0);
+    const proto::Bytes word = options_.refusal(
+        "this server has no room for another connection; try again later, or another server");
     Refusals::refuseAtOnce(std::move(socket), tls_ ? std::span<const std::byte>() : std::span(word));
   }
   reserve_.acquire();
@@ -174,7 +175,7 @@ void Acceptor::refuse(tcp::socket socket, RefusalReason reason, const std::strin
   log_.write(LogKind::kRefused, "a connection was refused",
              {{"client", client}, {"reason", refusalName(reason)}});
   const auto now = Refusals::Clock::now();
-  proto::Bytes word = proto::encode(proto::ErrorMessage{proto::WireError::kLimit, 0, true, why}, 0);
+  proto::Bytes word = options_.refusal(why);
   if (tls_)
     refusals_.refuseUnderTls(std::move(socket), tls_, std::move(word), now);
   else

@@ -40,11 +40,16 @@ class ReserveDescriptor {
   int descriptor_ = -1;
 };
 
+/// Returns an Error frame of the native protocol.
+proto::Bytes nativeRefusal(const std::string& why);
+
 struct AcceptorOptions {
   /// If true, limits connections per address at accept(). False behind a balancer, because its header with
   /// the client's address arrives later.
   bool count_addresses = true;
   uint64_t connection_bytes = 0;  ///< memory charged to the budget per connection
+  /// A function that returns the bytes that tell a client why its connection is refused.
+  std::function<proto::Bytes(const std::string& why)> refusal = nativeRefusal;
 };
 
 /// Accepts connections. If a connection would exceed a limit, refuses the connection with a reason. Runs on

@@ -15,6 +15,7 @@
 #include "server/serve/memory/memory_budget.h"
 #include "server/serve/net/admission.h"
 #include "server/serve/net/byte_rate.h"
+#include "server/serve/net/client_connection.h"
 #include "server/serve/net/wrong_tokens.h"
 #include "server/serve/ops/log.h"
 #include "server/serve/ops/metrics.h"
@@ -43,7 +44,7 @@ class BufferPool {
   std::vector<ChunkBuffer> free_;
 };
 
-class Connection;
+class HttpFiles;
 
 /// State that the connections of one thread share. Must outlive the connections. Only that thread uses it.
 struct ConnectionHost {
@@ -55,8 +56,9 @@ struct ConnectionHost {
   MemoryBudget* budget = nullptr;
   WrongTokens* wrong_tokens = nullptr;  ///< delays of answers to wrong tokens, shared by all threads
   DiskReaders* readers = nullptr;       ///< threads for reads that wait for the disk
+  HttpFiles* http = nullptr;            ///< contents for HTTP, shared by all threads; null without HTTP
   BufferPool buffers;
-  std::unordered_set<Connection*> connections;
+  std::unordered_set<ClientConnection*> connections;
 };
 
 struct ConnectionLimits {
@@ -65,7 +67,8 @@ struct ConnectionLimits {
   uint64_t bytes_per_second = 0;                  ///< rate limit for blobs, or 0 for no limit
   /// Size of unsent answers above which the connection reads no further frame.
   size_t queued_answer_bytes = proto::kMaxQueuedAnswerBytes;
-  bool proxy_protocol = false;  ///< expect a balancer's header at the start
+  bool proxy_protocol = false;           ///< expect a balancer's header at the start
+  Clock::duration read = kReadDeadline;  ///< longest wait for a content of HTTP
 };
 
 /// Memory charged for an idle connection.
@@ -73,23 +76,21 @@ constexpr uint64_t kPlainConnectionBytes = 8u << 10, kTlsConnectionBytes = 80u <
 
 /// A client's connection, which consists of a Session, the stream, a reading coroutine and a writing
 /// coroutine. Both coroutines run on the socket's thread and keep the connection alive. Not thread safe.
-class Connection : public std::enable_shared_from_this<Connection> {
+class Connection : public ClientConnection, public std::enable_shared_from_this<Connection> {
  public:
   /// @param client  the client's address, for the log.
   Connection(proto::ByteStream stream, Slot slot, MemoryAccount memory, ConnectionHost& host,
              ConnectionLimits limits, std::string client);
-  ~Connection();
+  ~Connection() override;
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
   void start();
-  void drain(const std::string& reason);
-  void servedSetChanged();
-  /// Closes the connection if a deadline has passed.
-  void sweep(Clock::time_point now);
-  /// Ends the connection because it uses much of the memory budget.
-  void endForMemory();
-  uint64_t heldBytes() const noexcept { return memory_.held(); }
+  void drain(const std::string& reason) override;
+  void servedSetChanged() override;
+  void sweep(Clock::time_point now) override;
+  void endForMemory() override;
+  uint64_t heldBytes() const noexcept override { return memory_.held(); }
 
  private:
   /// A chunk that a thread of DiskReaders reads. The chunk's request is parked (not chosen for sending) until

@@ -117,11 +117,29 @@ void addGauges(std::vector<MetricFamily>& families, const ServerGauges& gauges) 
   if (gauges.certificate_expires_s > 0)
     add("lodestream_certificate_expires_seconds", "Unix time at which the TLS certificate expires",
         MetricType::Gauge, gauges.certificate_expires_s);
+  if (gauges.http_cache_limit_bytes > 0) {
+    add("lodestream_http_cache_bytes", "Memory of tiles and pages for HTTP, cached or being sent",
+        MetricType::Gauge, gauges.http_cache_bytes);
+    add("lodestream_http_cache_limit_bytes", "Limit of lodestream_http_cache_bytes (--http-memory)",
+        MetricType::Gauge, gauges.http_cache_limit_bytes);
+    add("lodestream_http_contents_made_total", "Tiles and pages made for HTTP because the cache lacked them",
+        MetricType::Counter, gauges.http_contents_made);
+  }
   add("lodestream_stopping", "1 while the server is stopping, else 0", MetricType::Gauge, gauges.stopping);
   add("lodestream_log_lines_dropped_total", "Log lines dropped because nobody read them", MetricType::Counter,
       gauges.log_lines_dropped);
   add("lodestream_log_lines_left_out_total", "Log lines left out by the rate limit of their kind",
       MetricType::Counter, gauges.log_lines_left_out);
+}
+
+void addHttp(std::vector<MetricFamily>& families, Threads threads) {
+  families.push_back(labelledCounters(
+      "lodestream_http_responses_total", "HTTP responses, by status", "status", kHttpStatuses.size(), threads,
+      [](size_t i) { return std::to_string(kHttpStatuses[i]); },
+      [](const ThreadCounters& t) -> const auto& { return t.http_responses; }));
+  families.push_back(
+      number("lodestream_http_sent_bytes_total", "Bytes of HTTP responses", MetricType::Counter,
+             sum(threads, [](const ThreadCounters& t) -> const Counter& { return t.http_sent_bytes; })));
 }
 
 }  // namespace
@@ -180,6 +198,7 @@ std::string Metrics::text(const ServerGauges& gauges) const {
   families.push_back(latencies(
       "lodestream_request_send_seconds", "Time from a request to its last chunk", threads_,
       [](const ThreadCounters& t) -> const auto& { return t.send; }));
+  if (gauges.http_cache_limit_bytes > 0) addHttp(families, threads_);
   for (const ModelFigure& figure : kModelFigures) families.push_back(ofModels(figure, threads_));
   std::erase_if(families, [](const MetricFamily& family) { return family.metric.empty(); });
   std::ostringstream out;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -83,6 +84,9 @@ std::string_view endName(EndReason reason) noexcept;
 
 constexpr size_t kRequestClasses = 3;
 
+/// Statuses of HTTP responses.
+constexpr std::array kHttpStatuses{200, 204, 206, 304, 400, 401, 404, 405, 413, 416, 429, 431, 500, 503, 505};
+
 /// Counters of one model on one thread.
 struct ModelCounters {
   Counter opened, blobs, bytes, cold_reads, damaged, unreadable;
@@ -99,7 +103,16 @@ class ThreadCounters {
   std::array<LatencyCounter, kRequestClasses> queue;
   /// Time from a request to its first chunk during which the client could not receive a chunk.
   std::array<LatencyCounter, kRequestClasses> held;
-  std::array<LatencyCounter, kRequestClasses> send;  ///< time from a request to its last chunk
+  std::array<LatencyCounter, kRequestClasses> send;          ///< time from a request to its last chunk
+  std::array<Counter, kHttpStatuses.size()> http_responses;  ///< by kHttpStatuses
+  Counter http_sent_bytes;                                   ///< heads and bodies of HTTP responses
+
+  /// Counts a response. @param status  one of kHttpStatuses; others are not counted.
+  void countHttpResponse(int status) noexcept {
+    const auto found = std::ranges::find(kHttpStatuses, status);
+    if (found != kHttpStatuses.end())
+      http_responses[static_cast<size_t>(found - kHttpStatuses.begin())].add();
+  }
 
   /// Returns the counters of a model. The reference stays valid. Call model() once per Open, because it locks
   /// a mutex.
@@ -122,6 +135,8 @@ struct ServerGauges {
   uint64_t certificate_expires_s = 0;  ///< Unix time at which the certificate expires; 0 without one
   uint64_t memory_bytes = 0, memory_budget_bytes = 0, allocated_bytes = 0;
   uint64_t log_lines_dropped = 0, log_lines_left_out = 0;
+  /// Memory of HTTP contents, their limit (0 without HTTP), and the number of contents made.
+  uint64_t http_cache_bytes = 0, http_cache_limit_bytes = 0, http_contents_made = 0;
   bool stopping = false;
 };
 

@@ -1,0 +1,438 @@
+#include "server/serve/net/http_connection.h"
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <utility>
+
+#include <asio/co_spawn.hpp>
+#include <asio/detached.hpp>
+#include <asio/post.hpp>
+#include <asio/redirect_error.hpp>
+#include <asio/steady_timer.hpp>
+#include <asio/use_awaitable.hpp>
+
+#include "common/error.h"
+#include "server/serve/net/proxy_header.h"
+
+namespace lode::serve {
+
+namespace {
+
+constexpr size_t kFirstHeadBytes = 2048;  ///< size of the buffer for heads, until a longer head arrives
+/// Largest size of a write. A client must receive this many bytes within the write deadline.
+constexpr size_t kWriteBytes = 64u << 10;
+constexpr size_t kLimitedWriteBytes = 16u << 10;  ///< largest size of a write if rates are limited
+constexpr auto kHttpLinger = std::chrono::seconds(2);
+constexpr std::string_view kPlainText = "text/plain; charset=utf-8";
+
+/// Result of a ContentMakers::make(), for the connection that waits for it.
+struct Wait {
+  explicit Wait(const asio::any_io_executor& executor) : timer(executor) {}
+
+  asio::steady_timer timer;
+  bool is_over = false;
+  http::MakeResult result = http::MakeResult::kBusy;
+  std::shared_ptr<const http::Content> content;
+};
+
+std::string_view typeOf(http::Resource resource) noexcept {
+  if (resource == http::Resource::kIndex) return "text/html; charset=utf-8";
+  if (resource == http::Resource::kTile) return "model/gltf-binary";
+  return "application/json";
+}
+
+/// Returns the token of "Bearer TOKEN", or nothing for other schemes.
+std::optional<std::string_view> bearerOf(std::string_view authorization) {
+  constexpr std::string_view kScheme = "bearer ";
+  if (authorization.size() < kScheme.size()) return {};
+  for (size_t i = 0; i < kScheme.size(); ++i)
+    if (std::tolower(static_cast<unsigned char>(authorization[i])) != kScheme[i]) return {};
+  const size_t first = authorization.find_first_not_of(' ', kScheme.size());
+  return first == std::string_view::npos ? std::string_view() : authorization.substr(first);
+}
+
+std::string_view extraFieldsOf(int status) noexcept {
+  if (status == 401) return http::kBearerField;
+  if (status == 405) return http::kAllowField;
+  if (status == 429 || status == 503) return http::kRetryField;
+  return {};
+}
+
+}  // namespace
+
+HttpConnection::HttpConnection(proto::ByteStream stream, Slot slot, MemoryAccount memory,
+                               ConnectionHost& host, ConnectionLimits limits, std::string client)
+    : slot_(std::move(slot)),
+      memory_(std::move(memory)),
+      host_(host),
+      limits_(limits),
+      stream_(std::move(stream)),
+      rate_(limits.bytes_per_second),
+      received_(kFirstHeadBytes, '\0'),
+      head_deadline_(Clock::now() + limits.session.handshake),
+      client_(std::move(client)) {
+  host_.connections.insert(this);
+  host_.counters->accepted.add();
+}
+
+HttpConnection::~HttpConnection() {
+  host_.connections.erase(this);
+  const EndReason reason = end_.value_or(EndReason::kStopping);
+  host_.counters->ended[static_cast<size_t>(reason)].add();
+  const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
+  const std::array<LogField, 6> fields{{{"client", client_},
+                                        {"reason", endName(reason)},
+                                        {"seconds", seconds},
+                                        {"requests", requests_},
+                                        {"bytes", sent_bytes_},
+                                        {"why", why_}}};
+  const bool is_mistake =
+      reason == EndReason::kMistake || reason == EndReason::kTls || reason == EndReason::kProxyHeader;
+  host_.log->write(is_mistake ? LogKind::kProtocolMistake : LogKind::kConnectionEnd,
+                   "an HTTP connection ended",
+                   std::span(fields).first(fields.size() - (why_.empty() ? 1 : 0)));
+}
+
+void HttpConnection::start() {
+  asio::co_spawn(
+      stream_.executor(), [self = shared_from_this()] { return self->run(); }, asio::detached);
+}
+
+void HttpConnection::end(EndReason reason) {
+  if (!end_) end_ = reason;
+}
+
+void HttpConnection::drain(const std::string&) {
+  draining_ = true;
+  if (!is_idle_) return;  // the response to the current request is the last one
+  end(EndReason::kStopping);
+  stream_.close();
+}
+
+void HttpConnection::sweep(Clock::time_point now) {
+  const bool late = head_deadline_ && now >= *head_deadline_;
+  const bool stalled = writing_since_ && now >= *writing_since_ + limits_.write;
+  if (late) end(is_idle_ && requests_ > 0 ? EndReason::kIdle : EndReason::kHandshake);
+  if (stalled) end(EndReason::kStalled);
+  if (late || stalled || (linger_until_ && now >= *linger_until_)) stream_.close();
+}
+
+void HttpConnection::endForMemory() {
+  end(EndReason::kMemory);
+  memory_.leave();
+  stream_.close();
+}
+
+asio::awaitable<void> HttpConnection::run() {
+  try {
+    if (co_await greet()) co_await serveRequests();
+    end(EndReason::kClient);
+  } catch (const Error&) {  // the connection broke; greet() has noted its reasons
+    end(EndReason::kBroken);
+  } catch (const std::exception&) {  // memory ran out: end this connection only
+    end(EndReason::kMemory);
+  }
+  stream_.close();
+}
+
+/// Reads the balancer's header and performs the TLS handshake. @return false if the client closed the
+/// connection before sending anything.
+asio::awaitable<bool> HttpConnection::greet() {
+  const auto turnAway = [this](RefusalReason refused, EndReason ended, const char* why) {
+    if (end_) return;
+    host_.counters->refused[static_cast<size_t>(refused)].add();
+    end(ended);
+    why_ = why;
+  };
+  if (limits_.proxy_protocol) {
+    std::optional<ProxyHeader> header;
+    try {
+      header = co_await readProxyHeader(stream_.socket());
+    } catch (const Error& error) {
+      turnAway(RefusalReason::kProxyHeader, EndReason::kProxyHeader, error.what());
+      throw;
+    }
+    if (!header) co_return false;
+    if (header->client) {
+      client_ = plainAddress(*header->client).to_string();
+      if (!slot_.countUnder(*header->client)) {
+        turnAway(RefusalReason::kAddress, EndReason::kMistake,
+                 "this address has the maximum number of connections");
+        co_return false;
+      }
+    }
+  }
+  try {
+    co_return co_await stream_.acceptHandshake();
+  } catch (const Error& error) {
+    turnAway(RefusalReason::kTls, EndReason::kTls, error.what());
+    throw;
+  }
+}
+
+asio::awaitable<void> HttpConnection::serveRequests() {
+  while (!draining_) {
+    const std::optional<http::ParsedHead> parsed = co_await readHead();
+    if (!parsed) co_return;
+    ++requests_;
+    bool goes_on = false;
+    if (parsed->refused_with == 0)
+      goes_on = co_await answer(parsed->head);
+    else
+      co_await refuse(parsed->head, parsed->refused_with, std::string(parsed->why), true);
+    if (goes_on && !draining_) continue;
+    if (draining_) end(EndReason::kStopping);
+    co_await linger();
+    co_return;
+  }
+}
+
+/// Reads until the head of a request is complete. @return nothing if the client closed the connection before
+/// the first byte of a request. @throws Error kNetwork.
+asio::awaitable<std::optional<http::ParsedHead>> HttpConnection::readHead() {
+  size_t searched_bytes = 0;
+  is_idle_ = received_bytes_ == 0;
+  if (requests_ > 0 || !is_idle_)
+    head_deadline_ = Clock::now() + (is_idle_ ? limits_.session.idle : limits_.session.handshake);
+  while (true) {
+    const std::string_view text(received_.data(), received_bytes_);
+    std::optional<http::ParsedHead> parsed = http::parseHead(text, searched_bytes);
+    if (parsed) {
+      head_deadline_.reset();
+      is_idle_ = false;
+      received_.erase(0, parsed->bytes);
+      received_.resize(std::max(received_.size(), kFirstHeadBytes));
+      received_bytes_ -= parsed->bytes;
+      co_return parsed;
+    }
+    searched_bytes = received_bytes_;
+    if (received_bytes_ == received_.size() && !reserveForHead())
+      co_return http::ParsedHead{received_bytes_, 503, "the server is short of memory", {}};
+    asio::error_code error;
+    const auto room = asio::buffer(received_.data() + received_bytes_, received_.size() - received_bytes_);
+    const size_t bytes = co_await stream_.readSome(room, error);
+    if (error == asio::error::eof && received_bytes_ == 0) co_return std::nullopt;
+    if (error) throw Error(ErrorCode::kNetwork, "the connection broke: " + error.message());
+    if (is_idle_ && requests_ > 0) head_deadline_ = Clock::now() + limits_.session.handshake;
+    is_idle_ = false;
+    received_bytes_ += bytes;
+  }
+}
+
+/// Makes room for a head of the largest size. @return false if the memory budget has no room.
+bool HttpConnection::reserveForHead() {
+  if (!memory_.tryTake(http::kMaxHeadBytes)) return false;
+  received_.resize(http::kMaxHeadBytes);
+  return true;
+}
+
+uint64_t HttpConnection::addressOfClient() const {
+  asio::error_code ignored;
+  return addressKey(asio::ip::make_address(client_, ignored));
+}
+
+/// Answers a request. @return false if the connection must end.
+asio::awaitable<bool> HttpConnection::answer(const http::RequestHead& head) {
+  closes_ = draining_ || !head.keeps_alive;
+  if (head.method == http::Method::kOptions) {
+    http::ResponseHead response{.status = 204};
+    response.extra = http::kPreflightFields;
+    co_await send(response, {});
+    co_return !closes_;
+  }
+  if (head.method == http::Method::kOther) co_return co_await refuse(head, 405, "use GET, HEAD or OPTIONS");
+  const http::Route route = http::parseTarget(head.target);
+  if (route.resource == http::Resource::kMalformed)
+    co_return co_await refuse(head, 400, "the path of the request is malformed");
+  const ServedSet served = host_.served;
+  const TokenGrant* grant = nullptr;
+  if (served.tokens) {
+    std::optional<std::string_view> token = bearerOf(head.authorization);
+    if (!token && route.token) token = *route.token;
+    if (!token || token->empty()) co_return co_await refuse(head, 401, "this server requires a token");
+    if (host_.wrong_tokens->blocks(addressOfClient(), Clock::now()))
+      co_return co_await refuseToken(head, true);
+    grant = served.tokens->find(*token, std::chrono::system_clock::now());
+    if (grant == nullptr) co_return co_await refuseToken(head, false);
+  }
+  co_return co_await answerAllowed(head, route, served, grant);
+}
+
+/// Answers a request whose token is valid. @param grant  rights of the token; null allows all models.
+asio::awaitable<bool> HttpConnection::answerAllowed(const http::RequestHead& head, const http::Route& route,
+                                                    const ServedSet& served, const TokenGrant* grant) {
+  switch (route.resource) {
+    case http::Resource::kIndex:
+    case http::Resource::kModels:
+      co_return co_await answerContent(head, route, host_.http->list(*served.catalog, grant, route.resource),
+                                       served.tokens != nullptr);
+    case http::Resource::kTileset:
+    case http::Resource::kTilesetPage:
+    case http::Resource::kTile: {
+      std::shared_ptr<const Model> model = served.catalog->find(route.model);
+      if (!model || (grant != nullptr && !grant->allows(route.model)))
+        co_return co_await refuse(head, 404, "this server has no such model");
+      co_return co_await answerFile(head, route, std::move(model));
+    }
+    default:
+      co_return co_await refuse(head, 404, "there is nothing at this path");
+  }
+}
+
+asio::awaitable<bool> HttpConnection::answerFile(const http::RequestHead& head, const http::Route& route,
+                                                 std::shared_ptr<const Model> model) {
+  const bool is_private = host_.served.tokens != nullptr;
+  const Obtained<http::Tileset> tileset = co_await obtain<http::Tileset>(host_.http->tileset(model));
+  if (!tileset.content) co_return co_await refuse(head, tileset.status, "the model cannot be read now");
+  if (!tileset.content->has(route.file)) co_return co_await refuse(head, 404, "the model has no such file");
+  HttpContent wanted = host_.http->file(std::move(model), tileset.content, route.file);
+  co_return co_await answerContent(head, route, std::move(wanted), is_private);
+}
+
+/// @param is_private  false if shared caches may keep the response.
+asio::awaitable<bool> HttpConnection::answerContent(const http::RequestHead& head, const http::Route& route,
+                                                    HttpContent wanted, bool is_private) {
+  const bool is_tile = route.resource == http::Resource::kTile;
+  const bool is_constant = is_tile || route.resource == http::Resource::kTilesetPage;
+  const bool is_packed = !is_tile && http::acceptsGzip(head.accept_encoding);
+  const std::string plain_tag = "\"" + wanted.tag + "\"", packed_tag = "\"" + wanted.tag + "-gzip\"";
+  http::ResponseHead response{.content_type = typeOf(route.resource)};
+  response.etag = is_packed ? packed_tag : plain_tag;
+  response.caching = is_constant ? http::Caching::kForever : http::Caching::kRevalidate;
+  response.is_private = is_private;
+  response.has_variants = !is_tile;
+  response.is_gzip = is_packed;
+  if (http::matchesAny(head.if_none_match, plain_tag) || http::matchesAny(head.if_none_match, packed_tag)) {
+    response.status = 304;
+    response.content_type = {};
+    response.is_gzip = false;
+    co_await send(response, {});
+    co_return !closes_;
+  }
+  const Obtained<http::FileContent> file = co_await obtain<http::FileContent>(std::move(wanted));
+  if (!file.content) co_return co_await refuse(head, file.status, "the file cannot be made now");
+  co_return co_await sendContent(head, response, is_packed ? file.content->packed() : file.content->plain());
+}
+
+/// Sends a content or the range of it that the request asks for.
+asio::awaitable<bool> HttpConnection::sendContent(const http::RequestHead& head, http::ResponseHead response,
+                                                  const std::vector<std::byte>& body) {
+  const bool takes_range = head.if_range.empty() || head.if_range == response.etag;
+  const http::ContentRange range = http::parseRange(takes_range ? head.range : "", body.size());
+  response.range = range;
+  response.total_bytes = body.size();
+  response.content_bytes = range.bytes;
+  std::span<const std::byte> part(body);
+  if (range.kind == http::RangeKind::kPart) response.status = 206;
+  if (range.kind == http::RangeKind::kNotSatisfiable) response.status = 416;
+  part = part.subspan(range.first, range.bytes);
+  if (head.method == http::Method::kHead) part = {};
+  co_await send(response, part);
+  co_return !closes_;
+}
+
+/// Refuses a token. If the token is wrong, waits before the answer as on the native port. Before the wait,
+/// the connection releases its slot and its memory for other connections.
+asio::awaitable<bool> HttpConnection::refuseToken(const http::RequestHead& head, bool is_blocked) {
+  host_.counters->refused[static_cast<size_t>(RefusalReason::kToken)].add();
+  if (is_blocked)
+    co_return co_await refuse(head, 429, "this address sent too many wrong tokens; try again later", true);
+  host_.log->write(LogKind::kUnauthorized, "a token is unknown or has expired", {{"client", client_}});
+  const std::optional<WrongTokens::Wait> wait = host_.wrong_tokens->add(addressOfClient(), Clock::now());
+  if (wait) {
+    { const Slot left = std::move(slot_); }
+    { const MemoryAccount left = std::move(memory_); }
+    asio::error_code ignored;
+    asio::steady_timer answer(stream_.executor(), wait->until());
+    co_await answer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  }
+  co_return co_await refuse(head, 401, "the token is unknown or has expired", true);
+}
+
+/// Sends an error. @param why  text for the client. @return false if the connection must end.
+asio::awaitable<bool> HttpConnection::refuse(const http::RequestHead& head, int status, std::string why,
+                                             bool closes) {
+  closes_ = closes_ || closes;
+  if (closes) {
+    end(EndReason::kMistake);
+    why_ = why;
+  }
+  why += '\n';
+  http::ResponseHead response{.status = status, .content_type = kPlainText, .content_bytes = why.size()};
+  response.extra = extraFieldsOf(status);
+  const auto body = std::as_bytes(std::span(why));
+  co_await send(response, head.method == http::Method::kHead ? body.first(0) : body);
+  co_return !closes_;
+}
+
+/// Returns a content from the cache, or waits until a thread has made it.
+template <typename Kind>
+asio::awaitable<HttpConnection::Obtained<Kind>> HttpConnection::obtain(HttpContent wanted) {
+  http::ContentMakers& makers = host_.http->makers();
+  if (auto cached = makers.find(wanted.key))
+    co_return Obtained<Kind>{std::static_pointer_cast<const Kind>(cached)};
+  const auto wait = std::make_shared<Wait>(stream_.executor());
+  const bool is_queued =
+      makers.make(wanted.key, std::move(wanted.make),
+                  [wait, executor = stream_.executor()](http::MakeResult result,
+                                                        std::shared_ptr<const http::Content> content) {
+                    asio::post(executor, [wait, result, content = std::move(content)] {
+                      wait->result = result;
+                      wait->content = content;
+                      wait->is_over = true;
+                      wait->timer.cancel();
+                    });
+                  });
+  if (!is_queued) co_return Obtained<Kind>{nullptr, 503};
+  asio::error_code ignored;
+  wait->timer.expires_after(limits_.read);
+  if (!wait->is_over) co_await wait->timer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  if (wait->is_over && wait->result == http::MakeResult::kDone)
+    co_return Obtained<Kind>{std::static_pointer_cast<const Kind>(wait->content)};
+  co_return Obtained<Kind>{nullptr, wait->is_over && wait->result == http::MakeResult::kFailed ? 500 : 503};
+}
+
+/// Sends a response. @throws Error kNetwork.
+asio::awaitable<void> HttpConnection::send(http::ResponseHead response, std::span<const std::byte> body) {
+  response.closes = closes_;
+  host_.counters->countHttpResponse(response.status);
+  std::string head = http::formatHead(response, std::time(nullptr));
+  do {
+    const size_t most = body.empty() ? 0 : co_await waitForTurn(std::min(body.size(), kWriteBytes));
+    const std::array parts{asio::buffer(std::as_const(head)), asio::buffer(body.data(), most)};
+    asio::error_code error;
+    writing_since_ = Clock::now();
+    co_await stream_.write(parts, error);
+    writing_since_.reset();
+    if (error) throw Error(ErrorCode::kNetwork, "the connection broke while writing: " + error.message());
+    const uint64_t bytes = head.size() + most;
+    sent_bytes_ += bytes;
+    host_.counters->http_sent_bytes.add(bytes);
+    head.clear();
+    body = body.subspan(most);
+  } while (!body.empty());
+}
+
+/// Waits until the rates allow a write. @return size of the write, at most `bytes`.
+asio::awaitable<size_t> HttpConnection::waitForTurn(size_t bytes) {
+  if (!rate_.limited() && !host_.rate->limited()) co_return bytes;
+  bytes = std::min(bytes, kLimitedWriteBytes);
+  const auto now = Clock::now();
+  const auto turn = std::max(rate_.take(bytes, now), host_.rate->take(bytes, now));
+  asio::error_code ignored;
+  asio::steady_timer timer(stream_.executor(), turn);
+  if (turn > now) co_await timer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  co_return bytes;
+}
+
+/// Waits until the client has closed the connection, because closing with unread bytes would reset the
+/// connection, and the client could lose the response.
+asio::awaitable<void> HttpConnection::linger() {
+  linger_until_ = Clock::now() + kHttpLinger;
+  stream_.shutdownSend();
+  asio::error_code error;
+  while (!error) co_await stream_.readSome(asio::buffer(received_), error);
+}
+
+}  // namespace lode::serve

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/http/content_makers.h"
+#include "server/http/route.h"
+#include "server/http/tileset.h"
+#include "server/serve/ops/log.h"
+#include "server/serve/session/catalog.h"
+
+namespace lode::serve {
+
+/// A content and how to make it.
+struct HttpContent {
+  std::string key;  ///< key in the cache
+  std::string tag;  ///< base of the entity tag; any change of the content changes it
+  http::ContentMakers::Make make;
+};
+
+/// The contents that all HTTP connections of a server share. Contents are named by what they follow from, so
+/// that a reload keeps those that stay valid. Thread safe.
+class HttpFiles {
+ public:
+  /// @param log  shared with threads that may outlive this object: see ContentMakers::join().
+  HttpFiles(http::ContentMakersOptions options, std::shared_ptr<Log> log);
+
+  /// Returns the Tileset of a model.
+  HttpContent tileset(std::shared_ptr<const Model> model) const;
+  /// Returns a file of a model's tileset. @param file  name for which Tileset::has() returns true.
+  HttpContent file(std::shared_ptr<const Model> model, std::shared_ptr<const http::Tileset> tileset,
+                   const std::string& file) const;
+  /// Returns the list of models as Resource::kIndex or kModels.
+  /// @param grant  rights of the client; null allows all models.
+  HttpContent list(const Catalog& catalog, const TokenGrant* grant, http::Resource resource) const;
+
+  /// Drops the tilesets of models that are no longer served, which would keep their stores open.
+  void retain(const Catalog& catalog);
+  http::ContentMakers& makers() noexcept { return makers_; }
+
+ private:
+  std::shared_ptr<Log> log_;
+  http::ContentMakers makers_;
+};
+
+}  // namespace lode::serve

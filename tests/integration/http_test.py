@@ -1,0 +1,477 @@
+#!/usr/bin/env python3
+"""Tests of `lodestreamd serve --http`: http_test.py BIN MODELS
+
+BIN has the programs, MODELS the stores of make_models.sh. The test of TLS needs openssl, the tests of curl need curl, the test
+behind nginx needs nginx; without them these tests are skipped.
+"""
+import contextlib
+import gzip
+import http.client
+import json
+import os
+import pathlib
+import shutil
+import signal
+import socket
+import ssl
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+BIN, MODELS = pathlib.Path(), pathlib.Path()
+IMMUTABLE = "max-age=31536000, immutable"
+
+
+class Served:
+    """Runs `lodestreamd serve --http`. The end of the `with` ends the server by SIGTERM and expects exit status 0."""
+
+    def __init__(self, *arguments):
+        command = [BIN / "lodestreamd", "serve", *arguments, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0",
+                   "--metrics", "127.0.0.1:0"]
+        self.log = tempfile.TemporaryFile("w+")
+        self.process = subprocess.Popen([str(part) for part in command], stdout=subprocess.PIPE, stderr=self.log, text=True)
+        ready = json.loads(self.process.stdout.readline())
+        self.address, self.health = ready["http"], ready["metrics"]
+        self.host, self.port = self.address.rsplit(":", 1)[0], int(self.address.rsplit(":", 1)[1])
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, failed, *_):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM if not failed else signal.SIGKILL)
+        status = self.process.wait(timeout=120)
+        self.process.stdout.close()
+        self.log.close()
+        if not failed:
+            assert status == 0, f"it ended with {status}"
+
+    def logged(self):
+        self.log.seek(0)
+        return self.log.read()
+
+    def connect(self):
+        return http.client.HTTPConnection(self.host, self.port, timeout=60)
+
+    def ask(self, path, method="GET", **headers):
+        """Returns the response's status, its header fields in lower case, and its body."""
+        with contextlib.closing(self.connect()) as connection:
+            return ask(connection, path, method, **headers)
+
+    def metric(self, name):
+        with contextlib.closing(http.client.HTTPConnection(self.health, timeout=60)) as connection:
+            connection.request("GET", "/metrics")
+            lines = connection.getresponse().read().decode().splitlines()
+        return float(next(line for line in lines if line.startswith(name + " ")).rsplit(" ", 1)[1])
+
+
+def ask(connection, path, method="GET", **headers):
+    connection.request(method, path, headers={name.replace("_", "-"): value for name, value in headers.items()})
+    response = connection.getresponse()
+    return response.status, {name.lower(): value for name, value in response.getheaders()}, response.read()
+
+
+def export(store, folder):
+    subprocess.run([str(BIN / "lodestreamd"), "export", str(store), "--tiles", str(folder), "--quiet"], check=True,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+
+def links_of(tileset):
+    """All URIs in a tileset, relative to it."""
+    found, todo = [], [tileset["root"]]
+    while todo:
+        tile = todo.pop()
+        found += [tile["content"]["uri"]] if "content" in tile else []
+        todo += tile.get("children", [])
+    return found
+
+
+class Files(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.stack = contextlib.ExitStack()
+        cls.folder = pathlib.Path(cls.stack.enter_context(tempfile.TemporaryDirectory()))
+        cls.stores = cls.folder / "stores"
+        cls.stores.mkdir()
+        for name in ("painted", "gyroid"):
+            shutil.copy(MODELS / f"{name}.lode", cls.stores)
+        shutil.copy(MODELS / "bunny.lode", cls.stores / "a b&ü.lode")
+        cls.files = {name: export(MODELS / f"{store}.lode", cls.folder / name)
+                     for name, store in (("painted", "painted"), ("gyroid", "gyroid"), ("a b&ü", "bunny"))}
+        cls.server = cls.stack.enter_context(Served(cls.stores))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.stack.close()
+
+    def ask(self, path, method="GET", **headers):
+        return self.server.ask(path, method, **headers)
+
+    def tile(self):
+        return "/gyroid/" + next(name for name in self.files["gyroid"] if name.startswith("g/"))
+
+    def test_are_the_bytes_of_the_export(self):
+        for model, path in (("painted", "painted"), ("gyroid", "gyroid"), ("a b&ü", "a%20b%26%C3%BC")):
+            with contextlib.closing(self.server.connect()) as connection:
+                for name in self.files[model]:
+                    status, head, body = ask(connection, f"/{path}/{name}")
+                    self.assertEqual(status, 200, name)
+                    self.assertEqual(body, (self.folder / model / name).read_bytes(), name)
+                    self.assertEqual(head["content-type"], "model/gltf-binary" if name.startswith("g/") else "application/json")
+                    self.assertIn(IMMUTABLE if "/" in name else "no-cache", head["cache-control"])
+        self.assertGreater(sum(len(names) for names in self.files.values()), 50)
+
+    def test_of_a_tileset_are_reached_by_its_links(self):
+        model = json.loads(self.ask("/models.json")[2])["models"][0]
+        self.assertEqual(model["name"], "a b&ü")
+        tileset = json.loads(self.ask("/" + model["tileset"])[2])
+        self.assertEqual(tileset["asset"]["tilesetVersion"], model["build_id"])
+        base = "/" + model["tileset"].rsplit("/", 1)[0] + "/"
+        self.assertEqual([self.ask(base + link)[0] for link in links_of(tileset)[:5]], [200] * 5)
+
+    def test_are_listed(self):
+        status, head, body = self.ask("/models.json")
+        self.assertEqual((status, head["cache-control"]), (200, "no-cache"))
+        self.assertEqual([model["name"] for model in json.loads(body)["models"]], ["a b&ü", "gyroid", "painted"])
+        status, head, page = self.ask("/")
+        self.assertEqual((status, head["content-type"]), (200, "text/html; charset=utf-8"))
+        self.assertIn(b'<a href="a%20b%26%C3%BC/tileset.json">a b&amp;\xc3\xbc</a>', page)
+
+    def test_are_sent_again_only_if_they_changed(self):
+        for path in ("/models.json", "/gyroid/tileset.json", self.tile()):
+            tag = self.ask(path)[1]["etag"]
+            status, head, body = self.ask(path, If_None_Match=f'"x", W/{tag}')
+            self.assertEqual((status, head["etag"], body), (304, tag, b""), path)
+            self.assertNotIn("content-length", head)
+            self.assertEqual(self.ask(path, If_None_Match='"x"')[0], 200, path)
+
+    def test_are_compressed_if_they_are_json(self):
+        for path in ("/models.json", "/gyroid/tileset.json", "/"):
+            plain = self.ask(path)
+            packed = self.ask(path, Accept_Encoding="gzip, br")
+            self.assertEqual(packed[1]["content-encoding"], "gzip")
+            self.assertEqual(gzip.decompress(packed[2]), plain[2])
+            self.assertNotEqual(packed[1]["etag"], plain[1]["etag"])
+            self.assertEqual(plain[1]["vary"], "Accept-Encoding")
+        self.assertNotIn("content-encoding", self.ask(self.tile(), Accept_Encoding="gzip")[1])
+
+    def test_have_ranges(self):
+        path = self.tile()
+        whole = self.ask(path)
+        self.assertEqual(whole[1]["accept-ranges"], "bytes")
+        status, head, body = self.ask(path, Range="bytes=10-19")
+        self.assertEqual((status, body, head["content-range"]), (206, whole[2][10:20], f"bytes 10-19/{len(whole[2])}"))
+        self.assertEqual(self.ask(path, Range="bytes=-7")[2], whole[2][-7:])
+        self.assertEqual(self.ask(path, Range="bytes=10-19", If_Range=whole[1]["etag"])[0], 206)
+        self.assertEqual(self.ask(path, Range="bytes=10-19", If_Range='"x"')[::2], whole[::2])
+        self.assertEqual(self.ask(path, Range="bytes=1-2,4-5")[::2], whole[::2])
+        status, head, body = self.ask(path, Range="bytes=99999999-")
+        self.assertEqual((status, head["content-range"], body), (416, f"bytes */{len(whole[2])}", b""))
+
+    def test_have_heads(self):
+        for path in (self.tile(), "/gyroid/tileset.json", "/nothing"):
+            get, head = self.ask(path), self.ask(path, "HEAD")
+            self.assertEqual(head[2], b"")
+            self.assertEqual(get[0], head[0])
+            self.assertEqual(get[1]["content-length"], head[1]["content-length"])
+
+    def test_can_be_read_by_pages_of_other_hosts(self):
+        status, head, _ = self.ask(self.tile(), "OPTIONS", Origin="http://a", Access_Control_Request_Headers="authorization")
+        self.assertEqual(status, 204)
+        self.assertIn("Authorization", head["access-control-allow-headers"])
+        for path in (self.tile(), "/nothing", "/"):
+            head = self.ask(path)[1]
+            self.assertEqual((head["access-control-allow-origin"], head["timing-allow-origin"]), ("*", "*"))
+            self.assertEqual(head["x-content-type-options"], "nosniff")
+            self.assertNotIn("unsafe", head["content-security-policy"])
+
+    def test_that_do_not_exist_are_refused(self):
+        for path in ("/nothing", "/gyroid", "/gyroid/", "/other/tileset.json", "/../gyroid.lode", "/gyroid/../painted/tileset.json",
+                     "/painted/" + self.tile().split("/", 2)[2], "/%2e%2e/%2e%2e/etc/passwd"):
+            self.assertEqual(self.ask(path)[0], 404, path)
+        for path in ("/%zz", "/a%00/tileset.json", "/%ff/tileset.json"):
+            self.assertEqual(self.ask(path)[0], 400, path)
+
+    def test_are_read_only(self):
+        for method in ("POST", "PUT", "DELETE", "PATCH", "BREW"):
+            status, head, _ = self.ask(self.tile(), method)
+            self.assertEqual((status, head["allow"]), (405, "GET, HEAD, OPTIONS"), method)
+        with contextlib.closing(self.server.connect()) as connection:
+            connection.request("POST", "/", body=b"x" * 100000)
+            self.assertEqual(connection.getresponse().status, 405)
+        with contextlib.closing(self.server.connect()) as connection:
+            connection.request("GET", "/", body=b"x")
+            self.assertEqual(connection.getresponse().status, 413)
+
+    def test_answer_pipelined_requests_in_order(self):
+        with socket.create_connection((self.server.host, self.server.port), timeout=60) as client:
+            paths = ["/models.json", self.tile(), "/nothing"] * 50
+            client.sendall("".join(f"GET {path} HTTP/1.1\r\nHost: a\r\n\r\n" for path in paths).encode())
+            with client.makefile("rb") as stream:
+                for path in paths:
+                    status = int(stream.readline().split()[1])
+                    length = 0
+                    while (line := stream.readline()) != b"\r\n":
+                        if line.lower().startswith(b"content-length:"):
+                            length = int(line.split(b":")[1])
+                    stream.read(length)
+                    self.assertEqual(status, 404 if path == "/nothing" else 200)
+
+    def test_are_made_once(self):
+        path = next(name for name in self.files["painted"] if name.startswith("g/"))
+        self.ask(f"/painted/{path}")
+        before = self.server.metric("lodestream_http_contents_made_total")
+        answers = []
+        threads = [threading.Thread(target=lambda: answers.append(self.ask(f"/painted/{path}")[0])) for _ in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(answers, [200] * 8)
+        self.assertEqual(self.server.metric("lodestream_http_contents_made_total"), before)
+
+    @unittest.skipUnless(shutil.which("curl"), "curl is not installed")
+    def test_satisfy_curl(self):
+        url = f"http://{self.server.address}"
+        done = subprocess.run(["curl", "-sS", "--fail", "--compressed", f"{url}/gyroid/tileset.json", f"{url}{self.tile()}"],
+                              capture_output=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        folder = self.folder / "gyroid"
+        self.assertEqual(done.stdout, (folder / "tileset.json").read_bytes() + (folder / self.tile().split("/", 2)[2]).read_bytes())
+
+
+class Tokens(unittest.TestCase):
+    def setUp(self):
+        self.stack = contextlib.ExitStack()
+        self.addCleanup(self.stack.close)
+        folder = pathlib.Path(self.stack.enter_context(tempfile.TemporaryDirectory()))
+        self.file = folder / "tokens"
+        self.file.write_text("right/one never *\nfew never gyroid\nold 2001-01-01T00:00:00Z *\n")
+        self.file.chmod(0o600)
+        self.server = self.stack.enter_context(
+            Served(MODELS / "gyroid.lode", MODELS / "painted.lode", "--token-file", self.file))
+
+    def test_are_taken_from_the_header_or_the_path(self):
+        path = "/gyroid/tileset.json"
+        self.assertEqual(self.server.ask(path)[0], 401)
+        self.assertEqual(self.server.ask(path)[1]["www-authenticate"], "Bearer")
+        for headers in ({"Authorization": "Bearer right/one"}, {"Authorization": "bearer  few"}):
+            status, head, _ = self.server.ask(path, **headers)
+            self.assertEqual((status, head["cache-control"]), (200, "private, no-cache"))
+        body = self.server.ask("/t/right%2Fone" + path)[2]
+        self.assertEqual(self.server.ask("/t/few/gyroid/" + links_of(json.loads(body))[0])[0], 200)
+        self.assertEqual(self.server.ask(path, "OPTIONS")[0], 204, "browsers send no token with a preflight request")
+
+    def test_allow_only_their_models(self):
+        few = {"Authorization": "Bearer few"}
+        self.assertEqual(self.server.ask("/painted/tileset.json", **few)[0], 404)
+        self.assertEqual([m["name"] for m in json.loads(self.server.ask("/models.json", **few)[2])["models"]], ["gyroid"])
+        self.assertNotIn(b"painted", self.server.ask("/t/few/")[2])
+        self.assertIn(b"painted", self.server.ask("/t/right%2Fone/")[2])
+
+    def test_that_are_wrong_are_answered_late_and_never_logged(self):
+        seconds = []
+        for token in ("secretwrong", "secretwrong", "secretwrong", "old"):
+            began = time.monotonic()
+            status, head, _ = self.server.ask("/t/" + token + "/models.json")
+            seconds.append(time.monotonic() - began)
+            self.assertEqual((status, head["connection"]), (401, "close"))
+        self.assertGreater(seconds[-1], 0.4)
+        self.assertGreater(seconds[2], 2 * seconds[0] * 0.9)
+        self.assertEqual(self.server.ask("/t/right%2Fone/models.json")[0], 200)
+        self.assertIn("unauthorized", self.server.logged())
+        for token in ("secretwrong", "right", "few", "old"):
+            self.assertNotIn(token, self.server.logged())
+
+    def test_can_be_replaced(self):
+        self.file.write_text("new never *\n")
+        self.server.process.send_signal(signal.SIGHUP)
+        deadline = time.monotonic() + 60
+        while self.server.ask("/models.json", Authorization="Bearer new")[0] != 200:
+            self.assertLess(time.monotonic(), deadline)
+        self.assertEqual(self.server.ask("/models.json", Authorization="Bearer few")[0], 401)
+
+
+class Lives(unittest.TestCase):
+    def test_follow_a_replaced_store(self):
+        with tempfile.TemporaryDirectory() as name:
+            store = pathlib.Path(name, "m.lode")
+            shutil.copy(MODELS / "gyroid.lode", store)
+            with Served(store) as server:
+                old = server.ask("/m/tileset.json")
+                links = [link for link in links_of(json.loads(old[2])) if link.startswith("g/")]
+                self.assertEqual(server.ask("/m/" + links[0])[0], 200)
+                shutil.copy(MODELS / "painted.lode", store.with_suffix(".new"))
+                os.replace(store.with_suffix(".new"), store)
+                server.process.send_signal(signal.SIGHUP)
+                deadline = time.monotonic() + 60
+                while server.ask("/m/tileset.json", If_None_Match=old[1]["etag"])[0] == 304:
+                    self.assertLess(time.monotonic(), deadline)
+                self.assertEqual(server.ask("/m/" + links[0])[0], 404, "a file of the old build")
+                new = json.loads(server.ask("/m/tileset.json")[2])
+                self.assertEqual(server.ask("/m/" + links_of(new)[0])[0], 200)
+
+    def test_end_after_the_responses_that_run(self):
+        with Served(MODELS / "gyroid.lode") as server:
+            links = [link for link in links_of(json.loads(server.ask("/gyroid/tileset.json")[2])) if link.startswith("g/")]
+            with contextlib.closing(server.connect()) as idle, socket.socket() as slow:
+                ask(idle, "/models.json")
+                slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+                slow.settimeout(60)
+                slow.connect((server.host, server.port))
+                count = 40
+                slow.sendall(f"GET /gyroid/{links[0]} HTTP/1.1\r\nHost: a\r\n\r\n".encode() * count)
+                first = slow.recv(100)
+                server.process.send_signal(signal.SIGTERM)
+                self.assertEqual(idle.sock.recv(1), b"", "an idle connection is closed at once")
+                received = first
+                while part := slow.recv(65536):
+                    received += part
+                heads = received.count(b"HTTP/1.1 200")
+                self.assertGreaterEqual(heads, 1)
+                self.assertLess(heads, count, "requests after the stop are not answered")
+                last = received[received.rindex(b"HTTP/1.1 200"):]
+                head, _, body = last.partition(b"\r\n\r\n")
+                self.assertIn(b"Content-Length: %d\r\n" % len(body), head, "the last response is complete")
+            self.assertEqual(server.process.wait(timeout=60), 0)
+
+    def test_are_bounded_by_memory(self):
+        with Served(MODELS / "asteroid2m.lode" if (MODELS / "asteroid2m.lode").exists() else MODELS / "gyroid.lode",
+                    "--http-memory", "1MB") as server:
+            model = json.loads(server.ask("/models.json")[2])["models"][0]["name"]
+            todo, tiles = [f"/{model}/tileset.json"], []
+            while todo and len(tiles) < 200:
+                path = todo.pop()
+                for link in links_of(json.loads(server.ask(path)[2])):
+                    name = f"/{model}/" + link.removeprefix("../")
+                    (todo if name.endswith(".json") else tiles).append(name)
+            with contextlib.closing(server.connect()) as connection:
+                statuses = {ask(connection, tile)[0] for tile in tiles}
+            self.assertEqual(statuses, {200})
+            self.assertLessEqual(server.metric("lodestream_http_cache_bytes"), 1e6)
+            self.assertEqual(server.metric("lodestream_http_cache_limit_bytes"), 1e6)
+
+    def test_count_in_the_metrics(self):
+        with Served(MODELS / "gyroid.lode") as server:
+            size = len(server.ask("/gyroid/tileset.json")[2])
+            server.ask("/nothing")
+            self.assertEqual(server.metric('lodestream_http_responses_total{status="200"}'), 1)
+            self.assertEqual(server.metric('lodestream_http_responses_total{status="404"}'), 1)
+            self.assertGreater(server.metric("lodestream_http_sent_bytes_total"), size)
+
+    def test_need_tokens_and_tls_beyond_loopback(self):
+        done = subprocess.run([str(BIN / "lodestreamd"), "serve", str(MODELS / "gyroid.lode"), "--listen", "127.0.0.1:0",
+                               "--http", "0.0.0.0:0"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("--token-file", done.stderr)
+
+    def test_name_the_option_of_a_busy_port(self):
+        with socket.create_server(("127.0.0.1", 0)) as busy:
+            done = subprocess.run([str(BIN / "lodestreamd"), "serve", str(MODELS / "gyroid.lode"), "--listen", "127.0.0.1:0",
+                                   "--http", f"127.0.0.1:{busy.getsockname()[1]}"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("--http", done.stderr)
+
+    @unittest.skipUnless(shutil.which("openssl"), "openssl is not installed")
+    def test_are_encrypted_with_the_certificate_of_the_server(self):
+        with tempfile.TemporaryDirectory() as name:
+            key, certificate = (os.path.join(name, file) for file in ("key.pem", "cert.pem"))
+            subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", key, "-out", certificate,
+                            "-days", "2", "-subj", "/CN=localhost", "-addext", "subjectAltName=IP:127.0.0.1"],
+                           check=True, capture_output=True)
+            with Served(MODELS / "gyroid.lode", "--tls-cert", certificate, "--tls-key", key) as server:
+                context = ssl.create_default_context(cafile=certificate)
+                with contextlib.closing(http.client.HTTPSConnection(server.host, server.port, context=context, timeout=60)) as client:
+                    tileset = json.loads(ask(client, "/gyroid/tileset.json")[2])
+                    tiles = [link for link in links_of(tileset) if link.startswith("g/")]
+                    self.assertEqual(ask(client, "/gyroid/" + tiles[0])[2][:4], b"glTF")
+                plain = server.ask  # a client without TLS is turned away
+                with self.assertRaises((http.client.HTTPException, OSError)):
+                    plain("/models.json")
+
+
+@unittest.skipUnless(shutil.which("nginx") or os.path.exists("/usr/sbin/nginx"), "nginx is not installed")
+class BehindNginx(unittest.TestCase):
+    CONFIG = """
+        daemon off; pid {folder}/nginx.pid; error_log {folder}/error.log;
+        events {{ worker_connections 256; }}
+        http {{
+          access_log off;
+          client_body_temp_path {folder}/body; proxy_temp_path {folder}/proxy; fastcgi_temp_path {folder}/f;
+          uwsgi_temp_path {folder}/u; scgi_temp_path {folder}/s;
+          proxy_cache_path {folder}/cache keys_zone=tiles:1m;
+          upstream lodestream {{ server {server}; keepalive 16; }}
+          server {{
+            listen 127.0.0.1:{port}{listen};
+            {tls}
+            location /models/ {{
+              proxy_pass http://lodestream/;
+              proxy_http_version 1.1;
+              proxy_set_header Connection "";
+              proxy_cache tiles;
+            }}
+          }}
+        }}"""
+
+    @contextlib.contextmanager
+    def nginx(self, server, http2=None):
+        """Yields the port of an nginx in front of a server."""
+        with tempfile.TemporaryDirectory() as name, socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+            free.close()
+            os.chmod(name, 0o755)
+            config = pathlib.Path(name, "nginx.conf")
+            tls = f"ssl_certificate {http2}/cert.pem; ssl_certificate_key {http2}/key.pem;" if http2 else ""
+            config.write_text(self.CONFIG.format(folder=name, server=server.address, port=port, tls=tls,
+                                                 listen=" ssl http2" if http2 else ""))
+            program = shutil.which("nginx") or "/usr/sbin/nginx"
+            process = subprocess.Popen([program, "-c", str(config), "-e", os.path.join(name, "error.log")],
+                                       stderr=subprocess.DEVNULL)
+            try:
+                deadline = time.monotonic() + 60
+                while True:
+                    with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=1):
+                        break
+                    self.assertLess(time.monotonic(), deadline)
+                    self.assertIsNone(process.poll())
+                yield port
+            finally:
+                process.send_signal(signal.SIGQUIT)
+                process.wait(timeout=60)
+
+    def test_the_files_are_the_same_and_cached(self):
+        with Served(MODELS / "gyroid.lode") as server, self.nginx(server) as port:
+            direct = server.ask("/gyroid/tileset.json")[2]
+            tile = "gyroid/" + next(link for link in links_of(json.loads(direct)) if link.startswith("g/"))
+            with contextlib.closing(http.client.HTTPConnection("127.0.0.1", port, timeout=60)) as client:
+                self.assertEqual(ask(client, "/models/gyroid/tileset.json")[2], direct)
+                status, head, body = ask(client, f"/models/{tile}")
+                self.assertEqual((status, body), (200, server.ask("/" + tile)[2]))
+                responses = server.metric('lodestream_http_responses_total{status="200"}')
+                self.assertEqual(ask(client, f"/models/{tile}")[2], body)
+                self.assertEqual(server.metric('lodestream_http_responses_total{status="200"}'), responses)
+                self.assertEqual(ask(client, f"/models/{tile}", If_None_Match=head["etag"])[0], 304)
+                self.assertEqual(ask(client, "/models/nothing")[0], 404)
+
+    @unittest.skipUnless(shutil.which("curl") and shutil.which("openssl"), "curl or openssl is not installed")
+    def test_browsers_use_http_2(self):
+        if b"HTTP2" not in subprocess.run(["curl", "--version"], capture_output=True).stdout:
+            self.skipTest("this curl knows no HTTP/2")
+        with tempfile.TemporaryDirectory() as name, Served(MODELS / "gyroid.lode") as server:
+            subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", f"{name}/key.pem",
+                            "-out", f"{name}/cert.pem", "-days", "2", "-subj", "/CN=localhost"], check=True, capture_output=True)
+            with self.nginx(server, name) as port:
+                done = subprocess.run(["curl", "-sSk", "--http2", "-w", "%{http_version}",
+                                       f"https://127.0.0.1:{port}/models/gyroid/tileset.json"], capture_output=True, timeout=60)
+            self.assertEqual(done.stdout, server.ask("/gyroid/tileset.json")[2] + b"2", done.stderr)
+
+
+if __name__ == "__main__":
+    MODELS = pathlib.Path(sys.argv.pop(2)).resolve()
+    BIN = pathlib.Path(sys.argv.pop(1)).resolve()
+    unittest.main()
