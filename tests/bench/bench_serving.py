@@ -3,6 +3,8 @@
 
 throughput  64 KB and 8 KB blobs, some 1,500 of each, at random: nginx (sendfile off) and lodestreamd in turns, medians
 tls         the same under TLS 1.3
+http        the files of a tileset over HTTP, all at random and the smallest: nginx on exported files and `serve --http` in turns; the
+            same beside 9,000 idle connections, with their memory; ratios of requests
 fairness    share of a connection with 256 open requests beside eight with 64, and one request at a time beside it
 clients     one request at a time from each of 1 to 1,000 clients: percentiles beside nginx
 idle        memory of 10,000 connections that do nothing, and of 1,000 under TLS
@@ -42,27 +44,28 @@ CONNECTIONS, IN_FLIGHT = 16, 8
 
 
 @contextlib.contextmanager
-def lodestreamd(bench, store, listen="127.0.0.1:0", prefix=(), tls=None, metrics=None):
-    """Yields the server's process and address."""
+def lodestreamd(bench, store, listen="127.0.0.1:0", prefix=(), tls=None, metrics=None, http=None):
+    """Yields the server's process and address, which is that of HTTP if `http` is given."""
     command = [*prefix, "taskset", "-c", SERVER_CORE, bench.bin / "lodestreamd", "serve", store, "--listen", listen,
                "--threads", 1, "--public", "--insecure"]
     command += ["--tls-cert", tls / "cert.pem", "--tls-key", tls / "key.pem"] if tls else []
     command += ["--metrics", metrics] if metrics else []
+    command += ["--http", http] if http else []
     with running(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
-        yield process, json.loads(process.stdout.readline())["listen"]
+        yield process, json.loads(process.stdout.readline())["http" if http else "listen"]
 
 
 @contextlib.contextmanager
-def nginx(folder, files, tls=None):
+def nginx(folder, files, tls=None, fields=""):
     port = free_port()
     secure = f"ssl_certificate {tls}/cert.pem; ssl_certificate_key {tls}/key.pem; ssl_protocols TLSv1.3;" if tls else ""
     config = folder / "nginx.conf"
     config.write_text(f"""
         daemon off; master_process off; worker_processes 1; pid {folder}/nginx.pid; error_log {folder}/error.log;
-        events {{ worker_connections 4096; }}
+        events {{ worker_connections 16384; }}
         http {{ access_log off; sendfile off; tcp_nodelay on; keepalive_requests 1000000000; open_file_cache max=4096;
                 default_type application/octet-stream;
-                server {{ listen 127.0.0.1:{port}{" ssl" if tls else ""}; {secure} root {files}; }} }}""")
+                server {{ listen 127.0.0.1:{port}{" ssl" if tls else ""}; {secure} root {files}; {fields} }} }}""")
     with running(["taskset", "-c", SERVER_CORE, "nginx", "-c", config, "-e", folder / "error.log"]) as process:
         wait_for(port)
         yield process, port
@@ -75,19 +78,19 @@ def on_client_core(command):
     return done.stdout
 
 
-def measured(process, command):
-    """Bytes a second, and bytes a CPU second of the server."""
+def measured(process, command, what="bytes"):
+    """Bytes or requests a second, and a CPU second of the server."""
     before = cpu_seconds(process)
     result = json.loads(on_client_core(command).splitlines()[-1])
-    return result["bytes"] / result["seconds"], result["bytes"] / max(cpu_seconds(process) - before, 1e-9)
+    return result[what] / result["seconds"], result[what] / max(cpu_seconds(process) - before, 1e-9)
 
 
 def write_lua(path, first, last):
     path.write_text(f"""
         request = function() return wrk.format("GET", "/" .. math.random({first}, {last})) end
         done = function(summary, latency)
-          io.write(string.format('\\n{{"bytes": %d, "seconds": %f, "p50_ms": %f, "p99_ms": %f}}\\n', summary.bytes,
-                                 summary.duration / 1e6, latency:percentile(50) / 1e3, latency:percentile(99) / 1e3))
+          io.write(string.format('\\n{{"bytes": %d, "requests": %d, "seconds": %f, "p50_ms": %f, "p99_ms": %f}}\\n', summary.bytes,
+                                 summary.requests, summary.duration / 1e6, latency:percentile(50) / 1e3, latency:percentile(99) / 1e3))
         end""")
 
 
@@ -121,6 +124,59 @@ def throughput(bench, tls=None):
         cpu = statistics.median(run[3] / run[1] for run in runs)
         print_row(part="throughput", blobs=f"{size // 1024} KB{', TLS' if tls else ''}", nginx_mb_s=web_wall, ours_mb_s=our_wall, ratio=wall,
                   nginx_mb_a_cpu_s=web_cpu, ours_mb_a_cpu_s=our_cpu, cpu_ratio=cpu)
+
+
+def http(bench):
+    folder = bench.folder / "http"
+    (folder / "files").mkdir(parents=True)
+    ply, store, files = folder / "asteroid.ply", folder / "asteroid.lode", folder / "files"
+    for command in (["sample", "asteroid", "--triangles", "500000", "-o", ply], ["build", ply, "-o", store, "--quiet"],
+                    ["export", store, "--tiles", files / "asteroid", "--quiet"]):
+        subprocess.run([bench.bin / "lodestreamd", *command], check=True, stdout=subprocess.DEVNULL)
+    tiles = sorted((path for path in files.rglob("*.glb")), key=lambda path: path.stat().st_size)
+    scripts = {}
+    for name, chosen in (("all", tiles), ("smallest", tiles[:1])):
+        scripts[name] = folder / f"{name}.lua"
+        urls = ", ".join(f'"/{tile.relative_to(files)}"' for tile in chosen)
+        write_lua(scripts[name], 1, len(chosen))
+        scripts[name].write_text(f"local urls = {{{urls}}}\n" + scripts[name].read_text().replace(
+            '"/" .. math.random', "urls[math.random").replace(f"{len(chosen)})", f"{len(chosen)})]"))
+    with (nginx(folder, files, fields=FIELDS) as (web, web_port),
+          lodestreamd(bench, store, http="127.0.0.1:0") as (ours, listen), contextlib.ExitStack() as idle):
+        for crowd in (0, 9000):
+            before = resident_bytes(ours)
+            for port in (web_port, listen.rsplit(":", 1)[1]) if crowd else ():
+                opened = start(["/usr/bin/python3", "-c", IDLE_HTTP, port, crowd], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+                idle.callback(opened.kill)
+                assert opened.stdout.readline() == "ready\n"
+            grown = (resident_bytes(ours) - before) / max(crowd, 1)
+            for name, script in scripts.items():
+                loads = [["wrk", "-t1", f"-c{CONNECTIONS}", f"-d{bench.seconds}", "-s", script, f"http://127.0.0.1:{port}"]
+                         for port in (web_port, listen.rsplit(":", 1)[1])]
+                measured(web, loads[0]), measured(ours, loads[1])  # warm
+                runs = [(*measured(web, loads[0], "requests"), *measured(ours, loads[1], "requests")) for _ in range(bench.runs)]
+                web_wall, _, our_wall, _ = (statistics.median(column) for column in zip(*runs))
+                print_row(part="http", files=f"{name}, {crowd} idle", nginx_requests_s=web_wall, our_requests_s=our_wall,
+                          ratio=statistics.median(run[2] / run[0] for run in runs),
+                          cpu_ratio=statistics.median(run[3] / run[1] for run in runs), **(dict(bytes_an_idle_connection=grown) if crowd else {}))
+
+
+# The fields that viewers of other hosts and caches need, as `serve --http` sends them.
+FIELDS = """add_header Access-Control-Allow-Origin *; add_header Access-Control-Expose-Headers "Content-Length, Content-Range, ETag";
+    add_header Timing-Allow-Origin *; add_header X-Content-Type-Options nosniff; add_header Referrer-Policy no-referrer;
+    add_header Content-Security-Policy "default-src 'none'; connect-src 'self'; base-uri 'none'; form-action 'none'";
+    add_header Cache-Control "public, max-age=31536000, immutable";"""
+IDLE_HTTP = """
+import resource, socket, sys
+most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+clients = [socket.create_connection(("127.0.0.1", int(sys.argv[1]))) for _ in range(int(sys.argv[2]))]
+for client in clients:
+    client.sendall(b"HEAD /asteroid/tileset.json HTTP/1.1\\r\\nHost: a\\r\\n\\r\\n")
+    client.recv(4096)
+print("ready", flush=True)
+sys.stdin.read()
+"""
 
 
 def clients(bench):
@@ -310,8 +366,8 @@ def main():
     bench.bin = bench.bin.resolve()
     for ending in (signal.SIGTERM, signal.SIGHUP):  # exit as on SIGINT, so that servers, control groups and namespaces are removed
         signal.signal(ending, lambda number, _: sys.exit(128 + number))
-    parts = dict(throughput=throughput, tls=tls, fairness=fairness, clients=clients, idle=idle, cold=cold, latency=latency, cores=cores,
-                 urgent=urgent)
+    parts = dict(throughput=throughput, tls=tls, http=http, fairness=fairness, clients=clients, idle=idle, cold=cold, latency=latency,
+                 cores=cores, urgent=urgent)
     with tempfile.TemporaryDirectory() as folder:
         bench.folder = pathlib.Path(folder)
         for name in bench.parts or parts:

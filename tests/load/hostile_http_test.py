@@ -197,8 +197,13 @@ class Refusals(unittest.TestCase):
 
     def test_do_not_depend_on_idle_connections(self):
         with Web(patience_s=60) as server, contextlib.ExitStack() as clients:
+            rest = server.resident()
             for _ in range(1000):
-                clients.enter_context(contextlib.closing(server.connect()))
+                client = clients.enter_context(contextlib.closing(server.connect()))
+                client.sendall(GET.format("/models.json").encode())
+                self.assertTrue(client.recv(4096).startswith(b"HTTP/1.1 200 "))
+            if not SANITIZED:
+                self.assertLess(server.resident() - rest, 1000 * 20_000)
             began = time.monotonic()
             for _ in range(50):
                 self.assertEqual(server.get(server.tiles[0])[0], 200)
