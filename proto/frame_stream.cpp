@@ -89,7 +89,10 @@ asio::awaitable<void> FrameStream::write(std::span<const asio::const_buffer> par
 
 asio::awaitable<void> FrameStream::discard() {
   asio::error_code error;
-  while (!error) co_await stream_.readSome(asio::buffer(ahead_), error);
+  try {
+    while (!error) co_await stream_.readSome(asio::buffer(ahead_), error);
+  } catch (const std::exception&) {  // a WebSocket's client breaks the rules again, or memory ran out
+  }
 }
 
 }  // namespace lode::proto

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <utility>
 
 namespace lode::http {
 
@@ -66,6 +67,20 @@ bool acceptsGzip(std::string_view field) noexcept {
     if (coding == "*") any = hasWeight(part);
   }
   return any.value_or(false);
+}
+
+bool isSameOrigin(std::string_view origin, std::string_view host) noexcept {
+  if (origin.empty()) return true;
+  for (const auto& [scheme, port] : {std::pair("http://", ":80"), std::pair("https://", ":443")}) {
+    if (!origin.starts_with(scheme)) continue;
+    const auto plain = [port = std::string_view(port)](std::string_view place) {
+      return place.ends_with(port) ? place.substr(0, place.size() - port.size()) : place;
+    };
+    const std::string_view from = plain(origin.substr(std::string_view(scheme).size())), to = plain(host);
+    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c; };
+    return std::ranges::equal(from, to, {}, lower, lower);
+  }
+  return false;
 }
 
 ContentRange parseRange(std::string_view field, uint64_t total_bytes) noexcept {

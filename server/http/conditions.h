@@ -12,6 +12,11 @@ bool matchesAny(std::string_view field, std::string_view etag) noexcept;
 /// Returns true if the client accepts gzip by its field Accept-Encoding (RFC 9110, 12.5.3).
 bool acceptsGzip(std::string_view field) noexcept;
 
+/// Returns true if a page with a field Origin may open a WebSocket to the host that the field Host names:
+/// both name one host and port, or the client is no browser and sends no origin. Port 80 or 443 may be left
+/// out.
+bool isSameOrigin(std::string_view origin, std::string_view host) noexcept;
+
 enum class RangeKind : uint8_t { kWhole, kPart, kNotSatisfiable };
 
 /// Part of a content that a request asks for.

@@ -99,7 +99,8 @@ std::string formatHead(const ResponseHead& head, std::time_t now) {
   text.append(kCommonFields);
   field("Cache-Control", cacheControl(head));
   if (!head.content_type.empty()) field("Content-Type", head.content_type);
-  if (head.status != 304 && head.status != 204) field("Content-Length", std::to_string(head.content_bytes));
+  if (head.status != 101 && head.status != 204 && head.status != 304)
+    field("Content-Length", std::to_string(head.content_bytes));
   if (!head.etag.empty()) {
     field("ETag", head.etag);
     field("Accept-Ranges", "bytes");

@@ -45,6 +45,8 @@ constexpr std::string_view kPreflightFields =
     "Allow: GET, HEAD, OPTIONS\r\n";
 constexpr std::string_view kAllowField = "Allow: GET, HEAD, OPTIONS\r\n";
 constexpr std::string_view kBearerField = "WWW-Authenticate: Bearer\r\n";
+constexpr std::string_view kWebSocketField =
+    "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n";
 constexpr std::string_view kRetryField = "Retry-After: 1\r\n";
 
 }  // namespace lode::http

@@ -278,7 +278,8 @@ void Server::State::startWorkers() {
       std::min({options.handshake_deadline, options.idle_deadline, options.write_deadline}) / 4;
   const auto sweep_every =
       std::clamp<std::chrono::milliseconds>(shortest, std::chrono::milliseconds(5), std::chrono::seconds(1));
-  const WorkerShared shared{*log, readers, budget, rate, wrong_tokens, limits(), http_files.get()};
+  const WorkerShared shared{*log,         readers,  budget,           rate,
+                            wrong_tokens, limits(), http_files.get(), options.public_ok};
   const std::lock_guard lock(published_mutex);
   try {
     for (unsigned i = 0; i < threads; ++i)

@@ -27,6 +27,7 @@ Worker::Worker(Published published, const WorkerShared& shared, ThreadCounters& 
     : budget_(shared.budget), limits_(shared.limits), guard_(context_.get_executor()), tick_(context_) {
   host_.served = std::move(published.served);
   host_.tls = std::move(published.tls);
+  host_.is_public = shared.is_public;
   host_.log = &shared.log;
   host_.counters = &counters;
   host_.readers = &shared.readers;
@@ -82,6 +83,7 @@ void Worker::admit(tcp::socket socket, Slot slot, MemoryAccount memory, std::str
 
 template <typename Kind>
 void Worker::start(std::shared_ptr<Kind> connection) {
+  host_.counters->accepted.add();
   connection->start();
   if (!draining_.empty()) connection->drain(draining_);
 }

@@ -36,6 +36,7 @@ struct WorkerShared {
   WrongTokens& wrong_tokens;
   ConnectionLimits limits;
   HttpFiles* http = nullptr;  ///< null without HTTP
+  bool is_public = false;     ///< --public is given
 };
 
 /// One thread of the server with its event loop and connections. Thread safe, except for construction,

@@ -414,6 +414,15 @@ class BehindNginx(unittest.TestCase):
               proxy_set_header Connection "";
               proxy_cache tiles;
             }}
+            location = /models/ws {{
+              proxy_pass http://lodestream/ws;
+              proxy_http_version 1.1;
+              proxy_set_header Upgrade $http_upgrade;
+              proxy_set_header Connection upgrade;
+              proxy_set_header Host $http_host;
+              proxy_read_timeout 150s;
+              proxy_buffering off;
+            }}
           }}
         }}"""
 
@@ -457,6 +466,19 @@ class BehindNginx(unittest.TestCase):
                 self.assertEqual(server.metric('lodestream_http_responses_total{status="200"}'), responses)
                 self.assertEqual(ask(client, f"/models/{tile}", If_None_Match=head["etag"])[0], 304)
                 self.assertEqual(ask(client, "/models/nothing")[0], 404)
+
+    def test_websockets_pass(self):
+        with Served(MODELS / "gyroid.lode") as server, self.nginx(server) as port, \
+                socket.create_connection(("127.0.0.1", port), timeout=60) as client:
+            client.sendall(f"GET /models/ws HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://127.0.0.1:{port}\r\n"
+                           "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+                           "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n".encode())
+            with client.makefile("rb") as stream:
+                self.assertIn(b" 101 ", stream.readline())
+                while stream.readline() != b"\r\n":
+                    pass
+                client.sendall(b"\x89\x82\0\0\0\0hi")
+                self.assertEqual(stream.read(4), b"\x8a\x02hi", "an answer to Ping")
 
     @unittest.skipUnless(shutil.which("curl") and shutil.which("openssl"), "curl or openssl is not installed")
     def test_browsers_use_http_2(self):

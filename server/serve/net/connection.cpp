@@ -40,7 +40,6 @@ Connection::Connection(proto::ByteStream stream, Slot slot, MemoryAccount memory
       to_read_(stream_.bytes().executor(), asio::steady_timer::time_point::max()),
       client_(std::move(client)) {
   host_.connections.insert(this);
-  host_.counters->accepted.add();
 }
 
 Connection::~Connection() {

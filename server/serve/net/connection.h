@@ -56,6 +56,7 @@ struct ConnectionHost {
   MemoryBudget* budget = nullptr;
   WrongTokens* wrong_tokens = nullptr;  ///< delays of answers to wrong tokens, shared by all threads
   DiskReaders* readers = nullptr;       ///< threads for reads that wait for the disk
+  bool is_public = false;               ///< pages of other hosts may open WebSockets
   HttpFiles* http = nullptr;            ///< contents for HTTP, shared by all threads; null without HTTP
   BufferPool buffers;
   std::unordered_set<ClientConnection*> connections;

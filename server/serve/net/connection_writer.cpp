@@ -66,7 +66,7 @@ asio::awaitable<void> Connection::write() {
   try {
     co_await writeFrames();
     linger_until_ = Clock::now() + (end_ == EndReason::kMemory ? Clock::duration(kLingerForMemory) : kLinger);
-    stream_.bytes().shutdownSend();
+    co_await stream_.bytes().finish();
     if (gone_) stream_.close();
   } catch (const std::exception&) {  // the connection broke, or memory ran out
     end(EndReason::kBroken);

@@ -55,6 +55,7 @@ std::optional<std::string_view> bearerOf(std::string_view authorization) {
 std::string_view extraFieldsOf(int status) noexcept {
   if (status == 401) return http::kBearerField;
   if (status == 405) return http::kAllowField;
+  if (status == 426) return http::kWebSocketField;
   if (status == 429 || status == 503) return http::kRetryField;
   return {};
 }
@@ -73,11 +74,11 @@ HttpConnection::HttpConnection(proto::ByteStream stream, Slot slot, MemoryAccoun
       head_deadline_(Clock::now() + limits.session.handshake),
       client_(std::move(client)) {
   host_.connections.insert(this);
-  host_.counters->accepted.add();
 }
 
 HttpConnection::~HttpConnection() {
   host_.connections.erase(this);
+  if (is_websocket_) return;  // the Connection counts its end
   const EndReason reason = end_.value_or(EndReason::kStopping);
   host_.counters->ended[static_cast<size_t>(reason)].add();
   const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
@@ -172,7 +173,7 @@ asio::awaitable<bool> HttpConnection::greet() {
 }
 
 asio::awaitable<void> HttpConnection::serveRequests() {
-  while (!draining_) {
+  while (!draining_ && !is_websocket_) {
     const std::optional<http::ParsedHead> parsed = co_await readHead();
     if (!parsed) co_return;
     ++requests_;
@@ -181,7 +182,7 @@ asio::awaitable<void> HttpConnection::serveRequests() {
       goes_on = co_await answer(parsed->head);
     else
       co_await refuse(parsed->head, parsed->refused_with, std::string(parsed->why), true);
-    if (goes_on && !draining_) continue;
+    if (is_websocket_ || (goes_on && !draining_)) continue;
     if (draining_) end(EndReason::kStopping);
     co_await linger();
     co_return;
@@ -245,6 +246,7 @@ asio::awaitable<bool> HttpConnection::answer(const http::RequestHead& head) {
   const http::Route route = http::parseTarget(head.target);
   if (route.resource == http::Resource::kMalformed)
     co_return co_await refuse(head, 400, "the path of the request is malformed");
+  if (route.resource == http::Resource::kWebSocket) co_return co_await answerWebSocket(head);
   const ServedSet served = host_.served;
   const TokenGrant* grant = nullptr;
   if (served.tokens) {
@@ -278,6 +280,33 @@ asio::awaitable<bool> HttpConnection::answerAllowed(const http::RequestHead& hea
     default:
       co_return co_await refuse(head, 404, "there is nothing at this path");
   }
+}
+
+/// Opens a WebSocket for the native protocol, whose Hello carries the token. Unless the server is public,
+/// refuses pages of other hosts: browsers let any page open a WebSocket to any server.
+asio::awaitable<bool> HttpConnection::answerWebSocket(const http::RequestHead& head) {
+  if (!head.websocket) co_return co_await refuse(head, 426, "open a WebSocket here");
+  const http::WebSocketRequest& request = *head.websocket;
+  if (head.method != http::Method::kGet || request.version != "13")
+    co_return co_await refuse(head, 426, "use version 13 of the WebSocket protocol");
+  if (!proto::isWebSocketKey(request.key) || received_bytes_ > 0)
+    co_return co_await refuse(head, 400, "this is not a valid request for a WebSocket", true);
+  if (!host_.is_public && !http::isSameOrigin(request.origin, head.host))
+    co_return co_await refuse(head, 403, "pages of other hosts may not open WebSockets to this server");
+  const std::string accept = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: " +
+                             proto::webSocketAccept(request.key) + "\r\n";
+  http::ResponseHead response{.status = 101};
+  response.extra = accept;
+  co_await send(response, {});
+  stream_.startWebSocket();
+  is_websocket_ = true;
+  ConnectionLimits limits = limits_;
+  limits.proxy_protocol = false;  // the header has been read
+  const auto connection = std::make_shared<Connection>(std::move(stream_), std::move(slot_),
+                                                       std::move(memory_), host_, limits, client_);
+  connection->start();
+  if (draining_) connection->drain("the server is stopping");
+  co_return true;
 }
 
 asio::awaitable<bool> HttpConnection::answerFile(const http::RequestHead& head, const http::Route& route,

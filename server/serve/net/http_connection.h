@@ -50,6 +50,7 @@ class HttpConnection : public ClientConnection, public std::enable_shared_from_t
   asio::awaitable<bool> answer(const http::RequestHead& head);
   asio::awaitable<bool> answerAllowed(const http::RequestHead& head, const http::Route& route,
                                       const ServedSet& served, const TokenGrant* grant);
+  asio::awaitable<bool> answerWebSocket(const http::RequestHead& head);
   asio::awaitable<bool> answerFile(const http::RequestHead& head, const http::Route& route,
                                    std::shared_ptr<const Model> model);
   asio::awaitable<bool> answerContent(const http::RequestHead& head, const http::Route& route,
@@ -77,8 +78,9 @@ class HttpConnection : public ClientConnection, public std::enable_shared_from_t
   std::string received_;  ///< bytes of the next requests; its size is that of the buffer
   size_t received_bytes_ = 0;
   bool draining_ = false;
-  bool is_idle_ = true;  ///< no byte of the next request has arrived
-  bool closes_ = false;  ///< the connection ends after the current response
+  bool is_idle_ = true;        ///< no byte of the next request has arrived
+  bool is_websocket_ = false;  ///< a Connection has taken over the stream
+  bool closes_ = false;        ///< the connection ends after the current response
   /// Time by which the head of the next request must be complete, or its first byte must arrive.
   std::optional<Clock::time_point> head_deadline_;
   std::optional<Clock::time_point> writing_since_;  ///< start of the current write; empty between writes

@@ -23,6 +23,21 @@ TEST(Conditions, knowWhoAcceptsGzip) {
     EXPECT_FALSE(acceptsGzip(field)) << field;
 }
 
+TEST(Conditions, compareOrigins) {
+  EXPECT_TRUE(isSameOrigin("", "a:80"));
+  EXPECT_TRUE(isSameOrigin("http://a", "a"));
+  EXPECT_TRUE(isSameOrigin("http://A:8080", "a:8080"));
+  EXPECT_TRUE(isSameOrigin("http://a:80", "a"));
+  EXPECT_TRUE(isSameOrigin("https://a", "a:443"));
+  EXPECT_TRUE(isSameOrigin("http://[::1]:8080", "[::1]:8080"));
+  EXPECT_FALSE(isSameOrigin("http://b", "a"));
+  EXPECT_FALSE(isSameOrigin("http://a:8081", "a:8080"));
+  EXPECT_FALSE(isSameOrigin("http://a.b", "a"));
+  EXPECT_FALSE(isSameOrigin("null", "a"));
+  EXPECT_FALSE(isSameOrigin("ftp://a", "a"));
+  EXPECT_FALSE(isSameOrigin("http://", "a"));
+}
+
 TEST(Conditions, selectARange) {
   const auto part = [](const char* field, uint64_t first, uint64_t bytes) {
     const ContentRange range = parseRange(field, 100);
