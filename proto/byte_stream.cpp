@@ -162,12 +162,12 @@ asio::awaitable<void> ByteStream::writeMessage(std::span<const asio::const_buffe
 asio::awaitable<void> ByteStream::finish() {
   if (websocket_ && !websocket_->is_writing && !websocket_->is_closed) {
     websocket_->is_writing = websocket_->is_closed = true;
-    constexpr std::array status{std::byte{kWebSocketNormalClosure >> 8},
-                                std::byte{kWebSocketNormalClosure & 0xFF}};
-    const WebSocketHeader header(WebSocketOpcode::kClose, status.size());
+    constexpr std::array kStatus{std::byte{kWebSocketNormalClosure >> 8},
+                                 std::byte{kWebSocketNormalClosure & 0xFF}};
+    const WebSocketHeader header(WebSocketOpcode::kClose, kStatus.size());
     asio::error_code ignored;
     co_await writeRaw(std::array{asio::buffer(header.bytes().data(), header.bytes().size()),
-                                 asio::const_buffer(status.data(), status.size())},
+                                 asio::const_buffer(kStatus.data(), kStatus.size())},
                       ignored);
     websocket_->is_writing = false;
   }

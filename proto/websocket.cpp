@@ -58,6 +58,16 @@ WebSocketHeader::WebSocketHeader(WebSocketOpcode opcode, uint64_t payload_bytes)
 }
 
 size_t WebSocketDecoder::decode(std::span<std::byte> bytes) {
+  if (failed_) return 0;
+  try {
+    return decodeFrames(bytes);
+  } catch (const Error&) {
+    failed_ = true;
+    throw;
+  }
+}
+
+size_t WebSocketDecoder::decodeFrames(std::span<std::byte> bytes) {
   size_t read = 0, written = 0;
   while (read < bytes.size() && !closed_) {
     if (!in_payload_) {

@@ -48,7 +48,8 @@ class WebSocketDecoder {
   /// Decodes bytes in place. @param bytes  received bytes; the start is replaced by the payload of binary
   /// messages, which is never longer.
   /// @return number of bytes of payload.
-  /// @throws Error kProtocol if the bytes break RFC 6455, or belong to a text message.
+  /// @throws Error kProtocol if the bytes break RFC 6455, or belong to a text message. All later bytes are
+  /// ignored.
   size_t decode(std::span<std::byte> bytes);
 
   /// Moves out the frames that answer Ping and Close, in order.
@@ -59,6 +60,7 @@ class WebSocketDecoder {
   size_t answerBytes() const noexcept { return answers_.size(); }
 
  private:
+  size_t decodeFrames(std::span<std::byte> bytes);
   void beginFrame();
   void checkHeader();
   void endControlFrame();
@@ -73,6 +75,7 @@ class WebSocketDecoder {
   bool in_payload_ = false;
   bool in_message_ = false;  ///< a binary message has begun, and its last frame has not arrived
   bool closed_ = false;
+  bool failed_ = false;                                         ///< decode() has thrown an exception
   std::array<std::byte, kMaxWebSocketControlBytes> control_{};  ///< payload of a control frame
   size_t control_bytes_ = 0;
   std::vector<std::byte> answers_;

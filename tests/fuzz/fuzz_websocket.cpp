@@ -34,6 +34,7 @@ Decoded decode(std::vector<std::byte> bytes, size_t piece_bytes) {
   } catch (const lode::Error&) {
     decoded.is_refused = true;
     decoded.payload.clear();  // pieces may show more or less of the payload before the mistake
+    if (decoder.decode(bytes) != 0) std::abort();
   }
   decoded.answers = decoder.takeAnswers();
   decoded.is_closed = decoder.closed();

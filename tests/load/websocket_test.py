@@ -149,6 +149,26 @@ class WebSockets(unittest.TestCase):
             self.assertEqual(server.metric("lodestream_connections_accepted_total"), 2)
             self.assertEqual(server.metric('lodestream_http_responses_total{status="101"}'), 2)
 
+    def test_withstand_hostile_clients(self):
+        attacks = (
+            b"\x82\xff\x7f\xff\xff\xff\xff\xff\xff\xff" + bytes(4) + bytes(100_000),  # a frame of 2^63 bytes
+            b"".join(frame(PING, b"p" * 125) for _ in range(20_000)),  # pings, whose answers are never read
+            frame(2, b"", final=False) + b"".join(frame(0, b"", final=False) for _ in range(20_000)),  # a message of nothing
+            frame(2, HEADER.pack(262144, 7, 0, 0, 1)) + frame(2, bytes(100)),  # a large frame before Hello
+            b"\x82", b"\x82\xff", bytes(100), os.urandom(10_000))
+        with Web("--handshake-deadline", "1", "--write-deadline", "1", "--memory-budget", "16MB") as server:
+            clients = []
+            for number in range(160):
+                websocket = self.open(server)
+                clients.append(websocket)
+                websocket.socket.settimeout(0.2)
+                with contextlib.suppress(OSError):
+                    websocket.socket.sendall(attacks[number % len(attacks)])
+            with contextlib.closing(WebConnection(self.open(server))) as connection:
+                self.assertGreater(Reader(connection, *connection.open("painted")).run()["payloads"], 20)
+            eventually(lambda: server.metric("lodestream_connections") == 0, 30)
+            eventually(lambda: server.metric("lodestream_memory_bytes") == 0)
+
     def test_end_with_the_server(self):
         with Web() as server:
             websocket = self.open(server)

@@ -95,6 +95,8 @@ TEST(WebSocket, refusesWhatBreaksTheStandard) {
         std::string("\x82\xFF\xFF\0\0\0\0\0\0\0\0\0\0\0", 14)}) {
     WebSocketDecoder decoder;
     EXPECT_THROW(decode(decoder, bytes), Error);
+    EXPECT_EQ(decode(decoder, std::string(1000, 'x') + frame(kFinalBinary, "late")), "")
+        << "the rest is ignored";
   }
 }
 
