@@ -11,6 +11,25 @@ constexpr uint64_t kEntryBytes = 192;
 
 }  // namespace
 
+/// A content that counts towards the memory as long as somebody uses it.
+class ContentCache::Counted {
+ public:
+  Counted(std::unique_ptr<const Content> content, std::shared_ptr<Memory> memory, uint64_t bytes)
+      : content_(std::move(content)), memory_(std::move(memory)), bytes_(bytes) {
+    memory_->used.fetch_add(bytes_, std::memory_order_relaxed);
+  }
+  ~Counted() { memory_->used.fetch_sub(bytes_, std::memory_order_relaxed); }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+
+  const Content* content() const noexcept { return content_.get(); }
+
+ private:
+  const std::unique_ptr<const Content> content_;
+  const std::shared_ptr<Memory> memory_;
+  const uint64_t bytes_;
+};
+
 std::shared_ptr<const Content> ContentCache::find(const std::string& key) {
   const std::lock_guard lock(mutex_);
   const auto found = by_key_.find(key);
@@ -22,12 +41,8 @@ std::shared_ptr<const Content> ContentCache::find(const std::string& key) {
 std::shared_ptr<const Content> ContentCache::add(const std::string& key,
                                                  std::unique_ptr<const Content> content) {
   const uint64_t bytes = content->memoryBytes() + key.size() + kEntryBytes;
-  memory_->used.fetch_add(bytes, std::memory_order_relaxed);
-  const std::shared_ptr<const Content> shared(content.release(),
-                                              [memory = memory_, bytes](const Content* gone) {
-                                                delete gone;
-                                                memory->used.fetch_sub(bytes, std::memory_order_relaxed);
-                                              });
+  const auto counted = std::make_shared<const Counted>(std::move(content), memory_, bytes);
+  const std::shared_ptr<const Content> shared(counted, counted->content());
   const std::lock_guard lock(mutex_);
   if (const auto old = by_key_.find(key); old != by_key_.end()) {
     const auto entry = old->second;

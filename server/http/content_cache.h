@@ -77,6 +77,7 @@ class ContentCache {
   struct Memory {
     std::atomic<uint64_t> used{0};
   };
+  class Counted;
   struct Entry {
     std::string key;
     std::shared_ptr<const Content> content;

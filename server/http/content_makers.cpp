@@ -11,6 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "common/error.h"
 #include "common/start_thread.h"
 
 namespace lode::http {
@@ -18,6 +22,8 @@ namespace lode::http {
 namespace {
 
 constexpr std::chrono::seconds kJoinPatience(1);
+/// Lowers the threads' priority, so that they do not delay the threads that send.
+constexpr int kNice = 10;
 /// Largest number of requests that wait for the same content; further requests are refused.
 constexpr size_t kMostWaiting = 4096;
 
@@ -46,6 +52,7 @@ struct ContentMakers::State {
 };
 
 void ContentMakers::State::run() {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
   std::unique_lock lock(mutex);
   while (true) {
     has_work.wait(lock, [this] { return stopped || !queue.empty(); });
@@ -71,9 +78,11 @@ void ContentMakers::State::makeNext(std::unique_lock<std::mutex>& lock) {
       made.fetch_add(1, std::memory_order_relaxed);
     }
     result = content ? MakeResult::kDone : MakeResult::kBusy;
+  } catch (const Error& error) {  // `make` has reported it
+    result = error.code() == ErrorCode::kIo ? MakeResult::kUnreadable : MakeResult::kFailed;
   } catch (const std::bad_alloc&) {
     result = MakeResult::kBusy;
-  } catch (const std::exception&) {  // `make` has reported it
+  } catch (const std::exception&) {
   }
   lock.lock();
   const auto job = jobs.find(key);

@@ -13,8 +13,9 @@ namespace lode::http {
 /// How a content was obtained, or why not.
 enum class MakeResult : uint8_t {
   kDone,
-  kBusy,    ///< too many contents are being made, or their memory is used up; ask again later
-  kFailed,  ///< the function that makes the content threw an exception
+  kBusy,        ///< too many contents are being made, or their memory is used up; ask again later
+  kUnreadable,  ///< the system could not read the store; a later request may succeed
+  kFailed,      ///< the function that makes the content threw another exception, as for a damaged store
 };
 
 struct ContentMakersOptions {
@@ -23,8 +24,9 @@ struct ContentMakersOptions {
   uint64_t memory_bytes = 256'000'000;  ///< limit of the cache
 };
 
-/// Makes contents on threads of its own and caches them. Requests for a content that is being made wait for
-/// the same content, so that nothing is computed twice at a time. Thread safe.
+/// Makes contents on threads of its own, which yield to the threads that send, and caches them. Requests for
+/// a content that is being made wait for the same content, so that nothing is computed twice at a time.
+/// Thread safe.
 class ContentMakers {
  public:
   using Make = std::function<std::unique_ptr<const Content>()>;

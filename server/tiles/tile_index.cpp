@@ -62,7 +62,7 @@ std::optional<uint64_t> TileIndex::startOf(std::string_view name) {
 std::optional<NodeKey> TileIndex::findPage(std::string_view name) const {
   const std::optional<uint64_t> start = startOf(name);
   if (!start) return {};
-  const auto [first, last] = std::ranges::equal_range(pages_, Entry{*start, {}}, std::less<>());
+  const auto [first, last] = std::equal_range(pages_.begin(), pages_.end(), Entry{*start, {}});
   for (auto entry = first; entry != last; ++entry) {
     const NodeKey owner = reader_.nodes()[entry->item.node].key;
     if (writer_.pageName(owner) == name) return owner;
@@ -73,7 +73,7 @@ std::optional<NodeKey> TileIndex::findPage(std::string_view name) const {
 std::optional<store::CutItem> TileIndex::findGlb(std::string_view name) const {
   const std::optional<uint64_t> start = startOf(name);
   if (!start) return {};
-  const auto [first, last] = std::ranges::equal_range(glbs_, Entry{*start, {}}, std::less<>());
+  const auto [first, last] = std::equal_range(glbs_.begin(), glbs_.end(), Entry{*start, {}});
   for (auto entry = first; entry != last; ++entry)
     if (writer_.glbName(entry->item) == name) return entry->item;
   return {};

@@ -355,6 +355,22 @@ class Lives(unittest.TestCase):
             self.assertLessEqual(server.metric("lodestream_http_cache_bytes"), 1e6)
             self.assertEqual(server.metric("lodestream_http_cache_limit_bytes"), 1e6)
 
+    def test_go_on_when_a_store_is_damaged(self):
+        with tempfile.TemporaryDirectory() as name:
+            store = pathlib.Path(name, "m.lode")
+            shutil.copy(MODELS / "gyroid.lode", store)
+            with Served(store) as server:
+                links = [link for link in links_of(json.loads(server.ask("/m/tileset.json")[2])) if link.startswith("g/")]
+                with open(store, "r+b") as file:  # blobs begin after the header
+                    file.seek(200)
+                    file.write(bytes(os.path.getsize(store) // 2))
+                statuses = [server.ask("/m/" + link)[0] for link in links]
+                self.assertIn(500, statuses)
+                self.assertEqual(server.metric('lodestream_model_damaged_blobs_total{model="m"}'), statuses.count(500))
+                self.assertIn("m.lode", server.logged())
+                self.assertNotIn(name, server.logged(), "logs name no folders")
+                self.assertEqual(server.ask("/models.json")[0], 200)
+
     def test_count_in_the_metrics(self):
         with Served(MODELS / "gyroid.lode") as server:
             size = len(server.ask("/gyroid/tileset.json")[2])

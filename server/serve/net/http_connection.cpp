@@ -36,6 +36,24 @@ struct Wait {
   std::shared_ptr<const http::Content> content;
 };
 
+/// Status for MakeResult::kUnreadable; clients get kBusyStatus.
+constexpr int kUnreadableStatus = 0;
+constexpr int kDamagedStatus = 500, kBusyStatus = 503;
+
+int statusOf(http::MakeResult result) noexcept {
+  switch (result) {
+    case http::MakeResult::kDone:
+      return 200;
+    case http::MakeResult::kUnreadable:
+      return kUnreadableStatus;
+    case http::MakeResult::kFailed:
+      return kDamagedStatus;
+    case http::MakeResult::kBusy:
+      break;
+  }
+  return kBusyStatus;
+}
+
 std::string_view typeOf(http::Resource resource) noexcept {
   if (resource == http::Resource::kIndex) return "text/html; charset=utf-8";
   if (resource == http::Resource::kTile) return "model/gltf-binary";
@@ -313,7 +331,7 @@ asio::awaitable<bool> HttpConnection::answerFile(const http::RequestHead& head, 
                                                  std::shared_ptr<const Model> model) {
   const bool is_private = host_.served.tokens != nullptr;
   const Obtained<http::Tileset> tileset = co_await obtain<http::Tileset>(host_.http->tileset(model));
-  if (!tileset.content) co_return co_await refuse(head, tileset.status, "the model cannot be read now");
+  if (!tileset.content) co_return co_await refuseFile(head, tileset.status, route.model);
   if (!tileset.content->has(route.file)) co_return co_await refuse(head, 404, "the model has no such file");
   HttpContent wanted = host_.http->file(std::move(model), tileset.content, route.file);
   co_return co_await answerContent(head, route, std::move(wanted), is_private);
@@ -340,7 +358,7 @@ asio::awaitable<bool> HttpConnection::answerContent(const http::RequestHead& hea
     co_return !closes_;
   }
   const Obtained<http::FileContent> file = co_await obtain<http::FileContent>(std::move(wanted));
-  if (!file.content) co_return co_await refuse(head, file.status, "the file cannot be made now");
+  if (!file.content) co_return co_await refuseFile(head, file.status, route.model);
   co_return co_await sendContent(head, response, is_packed ? file.content->packed() : file.content->plain());
 }
 
@@ -359,6 +377,20 @@ asio::awaitable<bool> HttpConnection::sendContent(const http::RequestHead& head,
   if (head.method == http::Method::kHead) part = {};
   co_await send(response, part);
   co_return !closes_;
+}
+
+/// Refuses a file that cannot be made, and counts the reason if the store is to blame.
+asio::awaitable<bool> HttpConnection::refuseFile(const http::RequestHead& head, int status,
+                                                 const std::string& model) {
+  if (status == kDamagedStatus) {
+    host_.counters->model(model).damaged.add();
+    return refuse(head, status, "the file cannot be made, because its store is damaged");
+  }
+  if (status == kUnreadableStatus) {
+    host_.counters->model(model).unreadable.add();
+    return refuse(head, kBusyStatus, "the store cannot be read now; ask again later");
+  }
+  return refuse(head, status, "the server is busy; ask again later");
 }
 
 /// Refuses a token. If the token is wrong, waits before the answer as on the native port. Before the wait,
@@ -413,13 +445,12 @@ asio::awaitable<HttpConnection::Obtained<Kind>> HttpConnection::obtain(HttpConte
                       wait->timer.cancel();
                     });
                   });
-  if (!is_queued) co_return Obtained<Kind>{nullptr, 503};
+  if (!is_queued) co_return Obtained<Kind>{nullptr, kBusyStatus};
   asio::error_code ignored;
   wait->timer.expires_after(limits_.read);
   if (!wait->is_over) co_await wait->timer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
-  if (wait->is_over && wait->result == http::MakeResult::kDone)
-    co_return Obtained<Kind>{std::static_pointer_cast<const Kind>(wait->content)};
-  co_return Obtained<Kind>{nullptr, wait->is_over && wait->result == http::MakeResult::kFailed ? 500 : 503};
+  if (!wait->is_over) co_return Obtained<Kind>{nullptr, kUnreadableStatus};
+  co_return Obtained<Kind>{std::static_pointer_cast<const Kind>(wait->content), statusOf(wait->result)};
 }
 
 /// Sends a response. @throws Error kNetwork.

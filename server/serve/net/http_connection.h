@@ -57,6 +57,7 @@ class HttpConnection : public ClientConnection, public std::enable_shared_from_t
                                       HttpContent wanted, bool is_private);
   asio::awaitable<bool> sendContent(const http::RequestHead& head, http::ResponseHead response,
                                     const std::vector<std::byte>& body);
+  asio::awaitable<bool> refuseFile(const http::RequestHead& head, int status, const std::string& model);
   asio::awaitable<bool> refuseToken(const http::RequestHead& head, bool is_blocked);
   asio::awaitable<bool> refuse(const http::RequestHead& head, int status, std::string why,
                                bool closes = false);

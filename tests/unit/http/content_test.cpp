@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/error.h"
 #include "server/http/content_cache.h"
 #include "server/http/content_makers.h"
 #include "server/http/gzip.h"
@@ -121,6 +122,14 @@ TEST_F(Makers, reportAFailure) {
       ask("a", []() -> std::unique_ptr<const Content> { throw std::runtime_error("no"); })->get().result,
       MakeResult::kFailed);
   EXPECT_EQ(ask("a", [] { return contentOf(); })->get().result, MakeResult::kDone);
+}
+
+TEST_F(Makers, tellFailingStorageFromDamage) {
+  const auto failing = [](ErrorCode code) {
+    return [code]() -> std::unique_ptr<const Content> { throw Error(code, "no"); };
+  };
+  EXPECT_EQ(ask("a", failing(ErrorCode::kIo))->get().result, MakeResult::kUnreadable);
+  EXPECT_EQ(ask("a", failing(ErrorCode::kFormat))->get().result, MakeResult::kFailed);
 }
 
 TEST_F(Makers, reportThatTheMemoryIsUsedUp) {
