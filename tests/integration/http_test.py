@@ -379,6 +379,44 @@ class Lives(unittest.TestCase):
             self.assertEqual(server.metric('lodestream_http_responses_total{status="404"}'), 1)
             self.assertGreater(server.metric("lodestream_http_sent_bytes_total"), size)
 
+    def test_share_the_rate_of_the_server(self):
+        with Served(MODELS / "gyroid.lode", "--max-rate", "100KB") as server:
+            links = [link for link in links_of(json.loads(server.ask("/gyroid/tileset.json")[2])) if link.startswith("g/")]
+            began, size = time.monotonic(), 0
+            with contextlib.closing(server.connect()) as connection:
+                while size < 150_000:
+                    size += len(ask(connection, "/gyroid/" + links[size % len(links)])[2])
+            self.assertGreater(time.monotonic() - began, size / 100_000 - 0.5)
+
+    def test_take_the_client_from_the_balancers_header(self):
+        with Served(MODELS / "gyroid.lode", "--proxy-protocol", "--max-connections-per-address", "1") as server:
+            def say(header):
+                client = socket.create_connection((server.host, server.port), timeout=60)
+                client.sendall(header + b"GET /models.json HTTP/1.1\r\nHost: a\r\n\r\n")
+                with contextlib.suppress(ConnectionResetError):
+                    return client, client.recv(12)
+                return client, b""
+
+            one, answer = say(b"PROXY TCP4 192.0.2.1 192.0.2.2 5000 80\r\n")
+            self.assertEqual(answer, b"HTTP/1.1 200")
+            same, answer = say(b"PROXY TCP4 192.0.2.1 192.0.2.2 5001 80\r\n")
+            self.assertEqual(answer, b"HTTP/1.1 503", "the address has a connection")
+            other, answer = say(b"PROXY TCP4 192.0.2.3 192.0.2.2 5002 80\r\n")
+            self.assertEqual(answer, b"HTTP/1.1 200")
+            without, answer = say(b"")
+            self.assertEqual(answer, b"", "there is no header")
+            for client in (one, same, other, without):
+                client.close()
+
+    def test_serve_clients_of_http_1_0(self):
+        with Served(MODELS / "gyroid.lode") as server, socket.create_connection((server.host, server.port), timeout=60) as client:
+            client.sendall(b"GET /models.json HTTP/1.0\r\n\r\n")
+            received = b""
+            while part := client.recv(65536):
+                received += part
+            self.assertIn(b"\r\nConnection: close\r\n", received)
+            self.assertEqual(json.loads(received.partition(b"\r\n\r\n")[2])["models"][0]["name"], "gyroid")
+
     def test_need_tokens_and_tls_beyond_loopback(self):
         done = subprocess.run([str(BIN / "lodestreamd"), "serve", str(MODELS / "gyroid.lode"), "--listen", "127.0.0.1:0",
                                "--http", "0.0.0.0:0"], capture_output=True, text=True, timeout=60)

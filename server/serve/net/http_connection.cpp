@@ -175,11 +175,8 @@ asio::awaitable<bool> HttpConnection::greet() {
     if (!header) co_return false;
     if (header->client) {
       client_ = plainAddress(*header->client).to_string();
-      if (!slot_.countUnder(*header->client)) {
-        turnAway(RefusalReason::kAddress, EndReason::kMistake,
-                 "this address has the maximum number of connections");
-        co_return false;
-      }
+      is_too_many_ = !slot_.countUnder(*header->client);
+      if (is_too_many_) host_.counters->refused[static_cast<size_t>(RefusalReason::kAddress)].add();
     }
   }
   try {
@@ -196,7 +193,10 @@ asio::awaitable<void> HttpConnection::serveRequests() {
     if (!parsed) co_return;
     ++requests_;
     bool goes_on = false;
-    if (parsed->refused_with == 0)
+    if (is_too_many_)
+      co_await refuse(parsed->head, kBusyStatus,
+                      "this address has the maximum number of connections; close some", true);
+    else if (parsed->refused_with == 0)
       goes_on = co_await answer(parsed->head);
     else
       co_await refuse(parsed->head, parsed->refused_with, std::string(parsed->why), true);

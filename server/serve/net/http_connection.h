@@ -81,6 +81,7 @@ class HttpConnection : public ClientConnection, public std::enable_shared_from_t
   bool draining_ = false;
   bool is_idle_ = true;        ///< no byte of the next request has arrived
   bool is_websocket_ = false;  ///< a Connection has taken over the stream
+  bool is_too_many_ = false;   ///< the address that the balancer's header names has too many connections
   bool closes_ = false;        ///< the connection ends after the current response
   /// Time by which the head of the next request must be complete, or its first byte must arrive.
   std::optional<Clock::time_point> head_deadline_;
