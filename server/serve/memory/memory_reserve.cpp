@@ -14,8 +14,13 @@ std::mutex mutex;
 std::array<void*, MemoryReserve::kBlocks> blocks;
 size_t in_hand = 0, blocks_taken = 0;
 bool exists = false;
+thread_local bool abstains = false;
 
 }  // namespace
+
+MemoryReserve::Abstention::Abstention() noexcept { abstains = true; }
+
+MemoryReserve::Abstention::~Abstention() { abstains = false; }
 
 MemoryReserve::MemoryReserve() noexcept {
   exists = true;
@@ -29,6 +34,7 @@ MemoryReserve::~MemoryReserve() {
 }
 
 void* MemoryReserve::take(size_t bytes) noexcept {
+  if (abstains) return nullptr;
   const std::lock_guard lock(mutex);
   if (bytes > kBlockBytes || in_hand == 0) return nullptr;
   ++blocks_taken;

@@ -18,8 +18,18 @@ class MemoryReserve {
   MemoryReserve(const MemoryReserve&) = delete;
   MemoryReserve& operator=(const MemoryReserve&) = delete;
 
+  /// Keeps its thread from the reserve as long as the object exists, for work that may fail and that could
+  /// otherwise use up the reserve.
+  class Abstention {
+   public:
+    Abstention() noexcept;
+    ~Abstention();
+    Abstention(const Abstention&) = delete;
+    Abstention& operator=(const Abstention&) = delete;
+  };
+
   /// Returns a block, which the caller frees with std::free(). Returns null if `bytes` exceeds the size of a
-  /// block, no block is left, or no reserve exists.
+  /// block, no block is left, no reserve exists, or the thread has an Abstention.
   static void* take(size_t bytes) noexcept;
 
   /// Replaces the blocks that take() returned.

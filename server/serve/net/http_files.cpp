@@ -8,6 +8,7 @@
 #include "common/error.h"
 #include "server/http/gzip.h"
 #include "server/http/listing.h"
+#include "server/serve/memory/memory_reserve.h"
 
 namespace lode::serve {
 
@@ -31,10 +32,11 @@ std::string withoutPath(std::string message, const store::Reader& store) {
   return message;
 }
 
-/// Returns `make`, which also logs its errors.
+/// Returns `make`, which also logs its errors. Decoding does not use the memory reserve.
 http::ContentMakers::Make reporting(std::shared_ptr<Log> log, std::shared_ptr<const Model> model,
                                     http::ContentMakers::Make make) {
   return [log = std::move(log), model = std::move(model), make = std::move(make)] {
+    const MemoryReserve::Abstention abstention;
     try {
       return make();
     } catch (const Error& error) {

@@ -39,6 +39,19 @@ TEST(MemoryReserve, isNotUsedForLargeAllocations) {
   EXPECT_EQ(MemoryReserve::taken(), before);
 }
 
+TEST(MemoryReserve, isNotForThreadsThatAbstain) {
+  const MemoryReserve reserve;
+  const size_t before = MemoryReserve::taken();
+  {
+    const MemoryReserve::Abstention abstention;
+    const auto failing = FailingAllocations::nthOf(std::this_thread::get_id(), 0);
+    EXPECT_THROW(allocate(kLittle), std::bad_alloc);
+  }
+  EXPECT_EQ(MemoryReserve::taken(), before);
+  const auto failing = FailingAllocations::nthOf(std::this_thread::get_id(), 0);
+  EXPECT_NO_THROW(allocate(kLittle));
+}
+
 TEST(MemoryReserve, endsAndIsRefilled) {
   const auto failing = FailingAllocations::ofSize(kLittle, kLittle);
   const auto count = [] {
