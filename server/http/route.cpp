@@ -1,6 +1,7 @@
 #include "server/http/route.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -47,6 +48,16 @@ std::optional<std::vector<std::string>> segmentsOf(std::string_view path) {
   }
 }
 
+/// Files of a tileset below tileset.json.
+struct FileKind {
+  std::string_view folder, extension;
+  Resource resource;
+};
+constexpr std::array<FileKind, 4> kFileKinds{{{"p", ".json", Resource::kTilesetPage},
+                                              {"g", ".glb", Resource::kTile},
+                                              {"i", ".jpg", Resource::kJpeg},
+                                              {"i", ".webp", Resource::kWebp}}};
+
 bool isHexName(std::string_view name) {
   constexpr size_t kDigits = 32;
   return name.size() >= kDigits && name.find_first_not_of("0123456789abcdef") >= kDigits;
@@ -62,10 +73,9 @@ void findResource(std::span<const std::string> segments, Route& route) {
   } else if (segments.size() == 2 && last == "tileset.json") {
     route = {Resource::kTileset, segments[0], last, {}};
   } else if (segments.size() == 3 && isHexName(last)) {
-    const bool is_page = segments[1] == "p" && last.ends_with(".json");
-    const bool is_tile = segments[1] == "g" && last.ends_with(".glb");
-    if (is_page || is_tile)
-      route = {is_page ? Resource::kTilesetPage : Resource::kTile, segments[0], segments[1] + "/" + last, {}};
+    for (const FileKind& kind : kFileKinds)
+      if (segments[1] == kind.folder && last.ends_with(kind.extension))
+        route = {kind.resource, segments[0], segments[1] + "/" + last, {}};
   }
 }
 

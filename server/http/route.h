@@ -13,10 +13,17 @@ enum class Resource : uint8_t {
   kTileset,      ///< "/MODEL/tileset.json"
   kTilesetPage,  ///< "/MODEL/p/PAGE.json"
   kTile,         ///< "/MODEL/g/BLOB.V.glb"
+  kJpeg,         ///< "/MODEL/i/IMAGE.V.jpg"
+  kWebp,         ///< "/MODEL/i/IMAGE.V.webp"
   kWebSocket,    ///< "/ws"
   kUnknown,      ///< a path without a resource
   kMalformed,    ///< a target that is no path, or whose percent signs are wrong
 };
+
+/// Returns true for files that gzip would not make smaller.
+constexpr bool isBinary(Resource resource) noexcept {
+  return resource == Resource::kTile || resource == Resource::kJpeg || resource == Resource::kWebp;
+}
 
 /// Resource that a request names.
 struct Route {

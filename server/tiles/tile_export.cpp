@@ -103,7 +103,7 @@ class ContentFiles {
   void write(std::span<const store::CutItem> items, const TileExportProgress& progress) {
     if (!items.empty()) folder_.makeFolder("g");
     SharedWork(items.size(), [&](size_t number) { writeGlb(items[number]); }).run(threads_, progress);
-    if (!images_.empty()) folder_.makeFolder("t");
+    if (!images_.empty()) folder_.makeFolder("i");
     const std::vector<std::pair<std::string, SharedImage>> images(images_.begin(), images_.end());
     const auto write_image = [&](size_t number) { writeImage(images[number].first, images[number].second); };
     SharedWork(images.size(), write_image).run(threads_, [&](uint64_t, uint64_t) {

@@ -23,7 +23,7 @@ class TileIndex {
   /// payloads, returns one of them.
   std::optional<store::CutItem> findGlb(std::string_view name) const;
 
-  /// Finds an image by a name such as "t/0123456789abcdef0123456789abcdef.1.jpg".
+  /// Finds an image by a name such as "i/0123456789abcdef0123456789abcdef.1.jpg".
   std::optional<SharedImage> findImage(std::string_view name) const;
 
   uint64_t memoryBytes() const noexcept {

@@ -217,7 +217,7 @@ std::string TileWriter::imageName(SharedImage image) const {
   LittleEndianRow values;
   addDigest(values, texture.digest);
   values.add(image.level);
-  return "t/" + toHex(digestOf(values.bytes())) + "." + std::to_string(kWriterVersion) + texture.extension;
+  return "i/" + toHex(digestOf(values.bytes())) + "." + std::to_string(kWriterVersion) + texture.extension;
 }
 
 const Node& TileWriter::nodeOf(NodeKey key) const {

@@ -56,7 +56,7 @@ class TileWriter {
   std::vector<std::byte> image(SharedImage image) const;
   /// Returns true if the store has textures that tiles show.
   bool hasImages() const noexcept { return has_images_; }
-  /// Returns a path like "t/0123456789abcdef0123456789abcdef.1.jpg".
+  /// Returns a path like "i/0123456789abcdef0123456789abcdef.1.jpg".
   std::string imageName(SharedImage image) const;
 
   /// Returns the error of the whole tileset, which is the error above the root's tiles, in model units.

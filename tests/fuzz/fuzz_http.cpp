@@ -22,7 +22,7 @@ void checkRoute(std::string_view target) {
   const Route route = parseTarget(target);
   require(lode::isPrintableUtf8(route.model) && lode::isPrintableUtf8(route.token.value_or("")));
   const bool is_file = route.resource == Resource::kTileset || route.resource == Resource::kTilesetPage ||
-                       route.resource == Resource::kTile;
+                       isBinary(route.resource);
   require(is_file || (route.model.empty() && route.file.empty()));
   require(route.file.find("..") == std::string::npos);
   if (!is_file) return;

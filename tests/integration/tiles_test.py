@@ -221,7 +221,7 @@ class Textures(TilesTest):
                     named |= {image["uri"][3:]} if "uri" in image else set()
                     kinds.add(("shared" if "uri" in image else "atlas", data[:3] == b"\xff\xd8\xff"))
                     self.assertTrue(data[:3] == b"\xff\xd8\xff" or data[8:12] == b"WEBP", path)
-            beside = {str(path.relative_to(folder)) for path in folder.glob("t/*")}
+            beside = {str(path.relative_to(folder)) for path in folder.glob("i/*")}
             self.assertEqual(beside, named, store.name)
             self.assertEqual((report["image_files"], report["image_bytes"]),
                              (len(beside), sum((folder / name).stat().st_size for name in beside)))

@@ -57,6 +57,8 @@ int statusOf(http::MakeResult result) noexcept {
 std::string_view typeOf(http::Resource resource) noexcept {
   if (resource == http::Resource::kIndex) return "text/html; charset=utf-8";
   if (resource == http::Resource::kTile) return "model/gltf-binary";
+  if (resource == http::Resource::kJpeg) return "image/jpeg";
+  if (resource == http::Resource::kWebp) return "image/webp";
   return "application/json";
 }
 
@@ -289,7 +291,9 @@ asio::awaitable<bool> HttpConnection::answerAllowed(const http::RequestHead& hea
                                        served.tokens != nullptr);
     case http::Resource::kTileset:
     case http::Resource::kTilesetPage:
-    case http::Resource::kTile: {
+    case http::Resource::kTile:
+    case http::Resource::kJpeg:
+    case http::Resource::kWebp: {
       std::shared_ptr<const Model> model = served.catalog->find(route.model);
       if (!model || (grant != nullptr && !grant->allows(route.model)))
         co_return co_await refuse(head, 404, "this server has no such model");
@@ -340,15 +344,15 @@ asio::awaitable<bool> HttpConnection::answerFile(const http::RequestHead& head, 
 /// @param is_private  false if shared caches may keep the response.
 asio::awaitable<bool> HttpConnection::answerContent(const http::RequestHead& head, const http::Route& route,
                                                     HttpContent wanted, bool is_private) {
-  const bool is_tile = route.resource == http::Resource::kTile;
-  const bool is_constant = is_tile || route.resource == http::Resource::kTilesetPage;
-  const bool is_packed = !is_tile && http::acceptsGzip(head.accept_encoding);
+  const bool is_binary = http::isBinary(route.resource);
+  const bool is_constant = is_binary || route.resource == http::Resource::kTilesetPage;
+  const bool is_packed = !is_binary && http::acceptsGzip(head.accept_encoding);
   const std::string plain_tag = "\"" + wanted.tag + "\"", packed_tag = "\"" + wanted.tag + "-gzip\"";
   http::ResponseHead response{.content_type = typeOf(route.resource)};
   response.etag = is_packed ? packed_tag : plain_tag;
   response.caching = is_constant ? http::Caching::kForever : http::Caching::kRevalidate;
   response.is_private = is_private;
-  response.has_variants = !is_tile;
+  response.has_variants = !is_binary;
   response.is_gzip = is_packed;
   if (http::matchesAny(head.if_none_match, plain_tag) || http::matchesAny(head.if_none_match, packed_tag)) {
     response.status = 304;

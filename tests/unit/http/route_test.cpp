@@ -43,6 +43,13 @@ TEST(Route, takesATokenFromThePath) {
   EXPECT_EQ(resourceOf("/t/x"), Resource::kUnknown);
 }
 
+TEST(Route, findsImagesThatTilesShare) {
+  const Route route = parseTarget("/a/i/" + kHex + ".1.webp");
+  EXPECT_EQ(route.resource, Resource::kWebp);
+  EXPECT_EQ(route.file, "i/" + kHex + ".1.webp");
+  EXPECT_EQ(resourceOf("/t/x/a/i/" + kHex + ".1.jpg"), Resource::kJpeg);
+}
+
 TEST(Route, servesAModelWithTheNameOfThePrefix) {
   EXPECT_EQ(parseTarget("/t/tileset.json").model, "t");
   EXPECT_EQ(parseTarget("/t/p/" + kHex + ".json").model, "t");
@@ -63,6 +70,8 @@ TEST(Route, findsNothingOutsideTheTilesets) {
         "/a/p/x.json", "/a/g/0123.glb", "/a/q/", "/a/b/c/d/e/f/g/h", "/models.json/"})
     EXPECT_EQ(resourceOf(target), Resource::kUnknown) << target;
   EXPECT_EQ(resourceOf("/a/p/" + kHex + ".glb"), Resource::kUnknown);
+  EXPECT_EQ(resourceOf("/a/i/" + kHex + ".glb"), Resource::kUnknown);
+  EXPECT_EQ(resourceOf("/a/g/" + kHex + ".jpg"), Resource::kUnknown);
   EXPECT_EQ(resourceOf("/a/g/" + kHex + ".json"), Resource::kUnknown);
 }
 

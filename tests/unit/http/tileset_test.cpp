@@ -1,5 +1,6 @@
 #include "server/http/tileset.h"
 
+#include <algorithm>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 #include "server/tiles/tile_frame.h"
 #include "tests/support/bytes.h"
 #include "tests/support/synthetic_store.h"
+#include "tests/unit/tiles/textured_store.h"
 
 namespace lode::http {
 namespace {
@@ -53,6 +55,24 @@ TEST_F(TilesetTest, makesEveryFileOfTheExport) {
     EXPECT_EQ(std::string(reinterpret_cast<const char*>(file.plain().data()), file.plain().size()), bytes)
         << name;
     EXPECT_EQ(file.packed().empty(), name.ends_with(".glb")) << name;
+  }
+}
+
+TEST_F(TilesetTest, makesTheImagesThatTilesShare) {
+  const test::TextureImages image(700, 300, test::texelAt);
+  test::SyntheticModel model = test::makeModel(test::makeSphere(
+      24, 16, {.attributes = {AttributeSet::kTexture | AttributeSet::kMaterial}, .extent = 4000}));
+  const test::TexturedStore textured({image, image}, 3, std::move(model));
+  store_ = std::make_shared<const store::Reader>(textured.reader().path());
+  const Tileset tileset(store_);
+  const auto files = exported();
+  EXPECT_GT(std::ranges::count_if(files, [](const auto& file) { return file.first.starts_with("i/"); }), 0);
+  for (const auto& [name, bytes] : files) {
+    ASSERT_TRUE(tileset.has(name)) << name;
+    const std::unique_ptr<const Content> made = tileset.make(name);
+    const auto& file = static_cast<const FileContent&>(*made);
+    EXPECT_EQ(std::string(reinterpret_cast<const char*>(file.plain().data()), file.plain().size()), bytes)
+        << name;
   }
 }
 
