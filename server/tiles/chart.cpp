@@ -2,29 +2,11 @@
 
 #include <array>
 #include <cmath>
-#include <numeric>
+
+#include "common/groups.h"
 
 namespace lode::tiles {
 namespace {
-
-/// Joins vertices into sets. The number of a set is its first vertex.
-class VertexSets {
- public:
-  explicit VertexSets(size_t vertices) : parent_(vertices) { std::iota(parent_.begin(), parent_.end(), 0u); }
-
-  uint32_t find(uint32_t vertex) noexcept {
-    while (parent_[vertex] != vertex) vertex = parent_[vertex] = parent_[parent_[vertex]];
-    return vertex;
-  }
-  void join(uint32_t a, uint32_t b) noexcept {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<uint32_t> parent_;
-};
 
 void addTriangle(Chart& chart, const std::array<glm::dvec2, 3>& uv, const std::array<glm::dvec3, 3>& corner) {
   const glm::dvec2 u = uv[1] - uv[0], v = uv[2] - uv[0];
@@ -36,17 +18,17 @@ void addTriangle(Chart& chart, const std::array<glm::dvec2, 3>& uv, const std::a
 
 Charts findCharts(const Mesh& mesh, const TextureSet& textures, double step) {
   constexpr auto kNone = static_cast<uint32_t>(-1);
-  VertexSets sets(mesh.positions.size());
+  Groups groups(mesh.positions.size());
   for (const glm::u32vec3 t : mesh.triangles) {
-    sets.join(t.x, t.y);
-    sets.join(t.x, t.z);
+    groups.join(t.x, t.y);
+    groups.join(t.x, t.z);
   }
   Charts result;
   result.of_vertex.assign(mesh.positions.size(), kNone);
   for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
     const VertexAttributes& vertex = mesh.vertex_attributes[v];
     const glm::dvec2 uv = trueTextureCoordinates(textures, vertex);
-    const uint32_t first = sets.find(v);  // not above v, so that its chart exists
+    const uint32_t first = groups.find(v);  // not above v, so that its chart exists
     if (first == v) {
       result.of_vertex[v] = static_cast<uint32_t>(result.charts.size());
       const bool has_materials = mesh.attributes.has(AttributeSet::kMaterial);

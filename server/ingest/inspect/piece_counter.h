@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
+#include "common/groups.h"
 #include "server/ingest/disk/spool.h"
 #include "server/ingest/disk/temporary_folder.h"
-#include "server/ingest/mesh/groups.h"
 
 namespace lode::ingest {
 

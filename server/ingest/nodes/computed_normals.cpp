@@ -5,7 +5,7 @@
 
 #include "common/codec/octahedral.h"
 #include "common/codec/surface_normals.h"
-#include "server/ingest/mesh/groups.h"
+#include "common/groups.h"
 #include "server/ingest/mesh/mesh_welder.h"
 
 namespace lode::ingest {

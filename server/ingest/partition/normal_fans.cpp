@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "common/codec/surface_normals.h"
-#include "server/ingest/mesh/groups.h"
+#include "common/groups.h"
 #include "server/ingest/partition/leaf_mesh.h"
 
 namespace lode::ingest {

@@ -40,6 +40,17 @@ class TilesetTest : public testing::Test {
     return files;
   }
 
+  static void expectMade(const Tileset& tileset, const std::map<std::string, std::string>& files) {
+    for (const auto& [name, bytes] : files) {
+      ASSERT_TRUE(tileset.has(name)) << name;
+      const std::unique_ptr<const Content> made = tileset.make(name);
+      const auto& file = static_cast<const FileContent&>(*made);
+      EXPECT_EQ(std::string(reinterpret_cast<const char*>(file.plain().data()), file.plain().size()), bytes)
+          << name;
+      EXPECT_EQ(file.packed().empty(), !name.ends_with(".json")) << name;
+    }
+  }
+
   test::WorkFolder folder_;
   std::shared_ptr<const store::Reader> store_;
 };
@@ -48,14 +59,7 @@ TEST_F(TilesetTest, makesEveryFileOfTheExport) {
   const Tileset tileset(store_);
   const auto files = exported();
   EXPECT_GT(files.size(), 20u);
-  for (const auto& [name, bytes] : files) {
-    ASSERT_TRUE(tileset.has(name)) << name;
-    const std::unique_ptr<const Content> made = tileset.make(name);
-    const auto& file = static_cast<const FileContent&>(*made);
-    EXPECT_EQ(std::string(reinterpret_cast<const char*>(file.plain().data()), file.plain().size()), bytes)
-        << name;
-    EXPECT_EQ(file.packed().empty(), name.ends_with(".glb")) << name;
-  }
+  expectMade(tileset, files);
 }
 
 TEST_F(TilesetTest, makesTheImagesThatTilesShare) {
@@ -67,13 +71,7 @@ TEST_F(TilesetTest, makesTheImagesThatTilesShare) {
   const Tileset tileset(store_);
   const auto files = exported();
   EXPECT_GT(std::ranges::count_if(files, [](const auto& file) { return file.first.starts_with("i/"); }), 0);
-  for (const auto& [name, bytes] : files) {
-    ASSERT_TRUE(tileset.has(name)) << name;
-    const std::unique_ptr<const Content> made = tileset.make(name);
-    const auto& file = static_cast<const FileContent&>(*made);
-    EXPECT_EQ(std::string(reinterpret_cast<const char*>(file.plain().data()), file.plain().size()), bytes)
-        << name;
-  }
+  expectMade(tileset, files);
 }
 
 TEST_F(TilesetTest, hasNoOtherFiles) {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/ingest/mesh/groups.h"
+#include "common/groups.h"
 #include "server/ingest/soup/dereference.h"
 #include "server/ingest/soup/lattice_choice.h"
 

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-namespace lode::ingest {
+namespace lode {
 
 /// Union-find over the numbers from 0 to count - 1. The representative of a group is its smallest number. Not
 /// thread safe.
@@ -30,4 +30,4 @@ class Groups {
   std::vector<uint32_t> towards_;
 };
 
-}  // namespace lode::ingest
+}  // namespace lode
