@@ -69,6 +69,13 @@ bool acceptsGzip(std::string_view field) noexcept {
   return any.value_or(false);
 }
 
+std::optional<std::string_view> bearerToken(std::string_view field) noexcept {
+  constexpr std::string_view kScheme = "bearer";
+  const size_t space = field.find(' ');
+  if (space == std::string_view::npos || !equalsIgnoringCase(field.substr(0, space), kScheme)) return {};
+  return trim(field.substr(space));
+}
+
 bool isSameOrigin(std::string_view origin, std::string_view host) noexcept {
   if (origin.empty()) return true;
   for (const auto& [scheme, port] : {std::pair("http://", ":80"), std::pair("https://", ":443")}) {

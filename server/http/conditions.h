@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 namespace lode::http {
@@ -11,6 +12,9 @@ bool matchesAny(std::string_view field, std::string_view etag) noexcept;
 
 /// Returns true if the client accepts gzip by its field Accept-Encoding (RFC 9110, 12.5.3).
 bool acceptsGzip(std::string_view field) noexcept;
+
+/// Returns the token of a field Authorization, "Bearer TOKEN" (RFC 6750, 2.1), or nothing for other schemes.
+std::optional<std::string_view> bearerToken(std::string_view field) noexcept;
 
 /// Returns true if a page with a field Origin may open a WebSocket to the host that the field Host names:
 /// both name one host and port, or the client is no browser and sends no origin. Port 80 or 443 may be left

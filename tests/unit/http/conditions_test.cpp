@@ -23,6 +23,14 @@ TEST(Conditions, knowWhoAcceptsGzip) {
     EXPECT_FALSE(acceptsGzip(field)) << field;
 }
 
+TEST(Conditions, findABearerToken) {
+  EXPECT_EQ(bearerToken("Bearer abc"), "abc");
+  EXPECT_EQ(bearerToken("bEARER   a b "), "a b");
+  EXPECT_EQ(bearerToken("Bearer "), "");
+  for (const char* const field : {"", "Bearer", "Basic abc", "Bearerabc", " Bearer abc"})
+    EXPECT_FALSE(bearerToken(field)) << field;
+}
+
 TEST(Conditions, compareOrigins) {
   EXPECT_TRUE(isSameOrigin("", "a:80"));
   EXPECT_TRUE(isSameOrigin("http://a", "a"));

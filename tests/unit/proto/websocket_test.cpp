@@ -58,9 +58,11 @@ TEST(WebSocket, joinsMessagesThatArriveInPieces) {
                            frame(kFinalBinary, medium) + frame(kFirstBinary, "two") +
                            frame(kPing, "in between") + frame(kMore, "three") + frame(kLast, large) +
                            frame(kFinalBinary, "z", 8);
+  std::string payload = "one";
+  payload.append(medium).append("twothree").append(large).append("z");
   for (const size_t piece_bytes : {size_t{1}, size_t{2}, size_t{7}, size_t{4096}, size_t{1} << 20}) {
     WebSocketDecoder decoder;
-    EXPECT_EQ(decode(decoder, sent, piece_bytes), "one" + medium + "twothree" + large + "z") << piece_bytes;
+    EXPECT_EQ(decode(decoder, sent, piece_bytes), payload) << piece_bytes;
     EXPECT_EQ(answersOf(decoder), std::string("\x8A\x0A") + "in between");
     EXPECT_EQ(answersOf(decoder), "");
   }
