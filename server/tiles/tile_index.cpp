@@ -82,7 +82,7 @@ std::optional<store::CutItem> TileIndex::findGlb(std::string_view name) const {
 std::optional<SharedImage> TileIndex::findImage(std::string_view name) const {
   const std::optional<uint64_t> start = startOf(name);
   if (!start) return {};
-  const auto [first, last] = std::ranges::equal_range(images_, Entry{*start, {}}, std::less<>());
+  const auto [first, last] = std::equal_range(images_.begin(), images_.end(), Entry{*start, {}});
   for (auto entry = first; entry != last; ++entry) {
     const SharedImage image{entry->item.node, entry->item.lod};
     if (writer_.imageName(image) == name) return image;
