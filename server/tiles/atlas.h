@@ -11,10 +11,11 @@
 
 namespace lode::tiles {
 
-/// Longest edge of an image in a tileset, in texels. Every device with WebGL 2 that matters can draw it.
+/// Longest edge of an image in a tileset, in texels. WebGL 2 guarantees only 2,048, but common devices allow
+/// at least 4,096.
 constexpr uint32_t kMostImagePx = 4096;
-/// Width of the border around what a piece shows, in texels, for filtering. The border has the texels of the
-/// image around the piece.
+/// Width of a piece's border, in texels. The border repeats the image around the piece, so that filters do
+/// not mix neighbouring pieces.
 constexpr int kGutterPx = 4;
 
 /// A rectangle of a texture's level that is copied to an atlas.

@@ -66,7 +66,8 @@ class ImageChoice {
     return extent.x > 1 || extent.y > 1;
   }
 
-  /// Returns texels of a level, from the top left of the copy of the image that contains the chart's corner.
+  /// Converts texture coordinates to texels of a level. The origin is the top left of that copy of the
+  /// repeated image in which the chart begins.
   glm::dvec2 texelsOf(uint32_t chart, glm::dvec2 uv, uint32_t level) const {
     const Chart& of = charts_.charts[chart];
     const glm::dvec2 whole = glm::floor(of.least), size = glm::dvec2(levels_.size(of.material, level));
@@ -192,7 +193,7 @@ void pointIntoAtlas(PartMaker& maker, const Mesh& mesh, const Charts& charts, co
   }
 }
 
-/// Turns codes from upwards to downwards, and counts them from the part's least.
+/// Rewrites a part's codes so that v points down, as in glTF, and the smallest code is 0.
 void pointIntoWhole(TexturedPart& part, const TextureSet& textures) {
   std::vector<VertexAttributes>& vertices = part.mesh.vertex_attributes;
   glm::uvec2 least(0xffff), most(0);

@@ -30,8 +30,8 @@ struct TexturedPart {
   SharedImage shared;           ///< set for kShared
 };
 
-/// An LOD, divided by images. Texels are at least as fine as the LOD's error, so that a viewer that draws the
-/// LOD with an error of a pixel sees each texel in about a pixel.
+/// An LOD, divided by images. A texel is at most as large as the LOD's error, unless the image would exceed
+/// kMostImagePx. So a viewer that draws the LOD with an error of one pixel shows a texel in at most a pixel.
 struct TexturedLod {
   std::vector<TexturedPart> parts;  ///< in the order kNone, kAtlas, kShared by texture; none is empty
   std::optional<Atlas> atlas;

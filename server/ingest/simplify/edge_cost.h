@@ -9,7 +9,7 @@
 
 namespace lode::ingest {
 
-/// A vertex is a hub if it and one of its neighbours have more triangles than this.
+/// An edge is at a hub if its two ends together have more triangles than this.
 constexpr uint32_t kHubTriangles = 256;
 
 /// Evaluates the cost of edge collapses: where the merged position goes, and what it costs. Bounds the time
