@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "client/app/window/input.h"
+#include "client/app/camera/input.h"
 #include "client/app/window/panel/panel_settings.h"
 #include "client/render/gl/image.h"
 

@@ -5,9 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "client/app/window/camera/camera_rig.h"
-#include "client/app/window/camera/flight.h"
-#include "client/app/window/camera/path_recorder.h"
+#include "client/app/camera/camera_rig.h"
+#include "client/app/window/flight.h"
 #include "client/app/window/glfw_window.h"
 #include "client/app/window/model_choices.h"
 #include "client/app/window/output/picture_writer.h"
@@ -15,6 +14,7 @@
 #include "client/app/window/panel/first_start.h"
 #include "client/app/window/panel/panel.h"
 #include "client/app/window/panel/panel_content.h"
+#include "client/app/window/path_recorder.h"
 #include "client/app/window/recent_targets.h"
 #include "client/app/window/redraws.h"
 #include "client/app/window/scene/picks.h"

@@ -1,4 +1,4 @@
-#include "client/app/window/camera/cameras.h"
+#include "client/app/camera/cameras.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "client/app/window/camera/flight.h"
+#include "client/app/window/flight.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

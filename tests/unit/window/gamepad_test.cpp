@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "client/app/window/input.h"
+#include "client/app/camera/input.h"
 
 namespace lode::app {
 namespace {

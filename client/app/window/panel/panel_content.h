@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "client/app/window/camera/cameras.h"
+#include "client/app/camera/cameras.h"
 #include "client/app/window/panel/notice.h"
 #include "client/app/window/panel/pick_marks.h"
 #include "client/app/window/panel/scale_bar.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "client/app/window/camera/cameras.h"
+#include "client/app/camera/cameras.h"
 namespace lode::app {
 
 /// Returns the width of the help about keys and mouse in the current window.

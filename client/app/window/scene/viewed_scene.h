@@ -10,9 +10,9 @@
 
 #include <glm/glm.hpp>
 
+#include "client/app/camera/walk_camera.h"
 #include "client/app/cli/common_options.h"
 #include "client/app/cli/scene_file.h"
-#include "client/app/window/camera/walk_camera.h"
 #include "client/app/window/scene/instanced_model.h"
 #include "client/app/window/scene/picks.h"
 #include "client/app/window/scene/scene_memory.h"

@@ -1,4 +1,4 @@
-#include "client/app/window/camera/walk_camera.h"
+#include "client/app/camera/walk_camera.h"
 
 #include <algorithm>
 #include <cmath>

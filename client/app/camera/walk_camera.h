@@ -5,7 +5,7 @@
 
 #include <glm/glm.hpp>
 
-#include "client/app/window/camera/cameras.h"
+#include "client/app/camera/cameras.h"
 #include "client/core/lod/cut_probe.h"
 #include "client/core/view/view.h"
 

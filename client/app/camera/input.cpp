@@ -1,4 +1,4 @@
-#include "client/app/window/input.h"
+#include "client/app/camera/input.h"
 
 #include <algorithm>
 

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "client/app/window/camera/camera_rig.h"
+#include "client/app/camera/camera_rig.h"
 #include "client/app/window/scene/viewed_scene.h"
 #include "client/app/window/view_command.h"
 #include "client/core/view/camera_path.h"

@@ -1,4 +1,4 @@
-#include "client/app/window/camera/path_recorder.h"
+#include "client/app/window/path_recorder.h"
 
 #include <span>
 #include <utility>

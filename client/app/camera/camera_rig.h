@@ -5,9 +5,9 @@
 
 #include <glm/glm.hpp>
 
-#include "client/app/window/camera/cameras.h"
-#include "client/app/window/camera/walk_camera.h"
-#include "client/app/window/input.h"
+#include "client/app/camera/cameras.h"
+#include "client/app/camera/input.h"
+#include "client/app/camera/walk_camera.h"
 #include "client/core/view/camera_path.h"
 #include "client/core/view/framing.h"
 #include "common/codec/model_summary.h"

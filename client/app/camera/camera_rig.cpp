@@ -1,4 +1,4 @@
-#include "client/app/window/camera/camera_rig.h"
+#include "client/app/camera/camera_rig.h"
 
 #include <algorithm>
 #include <array>
