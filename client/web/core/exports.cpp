@@ -285,7 +285,8 @@ EMSCRIPTEN_KEEPALIVE int lode_take_texture_upload(int handle) {
   const TileImage& image = *upload->image;
   const std::array<uint32_t, 5> place{upload->cell.layer, upload->cell.corner.x, upload->cell.corner.y,
                                       image.size.x, image.size.y};
-  const auto head = std::as_bytes(std::span(place)), texels = std::as_bytes(std::span(image.texels));
+  const auto head = std::as_bytes(std::span(place));
+  const auto texels = std::as_bytes(std::span(image.texels));
   web::Bytes bytes(head.begin(), head.end());
   bytes.insert(bytes.end(), texels.begin(), texels.end());
   return answerWith(std::move(bytes));

@@ -240,7 +240,7 @@ void WebModel::select(const FrameInput& frame) {
   if (parts == parts_) return;
   parts_ = std::move(parts);
   meshes_ = std::move(meshes);
-  std::erase_if(ids_, [&](const auto& entry) { return !meshes_.contains(entry.second); });
+  std::erase_if(ids_, [](const auto& entry) { return entry.first.expired(); });
   ++serial_;
 }
 
@@ -272,9 +272,9 @@ std::optional<WebModel::TileUpload> WebModel::takeTileUpload() {
   return upload;
 }
 
-/// Returns the id of a mesh. An id is never used for two meshes.
+/// Returns the id of a mesh. A mesh keeps its id while it is resident, and no other mesh ever gets it.
 uint32_t WebModel::idOf(const std::shared_ptr<const Mesh>& mesh) {
-  const auto [entry, is_new] = ids_.try_emplace(mesh.get(), next_id_);
+  const auto [entry, is_new] = ids_.try_emplace(mesh, next_id_);
   if (is_new) ++next_id_;
   return entry->second;
 }

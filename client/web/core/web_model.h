@@ -92,7 +92,7 @@ class WebModel {
   /// Returns a near distance in front of everything that is drawn.
   double nearModel() const noexcept { return near_model_; }
 
-  /// Returns a mesh of parts(), or of the list before. @return null for other ids.
+  /// Returns a mesh of parts(); null for other ids.
   std::shared_ptr<const Mesh> mesh(uint32_t id) const;
 
   /// Returns where the tiles of the cut are in the page's texture array.
@@ -134,7 +134,7 @@ class WebModel {
   std::vector<uint32_t> shown_;  // see core::shownParts()
   std::vector<DrawnPart> parts_;
   std::vector<render::DrawItem> items_;  // parts as the colour modes need them
-  std::map<const Mesh*, uint32_t> ids_;
+  std::map<std::weak_ptr<const Mesh>, uint32_t, std::owner_less<>> ids_;
   std::map<uint32_t, std::shared_ptr<const Mesh>> meshes_;  // meshes of parts_
   uint32_t next_id_ = 1;
   render::TilePlacement tiles_;
