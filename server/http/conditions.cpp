@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include <arpa/inet.h>
+
 namespace lode::http {
 
 namespace {
@@ -44,6 +46,14 @@ bool hasWeight(std::string_view parameters) noexcept {
     return value.find_first_of("123456789") != std::string_view::npos;
   }
   return true;
+}
+
+bool isLoopbackV4(std::string_view host) noexcept {
+  char text[INET_ADDRSTRLEN] = {};
+  in_addr address{};
+  if (host.size() >= sizeof text) return false;
+  host.copy(text, host.size());
+  return inet_pton(AF_INET, text, &address) == 1 && ntohl(address.s_addr) >> 24 == IN_LOOPBACKNET;
 }
 
 }  // namespace
@@ -88,6 +98,14 @@ bool isSameOrigin(std::string_view origin, std::string_view host) noexcept {
     return std::ranges::equal(from, to, {}, lower, lower);
   }
   return false;
+}
+
+bool isLoopbackHost(std::string_view host) noexcept {
+  if (host.empty()) return true;
+  const size_t colon = host.rfind(':');
+  if (colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos)
+    host = host.substr(0, colon);
+  return equalsIgnoringCase(host, "localhost") || host == "[::1]" || isLoopbackV4(host);
 }
 
 ContentRange parseRange(std::string_view field, uint64_t total_bytes) noexcept {

@@ -21,6 +21,11 @@ std::optional<std::string_view> bearerToken(std::string_view field) noexcept;
 /// out.
 bool isSameOrigin(std::string_view origin, std::string_view host) noexcept;
 
+/// Returns true if a field Host names this machine itself: localhost, 127.0.0.0/8 or [::1], with any port.
+/// Without a field the client is no browser, and the function returns true. A page of another host whose name
+/// leads to loopback (DNS rebinding) sends the name of that host.
+bool isLoopbackHost(std::string_view host) noexcept;
+
 enum class RangeKind : uint8_t { kWhole, kPart, kNotSatisfiable };
 
 /// Part of a content that a request asks for.

@@ -6,6 +6,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -27,14 +28,20 @@ class FileContent : public Content {
   /// @param packed  the same bytes compressed by gzip, or empty.
   FileContent(std::vector<std::byte> plain, std::vector<std::byte> packed)
       : plain_(std::move(plain)), packed_(std::move(packed)) {}
+  /// @param constant  bytes that live as long as the program, so that they are not copied.
+  FileContent(std::span<const std::byte> constant, std::vector<std::byte> packed)
+      : constant_(constant), packed_(std::move(packed)) {}
 
-  const std::vector<std::byte>& plain() const noexcept { return plain_; }
-  const std::vector<std::byte>& packed() const noexcept { return packed_; }
+  std::span<const std::byte> plain() const noexcept {
+    return plain_.empty() ? constant_ : std::span<const std::byte>(plain_);
+  }
+  std::span<const std::byte> packed() const noexcept { return packed_; }
   uint64_t memoryBytes() const noexcept override {
     return sizeof *this + plain_.capacity() + packed_.capacity();
   }
 
  private:
+  std::span<const std::byte> constant_;
   std::vector<std::byte> plain_, packed_;
 };
 

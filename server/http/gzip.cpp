@@ -15,12 +15,11 @@ constexpr int kMemoryLevel = 8;             ///< zlib's default
 
 }  // namespace
 
-std::vector<std::byte> gzip(std::span<const std::byte> bytes) {
+std::vector<std::byte> gzip(std::span<const std::byte> bytes, int level) {
   z_stream stream{};
   const auto fail = [] { throw Error(ErrorCode::kInternal, "zlib cannot compress a response"); };
   if (bytes.size() > std::numeric_limits<uInt>::max()) fail();
-  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kWindowBitsOfGzip, kMemoryLevel,
-                   Z_DEFAULT_STRATEGY) != Z_OK)
+  if (deflateInit2(&stream, level, Z_DEFLATED, kWindowBitsOfGzip, kMemoryLevel, Z_DEFAULT_STRATEGY) != Z_OK)
     throw std::bad_alloc();
   std::vector<std::byte> packed;
   try {

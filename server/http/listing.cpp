@@ -14,6 +14,8 @@ using Json = nlohmann::ordered_json;
 
 std::string tilesetPath(const ModelSummary& model) { return percentEncode(model.name) + "/tileset.json"; }
 
+Json toJson(glm::dvec3 v) { return Json::array({v.x, v.y, v.z}); }
+
 std::string escapeHtml(std::string_view text) {
   std::string escaped;
   for (const char c : text) {
@@ -39,9 +41,11 @@ std::string escapeHtml(std::string_view text) {
 
 }  // namespace
 
-std::string modelsJson(std::span<const ModelSummary> models) {
+std::string modelsJson(std::span<const ModelSummary> models, std::optional<NativePort> native) {
   Json list = Json::array();
-  for (const ModelSummary& model : models)
+  for (const ModelSummary& model : models) {
+    const glm::dvec3 least = model.lattice.toWorld(model.box.min);
+    const glm::dvec3 greatest = model.lattice.toWorld(model.box.max);
     list.push_back({{"name", model.name},
                     {"tileset", tilesetPath(model)},
                     {"build_id", toHex(model.build_id)},
@@ -49,8 +53,13 @@ std::string modelsJson(std::span<const ModelSummary> models) {
                     {"nodes", model.nodes},
                     {"bytes", model.bytes},
                     {"depth", model.depth},
-                    {"has_textures", static_cast<bool>(model.textures)}});
-  return Json{{"models", std::move(list)}}.dump();
+                    {"has_textures", static_cast<bool>(model.textures)},
+                    {"box", Json::array({toJson(least), toJson(greatest)})},
+                    {"size", toJson(greatest - least)}});
+  }
+  Json json{{"models", std::move(list)}};
+  json["native"] = native ? Json{{"port", native->port}, {"tls", native->has_tls}} : Json();
+  return json.dump();
 }
 
 std::string indexPage(std::span<const ModelSummary> models) {

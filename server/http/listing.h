@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -7,13 +9,20 @@
 
 namespace lode::http {
 
-/// Returns the content of /models.json: {"models": [{"name", "tileset", "build_id", "triangles", "nodes",
-/// "bytes", "depth", "has_textures"}]}. The value of "tileset" is a path relative to /models.json.
-/// Thread safe.
-std::string modelsJson(std::span<const ModelSummary> models);
+/// Port of the native protocol, docs/protocol.md.
+struct NativePort {
+  uint16_t port = 0;
+  bool has_tls = false;
+};
 
-/// Returns the page "/" with links to the models' tilesets. The page is complete: it loads nothing.
-/// Thread safe.
+/// Returns the content of /models.json: {"models": [{"name", "tileset", "build_id", "triangles", "nodes",
+/// "bytes", "depth", "has_textures", "box", "size"}], "native": {"port", "tls"}}. The value of "tileset" is a
+/// path relative to /models.json; "box" is [least, greatest] in the coordinates of the PLY file.
+/// @param native  port that the reader can reach, or nothing. Thread safe.
+std::string modelsJson(std::span<const ModelSummary> models, std::optional<NativePort> native);
+
+/// Returns a page with links to the models' tilesets, for a program without the page of client/web. The page
+/// is complete: it loads nothing. Thread safe.
 std::string indexPage(std::span<const ModelSummary> models);
 
 }  // namespace lode::http

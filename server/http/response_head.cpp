@@ -32,6 +32,8 @@ std::string_view reasonOf(int status) noexcept {
       return "Content Too Large";
     case 416:
       return "Range Not Satisfiable";
+    case 421:
+      return "Misdirected Request";
     case 426:
       return "Upgrade Required";
     case 429:
@@ -49,8 +51,8 @@ std::string_view reasonOf(int status) noexcept {
   }
 }
 
-/// Fields of every response. The policy lets the page use its own inline style only, and fetch from its own
-/// server.
+/// Fields of every response. The policy lets the page load scripts, styles and data from its own server only,
+/// run WebAssembly, and show pictures that it makes. Pages of other hosts may embed it.
 constexpr std::string_view kCommonFields =
     "Server: lodestreamd\r\n"
     "Access-Control-Allow-Origin: *\r\n"
@@ -58,8 +60,9 @@ constexpr std::string_view kCommonFields =
     "Timing-Allow-Origin: *\r\n"
     "X-Content-Type-Options: nosniff\r\n"
     "Referrer-Policy: no-referrer\r\n"
-    "Content-Security-Policy: default-src 'none'; connect-src 'self'; base-uri 'none'; form-action "
-    "'none'\r\n";
+    "Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; "
+    "img-src 'self' blob: data:; connect-src 'self'; worker-src 'self'; base-uri 'none'; "
+    "form-action 'none'\r\n";
 
 std::string dateOf(std::time_t now) {
   std::tm parts{};
@@ -89,7 +92,7 @@ std::string_view cacheControl(const ResponseHead& head) noexcept {
 
 std::string formatHead(const ResponseHead& head, std::time_t now) {
   std::string text;
-  text.reserve(768);
+  text.reserve(1024);
   const auto field = [&](std::string_view name, std::string_view value) {
     text.append(name).append(": ").append(value).append("\r\n");
   };

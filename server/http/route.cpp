@@ -13,6 +13,7 @@ namespace {
 
 /// Number of segments of the longest route, "t/TOKEN/MODEL/p/PAGE.json".
 constexpr size_t kMostSegments = 5;
+constexpr std::string_view kIndexFile = "index.html";
 
 int digitOf(char digit) noexcept {
   if (digit >= '0' && digit <= '9') return digit - '0';
@@ -67,11 +68,13 @@ bool isHexName(std::string_view name) {
 void findResource(std::span<const std::string> segments, Route& route) {
   const std::string& last = segments.back();
   if (segments.size() == 1) {
-    if (last.empty()) route.resource = Resource::kIndex;
-    if (last == "models.json") route.resource = Resource::kModels;
+    if (last.empty()) route = {Resource::kIndex, {}, std::string(kIndexFile), {}};
+    if (last == "models.json") route = {Resource::kModels, {}, last, {}};
     if (last == "ws") route.resource = Resource::kWebSocket;
   } else if (segments.size() == 2 && last == "tileset.json") {
     route = {Resource::kTileset, segments[0], last, {}};
+  } else if (segments.size() == 2 && segments[0] == "app" && !last.empty() && last != kIndexFile) {
+    route = {Resource::kPageFile, {}, last, {}};  // links of the index would not fit this path
   } else if (segments.size() == 3 && isHexName(last)) {
     for (const FileKind& kind : kFileKinds)
       if (segments[1] == kind.folder && last.ends_with(kind.extension))

@@ -8,7 +8,8 @@
 namespace lode::http {
 
 enum class Resource : uint8_t {
-  kIndex,        ///< "/", a page with links to all models
+  kIndex,        ///< "/", the page
+  kPageFile,     ///< "/app/NAME", a file that the page loads
   kModels,       ///< "/models.json"
   kTileset,      ///< "/MODEL/tileset.json"
   kTilesetPage,  ///< "/MODEL/p/PAGE.json"
@@ -28,8 +29,10 @@ constexpr bool isBinary(Resource resource) noexcept {
 /// Resource that a request names.
 struct Route {
   Resource resource = Resource::kUnknown;
-  std::string model;                 ///< for files of tilesets
-  std::string file;                  ///< for files of tilesets: name as TileWriter gives it, "p/PAGE.json"
+  std::string model;  ///< for files of tilesets
+  /// Name of a tileset's file as TileWriter gives it, such as "p/PAGE.json", or of a file of the page. Empty
+  /// for resources without a file.
+  std::string file;
   std::optional<std::string> token;  ///< token of a path "/t/TOKEN/..."
 };
 

@@ -13,6 +13,7 @@
 #include "common/error.h"
 #include "common/io/own_folder.h"
 #include "server/http/response_head.h"
+#include "server/http/route.h"
 #include "server/serve/access.h"
 #include "server/serve/memory/memory_reserve.h"
 #include "server/serve/net/acceptor.h"
@@ -86,6 +87,7 @@ struct Server::State {
   ServerGauges gauges() const;
   asio::ip::tcp::acceptor openListeningSocket();
   void listen();
+  void listenForHttp(bool is_native_local);
   std::unique_ptr<Acceptor> makeAcceptor(asio::ip::tcp::acceptor listener, ClientProtocol protocol);
   void startWorkers();
   void run();
@@ -254,22 +256,34 @@ void Server::State::listen() {
   asio::ip::tcp::acceptor listener = openListeningSocket();
   port = listener.local_endpoint().port();
   address = toString(listener.local_endpoint());
+  const bool is_native_local = listener.local_endpoint().address().is_loopback();
   acceptor = makeAcceptor(std::move(listener), ClientProtocol::kNative);
-  if (!options.http.empty()) {
-    const asio::ip::tcp::endpoint endpoint = resolveListen(context, options.http);
-    checkAccessBeyondLoopback(options, endpoint);
-    asio::ip::tcp::acceptor http_listener = openListener(context, endpoint, "--http");
-    http_address = toString(http_listener.local_endpoint());
-    http_acceptor = makeAcceptor(std::move(http_listener), ClientProtocol::kHttp);
-    http_files = std::make_unique<HttpFiles>(
-        http::ContentMakersOptions{.threads = threadsOf(options), .memory_bytes = options.http_memory_bytes},
-        log);
-  }
+  if (!options.http.empty()) listenForHttp(is_native_local);
   if (options.metrics.empty()) return;
   checkMetricsBeyondLoopback(options, resolveListen(context, options.metrics));
   health = std::make_unique<HealthEndpoint>(
       context, options.metrics,
       HealthAnswers{[this] { return metrics.text(gauges()); }, [this] { return !stopping; }});
+}
+
+void Server::State::listenForHttp(bool is_native_local) {
+  const asio::ip::tcp::endpoint endpoint = resolveListen(context, options.http);
+  checkAccessBeyondLoopback(options, endpoint);
+  asio::ip::tcp::acceptor listener = openListener(context, endpoint, "--http");
+  const asio::ip::tcp::endpoint opened = listener.local_endpoint();
+  http_address = toString(opened);
+  http_acceptor = makeAcceptor(std::move(listener), ClientProtocol::kHttp);
+  HttpSite site{options.page, http::NativePort{port, published.tls != nullptr}, is_native_local};
+  if (options.proxy_protocol) site.native.reset();  // clients reach the native port through a balancer only
+  http_files = std::make_unique<HttpFiles>(
+      http::ContentMakersOptions{.threads = threadsOf(options), .memory_bytes = options.http_memory_bytes},
+      log, site);
+  const std::string host =
+      opened.address().is_unspecified() ? "localhost:" + std::to_string(opened.port()) : http_address;
+  std::string link = (published.tls ? "https://" : "http://") + host + "/";
+  const auto& shown = published.served.catalog->models();
+  if (shown.size() == 1) link += "#model=" + http::percentEncode(shown.front()->summary.name);
+  log->write(LogKind::kServer, "a browser shows the models at " + link);
 }
 
 void Server::State::startWorkers() {

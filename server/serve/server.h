@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "proto/limits.h"
+#include "server/page/page_files.h"
 #include "server/serve/ops/log.h"
 #include "server/serve/session/catalog.h"
 #include "server/serve/session/disk_readers.h"
@@ -25,7 +27,8 @@ struct ServeOptions {
   std::optional<int> listening_socket;
   /// Address of the port for HTTP, or empty for no such port. Access and limits are those of `listen`.
   std::string http;
-  uint64_t http_memory_bytes = kHttpMemoryBytes;  ///< memory of contents for HTTP
+  uint64_t http_memory_bytes = kHttpMemoryBytes;               ///< memory of contents for HTTP
+  std::span<const page::PageFile> page = page::builtInPage();  ///< page at "/"; empty: a list of the models
   /// Address of the port for metrics and health, or empty for no such port.
   std::string metrics;
   bool strict = false;     ///< refuse to start if a store in a folder cannot be opened

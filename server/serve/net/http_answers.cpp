@@ -8,6 +8,7 @@
 #include <asio/use_awaitable.hpp>
 
 #include "server/http/conditions.h"
+#include "server/http/content_type.h"
 #include "server/serve/net/http_connection.h"
 
 /// The answers of HttpConnection: selects resources, checks tokens, and obtains contents.
@@ -16,6 +17,9 @@ namespace lode::serve {
 namespace {
 
 constexpr std::string_view kPlainText = "text/plain; charset=utf-8";
+constexpr const char* kWrongHost =
+    "this server answers only requests to localhost, 127.0.0.1 or [::1]; start it with --public or a token "
+    "file to serve it under other names";
 
 /// Result of a ContentMakers::make(), for the connection that waits for it.
 struct Wait {
@@ -45,14 +49,6 @@ int statusOf(http::MakeResult result) noexcept {
   return kBusyStatus;
 }
 
-std::string_view typeOf(http::Resource resource) noexcept {
-  if (resource == http::Resource::kIndex) return "text/html; charset=utf-8";
-  if (resource == http::Resource::kTile) return "model/gltf-binary";
-  if (resource == http::Resource::kJpeg) return "image/jpeg";
-  if (resource == http::Resource::kWebp) return "image/webp";
-  return "application/json";
-}
-
 std::string_view extraFieldsOf(int status) noexcept {
   if (status == 401) return http::kBearerField;
   if (status == 405) return http::kAllowField;
@@ -66,6 +62,7 @@ std::string_view extraFieldsOf(int status) noexcept {
 /// Answers a request. @return false if the connection must end.
 asio::awaitable<bool> HttpConnection::answer(const http::RequestHead& head) {
   closes_ = draining_ || !head.keeps_alive;
+  if (!isForThisServer(head.host)) co_return co_await refuse(head, 421, kWrongHost);
   if (head.method == http::Method::kOptions) {
     http::ResponseHead response{.status = 204};
     response.extra = http::kPreflightFields;
@@ -77,6 +74,8 @@ asio::awaitable<bool> HttpConnection::answer(const http::RequestHead& head) {
   if (route.resource == http::Resource::kMalformed)
     co_return co_await refuse(head, 400, "the path of the request is malformed");
   if (route.resource == http::Resource::kWebSocket) co_return co_await answerWebSocket(head);
+  if (const page::PageFile* const file = host_.http->findPage(route))
+    co_return co_await answerContent(head, route, host_.http->page(*file), false);
   const ServedSet served = host_.served;
   const TokenGrant* grant = nullptr;
   if (served.tokens) {
@@ -91,14 +90,23 @@ asio::awaitable<bool> HttpConnection::answer(const http::RequestHead& head) {
   co_return co_await answerAllowed(head, route, served, grant);
 }
 
+/// Returns true if a request may be answered by the host that it names. A server without tokens that is not
+/// public listens on loopback only, so a browser on this machine must not let pages of other hosts read it:
+/// such a page has a name whose address became 127.0.0.1 (DNS rebinding), and its origin equals Host.
+bool HttpConnection::isForThisServer(std::string_view host) const noexcept {
+  return host_.is_public || host_.served.tokens || http::isLoopbackHost(host);
+}
+
 /// Answers a request whose token is valid. @param grant  rights of the token; null allows all models.
 asio::awaitable<bool> HttpConnection::answerAllowed(const http::RequestHead& head, const http::Route& route,
                                                     const ServedSet& served, const TokenGrant* grant) {
   switch (route.resource) {
     case http::Resource::kIndex:
     case http::Resource::kModels:
-      co_return co_await answerContent(head, route, host_.http->list(*served.catalog, grant, route.resource),
-                                       served.tokens != nullptr);
+      co_return co_await answerContent(
+          head, route,
+          host_.http->list(*served.catalog, grant, route.resource, http::isLoopbackHost(head.host)),
+          served.tokens != nullptr);
     case http::Resource::kTileset:
     case http::Resource::kTilesetPage:
     case http::Resource::kTile:
@@ -158,7 +166,7 @@ asio::awaitable<bool> HttpConnection::answerContent(const http::RequestHead& hea
   const bool is_constant = is_binary || route.resource == http::Resource::kTilesetPage;
   const bool is_packed = !is_binary && http::acceptsGzip(head.accept_encoding);
   const std::string plain_tag = "\"" + wanted.tag + "\"", packed_tag = "\"" + wanted.tag + "-gzip\"";
-  http::ResponseHead response{.content_type = typeOf(route.resource)};
+  http::ResponseHead response{.content_type = http::contentTypeOf(route.file)};
   response.etag = is_packed ? packed_tag : plain_tag;
   response.caching = is_constant ? http::Caching::kForever : http::Caching::kRevalidate;
   response.is_private = is_private;
@@ -178,18 +186,17 @@ asio::awaitable<bool> HttpConnection::answerContent(const http::RequestHead& hea
 
 /// Sends a content or the range of it that the request asks for.
 asio::awaitable<bool> HttpConnection::sendContent(const http::RequestHead& head, http::ResponseHead response,
-                                                  const std::vector<std::byte>& body) {
+                                                  std::span<const std::byte> body) {
   const bool takes_range = head.if_range.empty() || head.if_range == response.etag;
   const http::ContentRange range = http::parseRange(takes_range ? head.range : "", body.size());
   response.range = range;
   response.total_bytes = body.size();
   response.content_bytes = range.bytes;
-  std::span<const std::byte> part(body);
   if (range.kind == http::RangeKind::kPart) response.status = 206;
   if (range.kind == http::RangeKind::kNotSatisfiable) response.status = 416;
-  part = part.subspan(range.first, range.bytes);
-  if (head.method == http::Method::kHead) part = {};
-  co_await send(response, part);
+  body = body.subspan(range.first, range.bytes);
+  if (head.method == http::Method::kHead) body = {};
+  co_await send(response, body);
   co_return !closes_;
 }
 

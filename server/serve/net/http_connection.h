@@ -47,6 +47,7 @@ class HttpConnection : public ClientConnection, public std::enable_shared_from_t
   asio::awaitable<bool> greet();
   asio::awaitable<void> serveRequests();
   asio::awaitable<std::optional<http::ParsedHead>> readHead();
+  bool isForThisServer(std::string_view host) const noexcept;
   asio::awaitable<bool> answer(const http::RequestHead& head);
   asio::awaitable<bool> answerAllowed(const http::RequestHead& head, const http::Route& route,
                                       const ServedSet& served, const TokenGrant* grant);
@@ -56,7 +57,7 @@ class HttpConnection : public ClientConnection, public std::enable_shared_from_t
   asio::awaitable<bool> answerContent(const http::RequestHead& head, const http::Route& route,
                                       HttpContent wanted, bool is_private);
   asio::awaitable<bool> sendContent(const http::RequestHead& head, http::ResponseHead response,
-                                    const std::vector<std::byte>& body);
+                                    std::span<const std::byte> body);
   asio::awaitable<bool> refuseFile(const http::RequestHead& head, int status, const std::string& model);
   asio::awaitable<bool> refuseToken(const http::RequestHead& head, bool is_blocked);
   asio::awaitable<bool> refuse(const http::RequestHead& head, int status, std::string why,

@@ -7,7 +7,6 @@
 
 #include "common/error.h"
 #include "server/http/gzip.h"
-#include "server/http/listing.h"
 #include "server/serve/memory/memory_reserve.h"
 
 namespace lode::serve {
@@ -57,8 +56,8 @@ std::string stemOf(std::string_view file) {
 
 }  // namespace
 
-HttpFiles::HttpFiles(http::ContentMakersOptions options, std::shared_ptr<Log> log)
-    : log_(std::move(log)), makers_(options) {}
+HttpFiles::HttpFiles(http::ContentMakersOptions options, std::shared_ptr<Log> log, const HttpSite& site)
+    : log_(std::move(log)), site_(site), makers_(options) {}
 
 HttpContent HttpFiles::tileset(std::shared_ptr<const Model> model) const {
   std::string key = keyOf(*model);
@@ -79,9 +78,13 @@ HttpContent HttpFiles::file(std::shared_ptr<const Model> model, std::shared_ptr<
                     [tileset = std::move(tileset), file] { return tileset->make(file); })};
 }
 
-HttpContent HttpFiles::list(const Catalog& catalog, const TokenGrant* grant, http::Resource resource) const {
+HttpContent HttpFiles::list(const Catalog& catalog, const TokenGrant* grant, http::Resource resource,
+                            bool is_local) const {
+  std::optional<http::NativePort> native = site_.native;
+  if (site_.is_native_local && !is_local) native.reset();
   std::vector<ModelSummary> models;
   std::string values = resource == http::Resource::kIndex ? "page" : "json";
+  if (native) values += " native";
   for (const auto& model : catalog.models()) {
     if (grant != nullptr && !grant->allows(model->summary.name)) continue;
     models.push_back(model->summary);
@@ -89,12 +92,24 @@ HttpContent HttpFiles::list(const Catalog& catalog, const TokenGrant* grant, htt
   }
   std::string tag = toHex(digestOf(std::as_bytes(std::span(values))));
   std::string key = "list " + tag;
-  return {std::move(key), std::move(tag), [models = std::move(models), resource] {
-            const std::string text =
-                resource == http::Resource::kIndex ? http::indexPage(models) : http::modelsJson(models);
+  return {std::move(key), std::move(tag), [models = std::move(models), resource, native] {
+            const std::string text = resource == http::Resource::kIndex ? http::indexPage(models)
+                                                                        : http::modelsJson(models, native);
             const auto bytes = std::as_bytes(std::span(text));
             return std::make_unique<const http::FileContent>(
                 std::vector<std::byte>(bytes.begin(), bytes.end()), http::gzip(bytes));
+          }};
+}
+
+const page::PageFile* HttpFiles::findPage(const http::Route& route) const noexcept {
+  const bool is_page =
+      route.resource == http::Resource::kIndex || route.resource == http::Resource::kPageFile;
+  return is_page ? page::findFile(site_.page, route.file) : nullptr;
+}
+
+HttpContent HttpFiles::page(const page::PageFile& file) const {
+  return {"page " + std::string(file.name), std::string(file.hash), [bytes = file.bytes] {
+            return std::make_unique<const http::FileContent>(bytes, http::gzip(bytes, http::kGzipMost));
           }};
 }
 

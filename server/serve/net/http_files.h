@@ -1,13 +1,16 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "server/http/content_makers.h"
+#include "server/http/listing.h"
 #include "server/http/route.h"
 #include "server/http/tileset.h"
+#include "server/page/page_files.h"
 #include "server/serve/ops/log.h"
 #include "server/serve/session/catalog.h"
 
@@ -20,12 +23,19 @@ struct HttpContent {
   http::ContentMakers::Make make;
 };
 
+/// Parts of a server that responses describe.
+struct HttpSite {
+  std::span<const page::PageFile> page;    ///< the page, or nothing for a list of the models in its place
+  std::optional<http::NativePort> native;  ///< the native port, if clients can connect to it directly
+  bool is_native_local = true;             ///< only this machine reaches the native port
+};
+
 /// The contents that all HTTP connections of a server share. Contents are named by what they follow from, so
 /// that a reload keeps those that stay valid. Thread safe.
 class HttpFiles {
  public:
   /// @param log  shared with threads that may outlive this object: see ContentMakers::join().
-  HttpFiles(http::ContentMakersOptions options, std::shared_ptr<Log> log);
+  HttpFiles(http::ContentMakersOptions options, std::shared_ptr<Log> log, const HttpSite& site);
 
   /// Returns the Tileset of a model.
   HttpContent tileset(std::shared_ptr<const Model> model) const;
@@ -33,8 +43,13 @@ class HttpFiles {
   HttpContent file(std::shared_ptr<const Model> model, std::shared_ptr<const http::Tileset> tileset,
                    const std::string& file) const;
   /// Returns the list of models as Resource::kIndex or kModels.
-  /// @param grant  rights of the client; null allows all models.
-  HttpContent list(const Catalog& catalog, const TokenGrant* grant, http::Resource resource) const;
+  /// @param grant  rights of the client; null allows all models. @param is_local  the client uses a name of
+  /// this machine that other machines cannot use.
+  HttpContent list(const Catalog& catalog, const TokenGrant* grant, http::Resource resource,
+                   bool is_local) const;
+  /// Returns the file of the page that a route names, or null.
+  const page::PageFile* findPage(const http::Route& route) const noexcept;
+  HttpContent page(const page::PageFile& file) const;
 
   /// Drops the tilesets of models that are no longer served, which would keep their stores open.
   void retain(const Catalog& catalog);
@@ -42,6 +57,7 @@ class HttpFiles {
 
  private:
   std::shared_ptr<Log> log_;
+  HttpSite site_;
   http::ContentMakers makers_;
 };
 

@@ -85,8 +85,8 @@ std::string_view endName(EndReason reason) noexcept;
 constexpr size_t kRequestClasses = 3;
 
 /// Statuses of HTTP responses.
-constexpr std::array kHttpStatuses{101, 200, 204, 206, 304, 400, 401, 403, 404,
-                                   405, 413, 416, 426, 429, 431, 500, 503, 505};
+constexpr std::array kHttpStatuses{101, 200, 204, 206, 304, 400, 401, 403, 404, 405,
+                                   413, 416, 421, 426, 429, 431, 500, 503, 505};
 
 /// Counters of one model on one thread.
 struct ModelCounters {

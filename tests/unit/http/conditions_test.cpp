@@ -46,6 +46,20 @@ TEST(Conditions, compareOrigins) {
   EXPECT_FALSE(isSameOrigin("http://", "a"));
 }
 
+TEST(Conditions, knowTheNamesOfThisMachine) {
+  for (const char* const host : {"", "localhost", "localhost:8080", "LocalHost:1", "127.0.0.1",
+                                 "127.0.0.1:7480", "127.9.8.7:80", "[::1]", "[::1]:8080"})
+    EXPECT_TRUE(isLoopbackHost(host)) << host;
+}
+
+TEST(Conditions, mistrustNamesThatOthersCanDirectHere) {
+  for (const char* const host :
+       {"evil.example", "evil.example:8080", "localhost.evil.example", "127.0.0.1.evil.example",
+        "evillocalhost", "a", "128.0.0.1", "10.0.0.1:80", "0.0.0.0", "127.1", "2130706433", "[::]",
+        "[::2]:80", "::1", "localhost:80:80", "127.0.0.1@evil.example", ":8080", "localhost.", " localhost"})
+    EXPECT_FALSE(isLoopbackHost(host)) << host;
+}
+
 TEST(Conditions, selectARange) {
   const auto part = [](const char* field, uint64_t first, uint64_t bytes) {
     const ContentRange range = parseRange(field, 100);

@@ -26,6 +26,26 @@ TEST(Route, findsEveryResource) {
   EXPECT_EQ(tile.file, "g/" + kHex + ".1.glb");
 }
 
+TEST(Route, findsFilesOfThePage) {
+  EXPECT_EQ(parseTarget("/").file, "index.html");
+  const Route route = parseTarget("/app/core.wasm?v=1");
+  EXPECT_EQ(route.resource, Resource::kPageFile);
+  EXPECT_EQ(route.file, "core.wasm");
+  EXPECT_EQ(route.model, "");
+  const Route behind_token = parseTarget("/t/x/app/app.js");
+  EXPECT_EQ(behind_token.resource, Resource::kPageFile);
+  EXPECT_EQ(behind_token.file, "app.js");
+  EXPECT_EQ(behind_token.token, "x");
+  for (const char* const target : {"/app", "/app/", "/app/index.html", "/app/a/b", "/index.html", "/app.js"})
+    EXPECT_EQ(resourceOf(target), Resource::kUnknown) << target;
+}
+
+TEST(Route, servesAModelWithTheNameOfTheFolderOfThePage) {
+  EXPECT_EQ(parseTarget("/app/tileset.json").model, "app");
+  EXPECT_EQ(parseTarget("/app/g/" + kHex + ".1.glb").model, "app");
+  EXPECT_EQ(parseTarget("/t/app/app/tileset.json").model, "app");
+}
+
 TEST(Route, decodesModelNamesAfterSplitting) {
   EXPECT_EQ(parseTarget("/a%20b%C3%A4/tileset.json").model, "a bä");
   EXPECT_EQ(parseTarget("/a%2fb/tileset.json").model, "a/b");
