@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds Lodestream and shows a model: ./run.sh [MODEL] [OPTIONS of lodestream view or render]
+# Builds Lodestream and shows a model: ./run.sh [MODEL] [OPTIONS of lodestream view or render], ./run.sh --web [MODEL]
 set -euo pipefail
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
@@ -10,15 +10,19 @@ targets=(lodestreamd lodestream lodestream_library)
 stamp="$build/built"  # as old as the start of the last build that succeeded
 compile_cpu_s=150
 sample_triangles=2000000
+web_port=7480  # of --web; another one if it is taken
 flags="--json --no-fade --offline --preview --unlit --version"  # options of the client without a value
 
 usage() {
   cat <<'EOF'
 usage: ./run.sh [MODEL.ply | STORE.lode | SCENE.json | lode://HOST:PORT/MODEL] [OPTIONS]
+       ./run.sh --web [MODEL.ply | STORE.lode]
 
 Installs missing packages, builds Lodestream and opens a window on the model; without a display it draws a
 picture and prints its path. Without a model it makes one of two million triangles. Options go to the client:
 lodestream view --help lists them; those of lodestream render --help if a picture is drawn, as with -o OUT.png.
+
+With --web it serves the model on this machine, prints a link for a browser, and opens it if it can. Ctrl-C ends it.
 EOF
 }
 
@@ -101,6 +105,10 @@ read_arguments() {  # ARGUMENT...
         usage
         exit 0
         ;;
+      --web)
+        command=web
+        continue
+        ;;
       -o*) picture_option=-o picture="${word#-o}" ;;
       --output* | --frames* | --video*) picture_option="${word%%=*}" picture="${word#*=}" ;;
     esac
@@ -142,6 +150,13 @@ choose_command() {
         ;;
     esac
   done
+}
+
+# Refuses what --web cannot show.
+check_web() {
+  [[ -z "${options[*]}" ]] || fail "--web takes no options; leave out ${options[*]}"
+  [[ "$model" != *://* ]] || fail "$model is on a server; --web shows a PLY file or a store of this machine"
+  [[ "${model,,}" != *.json ]] || fail "$model is a scene; --web shows one model: name one of the scene's"
 }
 
 # Prints a place of the build that this user cannot write, or nothing.
@@ -242,15 +257,37 @@ make_sample() {  # sets model to its path
   "$bin/lodestreamd" sample asteroid --triangles "$sample_triangles" --attributes normal,color -o "$model" >&2
 }
 
-model="" options=() picture_option="" picture=""
+is_port_taken() {  # PORT
+  (: <"/dev/tcp/127.0.0.1/$1") 2>/dev/null
+}
+
+# Reads the line that the server prints when it is ready, and shows its page.
+show_page() {
+  local ready link
+  IFS= read -r ready || return 0  # the server has said why it does not start
+  [[ "$ready" =~ \"link\":\"([^\"]+)\" ]] || return 0
+  link="${BASH_REMATCH[1]}"
+  say "$link shows $model in a browser; Ctrl-C ends the server"
+  [[ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ]] && command -v xdg-open >/dev/null || return 0
+  xdg-open "$link" >/dev/null 2>&1 || say "no browser could be opened; open the link yourself"
+}
+
+serve_page() {
+  local store port=$web_port
+  store="$("$bin/lodestream" store "$model")" || exit
+  ! is_port_taken "$port" || port=0
+  exec "$bin/lodestreamd" serve "$store" --listen 127.0.0.1:0 --http "127.0.0.1:$port" > >(show_page)
+}
+
+model="" options=() picture_option="" picture="" command=view no_display=""
 read_arguments "$@"
 [[ -z "$model" || "$model" == *://* ]] || check_model "$model"
-command=view no_display=""
-choose_command
+if [[ "$command" == web ]]; then check_web; else choose_command; fi
 prepare
 choose_outputs
 [[ -n "$model" ]] || make_sample
 
+[[ "$command" != web ]] || serve_page
 if [[ "$command" == view ]]; then
   say "opens $model: drag to turn; F1 shows the keys; Esc leaves"
   exec "$bin/lodestream" view "$model" "${options[@]}"

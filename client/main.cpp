@@ -40,6 +40,7 @@ void declareCommands(CLI::App& program, int& exit_status) {
   declareReplay(program, exit_status);
   declareLoadtest(program, exit_status);
   declareList(program, exit_status);
+  declareStore(program, exit_status);
 }
 
 }  // namespace

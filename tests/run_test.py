@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Tests what a new user meets in run.sh: refused files, the first line, packages, the build, the window or a picture."""
 
+import contextlib
 import os
 import re
 import shutil
+import socket
 import subprocess
 import tempfile
 import unittest
@@ -12,6 +14,7 @@ from pathlib import Path
 SCRIPT = Path(__file__).resolve().parent.parent / "run.sh"
 NEITHER = ", neither a PLY file nor a store; "
 ZEROES = bytes(80)
+WEB_PORT = 7480
 INSTALLER = SCRIPT.parent / "docker" / "install-packages.sh"
 TOOLS = ("awk", "basename", "bash", "cat", "cp", "dirname", "env", "find", "grep", "id", "mkdir", "mktemp", "mv", "nproc", "od", "rm",
          "sed", "stat", "tr")
@@ -139,7 +142,11 @@ class FirstRun(unittest.TestCase):
             fi""")
         self.fake("program", f"""
             echo "${{0##*/}} $*" >> {self.calls}
-            if [[ $1 == sample ]]; then echo ply > "${{!#}}"; fi""")
+            case "$1" in
+              sample) echo ply > "${{!#}}" ;;
+              store) echo "/kept/${{2##*/}}.lode" ;;
+              serve) echo '{{"http":"127.0.0.1:1","link":"http://127.0.0.1:1/#model=a%20b","models":["a b"]}}' ;;
+            esac""")
         (self.folder / "lists").touch()
         self.give_to_user(self.folder)
 
@@ -359,6 +366,58 @@ class FirstRun(unittest.TestCase):
         self.assert_fails(r"^run\.sh: --no-fade needs a window; leave out -o", "-o", "a.png", "--no-fade", DISPLAY=":0")
         self.have_programs()
         self.assert_shows(["scan.ply", "--fps", "30"], "view scan.ply --fps 30", DISPLAY=":0")
+
+    def assert_serves(self, words, shown, **environment):
+        """Serves a store on this machine and prints the link. Returns the port of --http."""
+        self.calls.write_text("")
+        result = self.run_script("--web", *words, **environment)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn(f"run.sh: http://127.0.0.1:1/#model=a%20b shows {shown} in a browser; Ctrl-C ends the server\n", result.stderr)
+        self.assertEqual(self.calls_of("lodestream"), [f"lodestream store {shown}"])
+        serve, = (call for call in self.calls_of("lodestreamd") if " serve " in call)
+        command, port = serve.rsplit(":", 1)
+        self.assertEqual(command, f"lodestreamd serve /kept/{Path(shown).name}.lode --listen 127.0.0.1:0 --http 127.0.0.1")
+        return int(port)
+
+    def test_serves_a_model_to_a_browser(self):
+        self.have_programs()
+        (self.checkout / "b.lode").write_bytes(b"LODE\r\n\x1a\n")
+        self.assert_serves(["scan.ply"], "scan.ply")
+        self.assert_serves(["b.lode"], "b.lode")
+        self.assert_serves([], f"{self.checkout}/build/sample/asteroid.ply")
+
+    def test_serves_on_another_port_if_its_own_is_taken(self):
+        self.have_programs()
+        with contextlib.suppress(OSError), socket.create_server(("127.0.0.1", WEB_PORT)):
+            self.assertEqual(self.assert_serves(["scan.ply"], "scan.ply"), 0)
+        with socket.socket() as free:
+            free.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            with contextlib.suppress(OSError):
+                free.bind(("127.0.0.1", WEB_PORT))  # nothing else can take it, and nothing listens
+                self.assertEqual(self.assert_serves(["scan.ply"], "scan.ply"), WEB_PORT)
+
+    def test_opens_the_link_where_it_can(self):
+        self.have_programs()
+        self.fake("xdg-open", f'echo "xdg-open $*" >> {self.calls}')
+        for environment in ({"DISPLAY": ":0"}, {"WAYLAND_DISPLAY": "wayland-0"}):
+            self.assert_serves(["scan.ply"], "scan.ply", **environment)
+            self.assertEqual(self.calls_of("xdg-open"), ["xdg-open http://127.0.0.1:1/#model=a%20b"])
+        self.assert_serves(["scan.ply"], "scan.ply")
+        self.assertEqual(self.calls_of("xdg-open"), [])
+
+    def test_ends_with_the_status_of_a_step_that_fails(self):
+        self.have_programs()
+        for step in ("store", "serve"):
+            self.fake("program", f"[[ $1 != {step} ]] || {{ echo 'no space' >&2; exit 3; }}; echo /kept/a.lode")
+            result = self.run_script("--web", "scan.ply")
+            self.assertEqual((result.returncode, result.stderr), (3, "no space\n"), step)
+
+    def test_refuses_what_a_browser_cannot_show(self):
+        self.assert_fails(r"^run\.sh: no such file: gone\.ply", "--web", "gone.ply")
+        self.assert_fails(r"^run\.sh: lode://host/m is on a server; --web shows a PLY file or a store", "--web", "lode://host/m")
+        self.assert_fails(r"^run\.sh: --web takes no options; leave out --pixels 2", "scan.ply", "--web", "--pixels", "2")
+        (self.checkout / "scene.json").write_text("{}")
+        self.assert_fails(r"^run\.sh: scene\.json is a scene; --web shows one model", "--web", "scene.json")
 
     def test_prints_its_usage_wherever_help_is_asked(self):
         for words in (["--help"], ["scan.ply", "-h"]):

@@ -119,11 +119,14 @@ void runServe(serve::ServeOptions options) {
   if (const auto address = server.metricsAddress()) metrics = *address;
   Json http = nullptr;
   if (const auto address = server.httpAddress()) http = *address;
+  Json link = nullptr;
+  if (const auto of_page = server.pageLink()) link = *of_page;
   Json skipped = Json::array();
   for (const serve::SkippedStore& store : server.skipped())
     skipped.push_back({{"model", store.model}, {"why", store.why}});
   printJson({{"listen", server.address()},
              {"http", http},
+             {"link", link},
              {"metrics", metrics},
              {"models", server.models()},
              {"skipped", std::move(skipped)}});

@@ -118,7 +118,7 @@ struct Server::State {
   std::atomic<bool> stopping{false};
   std::atomic<size_t> models{0}, models_skipped{0};
   std::atomic<uint64_t> certificate_expires_s{0};  ///< Unix time of the expiry; 0 without TLS
-  std::string address, http_address;
+  std::string address, http_address, page_link;
   uint16_t port = 0;
   /// Context for accepting connections and for the health port; runs on run()'s thread.
   asio::io_context context{1};
@@ -280,10 +280,10 @@ void Server::State::listenForHttp(bool is_native_local) {
       log, site);
   const std::string host =
       opened.address().is_unspecified() ? "localhost:" + std::to_string(opened.port()) : http_address;
-  std::string link = (published.tls ? "https://" : "http://") + host + "/";
-  const auto& shown = published.served.catalog->models();
-  if (shown.size() == 1) link += "#model=" + http::percentEncode(shown.front()->summary.name);
-  log->write(LogKind::kServer, "a browser shows the models at " + link);
+  page_link = (published.tls ? "https://" : "http://") + host + "/";
+  const auto shown = published.served.catalog->models();
+  if (shown.size() == 1) page_link += "#model=" + http::percentEncode(shown.front()->summary.name);
+  log->write(LogKind::kServer, "a browser shows the models at " + page_link);
 }
 
 void Server::State::startWorkers() {
@@ -450,6 +450,11 @@ std::optional<std::string> Server::metricsAddress() const {
 std::optional<std::string> Server::httpAddress() const {
   if (state_->options.http.empty()) return {};
   return state_->http_address;
+}
+
+std::optional<std::string> Server::pageLink() const {
+  if (state_->options.http.empty()) return {};
+  return state_->page_link;
 }
 
 std::vector<std::string> Server::models() const {

@@ -77,7 +77,9 @@ class Server {
   std::string address() const;                        ///< address of the open port: "127.0.0.1:7400"
   std::optional<std::string> metricsAddress() const;  ///< nothing without a metrics port
   std::optional<std::string> httpAddress() const;     ///< nothing without a port for HTTP
-  std::vector<std::string> models() const;            ///< sorted names of all models
+  /// Address that shows the models in a browser, or nothing without a port for HTTP.
+  std::optional<std::string> pageLink() const;
+  std::vector<std::string> models() const;  ///< sorted names of all models
   /// Stores that the constructor skipped.
   const std::vector<SkippedStore>& skipped() const noexcept;
   uint64_t memoryHeld() const noexcept;  ///< bytes of the budget that connections hold; thread safe

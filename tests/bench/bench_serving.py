@@ -172,7 +172,7 @@ most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
 resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
 clients = [socket.create_connection(("127.0.0.1", int(sys.argv[1]))) for _ in range(int(sys.argv[2]))]
 for client in clients:
-    client.sendall(b"HEAD /asteroid/tileset.json HTTP/1.1\\r\\nHost: a\\r\\n\\r\\n")
+    client.sendall(b"HEAD /asteroid/tileset.json HTTP/1.1\\r\\nHost: localhost\\r\\n\\r\\n")
     client.recv(4096)
 print("ready", flush=True)
 sys.stdin.read()

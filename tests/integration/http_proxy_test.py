@@ -80,7 +80,7 @@ class BehindNginx(unittest.TestCase):
                 process.wait(timeout=60)
 
     def test_the_files_are_the_same_and_cached(self):
-        with Served(MODELS / "gyroid.lode") as server, self.nginx(server) as port:
+        with Served(MODELS / "gyroid.lode", "--public") as server, self.nginx(server) as port:
             direct = server.ask("/gyroid/tileset.json")[2]
             tile = "gyroid/" + next(link for link in links_of(json.loads(direct)) if link.startswith("g/"))
             with contextlib.closing(http.client.HTTPConnection("127.0.0.1", port, timeout=60)) as client:
@@ -110,7 +110,7 @@ class BehindNginx(unittest.TestCase):
     def test_browsers_use_http_2(self):
         if b"HTTP2" not in subprocess.run(["curl", "--version"], capture_output=True).stdout:
             self.skipTest("this curl knows no HTTP/2")
-        with tempfile.TemporaryDirectory() as name, Served(MODELS / "gyroid.lode") as server:
+        with tempfile.TemporaryDirectory() as name, Served(MODELS / "gyroid.lode", "--public") as server:
             subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", f"{name}/key.pem",
                             "-out", f"{name}/cert.pem", "-days", "2", "-subj", "/CN=localhost"], check=True, capture_output=True)
             with self.nginx(server, name) as port:

@@ -20,7 +20,7 @@ class Served:
         self.log = tempfile.TemporaryFile("w+")
         self.process = subprocess.Popen([str(part) for part in command], stdout=subprocess.PIPE, stderr=self.log, text=True)
         ready = json.loads(self.process.stdout.readline())
-        self.address, self.health = ready["http"], ready["metrics"]
+        self.address, self.health, self.link, self.native = (ready[key] for key in ("http", "metrics", "link", "listen"))
         self.host, self.port = self.address.rsplit(":", 1)[0], int(self.address.rsplit(":", 1)[1])
 
     def __enter__(self):

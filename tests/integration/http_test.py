@@ -73,9 +73,6 @@ class Files(unittest.TestCase):
         status, head, body = self.ask("/models.json")
         self.assertEqual((status, head["cache-control"]), (200, "no-cache"))
         self.assertEqual([model["name"] for model in json.loads(body)["models"]], ["a b&ü", "gyroid", "painted"])
-        status, head, page = self.ask("/")
-        self.assertEqual((status, head["content-type"]), (200, "text/html; charset=utf-8"))
-        self.assertIn(b'<a href="a%20b%26%C3%BC/tileset.json">a b&amp;\xc3\xbc</a>', page)
 
     def test_are_sent_again_only_if_they_changed(self):
         for path in ("/models.json", "/gyroid/tileset.json", self.tile()):
@@ -123,7 +120,7 @@ class Files(unittest.TestCase):
             head = self.ask(path)[1]
             self.assertEqual((head["access-control-allow-origin"], head["timing-allow-origin"]), ("*", "*"))
             self.assertEqual(head["x-content-type-options"], "nosniff")
-            self.assertNotIn("unsafe", head["content-security-policy"])
+            self.assertNotIn("'unsafe", head["content-security-policy"])
 
     def test_that_do_not_exist_are_refused(self):
         for path in ("/nothing", "/gyroid", "/gyroid/", "/other/tileset.json", "/../gyroid.lode", "/gyroid/../painted/tileset.json",
@@ -146,7 +143,7 @@ class Files(unittest.TestCase):
     def test_answer_pipelined_requests_in_order(self):
         with socket.create_connection((self.server.host, self.server.port), timeout=60) as client:
             paths = ["/models.json", self.tile(), "/nothing"] * 50
-            client.sendall("".join(f"GET {path} HTTP/1.1\r\nHost: a\r\n\r\n" for path in paths).encode())
+            client.sendall("".join(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n" for path in paths).encode())
             with client.makefile("rb") as stream:
                 for path in paths:
                     status = int(stream.readline().split()[1])
@@ -206,8 +203,8 @@ class Tokens(unittest.TestCase):
         few = {"Authorization": "Bearer few"}
         self.assertEqual(self.server.ask("/painted/tileset.json", **few)[0], 404)
         self.assertEqual([m["name"] for m in json.loads(self.server.ask("/models.json", **few)[2])["models"]], ["gyroid"])
-        self.assertNotIn(b"painted", self.server.ask("/t/few/")[2])
-        self.assertIn(b"painted", self.server.ask("/t/right%2Fone/")[2])
+        self.assertEqual([m["name"] for m in json.loads(self.server.ask("/t/few/models.json")[2])["models"]], ["gyroid"])
+        self.assertEqual(len(json.loads(self.server.ask("/t/right%2Fone/models.json")[2])["models"]), 2)
 
     def test_that_are_wrong_are_answered_late_and_never_logged(self):
         seconds = []
@@ -260,7 +257,7 @@ class Lives(unittest.TestCase):
                 slow.settimeout(60)
                 slow.connect((server.host, server.port))
                 count = 40
-                slow.sendall(f"GET /gyroid/{links[0]} HTTP/1.1\r\nHost: a\r\n\r\n".encode() * count)
+                slow.sendall(f"GET /gyroid/{links[0]} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode() * count)
                 first = slow.recv(100)
                 server.process.send_signal(signal.SIGTERM)
                 self.assertEqual(idle.sock.recv(1), b"", "an idle connection is closed at once")
@@ -328,7 +325,7 @@ class Lives(unittest.TestCase):
         with Served(MODELS / "gyroid.lode", "--proxy-protocol", "--max-connections-per-address", "1") as server:
             def say(header):
                 client = socket.create_connection((server.host, server.port), timeout=60)
-                client.sendall(header + b"GET /models.json HTTP/1.1\r\nHost: a\r\n\r\n")
+                client.sendall(header + b"GET /models.json HTTP/1.1\r\nHost: localhost\r\n\r\n")
                 with contextlib.suppress(ConnectionResetError):
                     return client, client.recv(12)
                 return client, b""

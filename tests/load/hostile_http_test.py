@@ -24,7 +24,7 @@ SANITIZED = "LODE_SANITIZED" in os.environ
 BUDGET, CACHE = 16_000_000, 4_000_000
 SLACK = 24 << 20  # meshes while tiles are made, buffers of threads, and memory that malloc keeps
 CLIENTS = 200
-GET = "GET {} HTTP/1.1\r\nHost: a\r\n\r\n"
+GET = "GET {} HTTP/1.1\r\nHost: localhost\r\n\r\n"
 
 
 class Web(Daemon):
@@ -125,7 +125,7 @@ class HostileClients(unittest.TestCase):
         self.suffer(lambda client, number, over: None)
 
     def test_that_stop_within_a_head(self):
-        self.suffer(lambda client, number, over: client.sendall(b"GET / HTTP/1.1\r\nHost: a\r\nX: " + b"x" * 7000))
+        self.suffer(lambda client, number, over: client.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nX: " + b"x" * 7000))
 
     def test_that_ask_for_much_and_never_read(self):
         def attack(client, number, over):
@@ -154,7 +154,7 @@ class HostileClients(unittest.TestCase):
         def attack(client, number, over):
             method = ("GET", "POST", "PUT", "OPTIONS")[number % 4]
             framing = ("Content-Length: 1000000000", "Transfer-Encoding: chunked")[number // 4 % 2]
-            client.sendall(f"{method} / HTTP/1.1\r\nHost: a\r\n{framing}\r\n\r\n".encode())
+            client.sendall(f"{method} / HTTP/1.1\r\nHost: localhost\r\n{framing}\r\n\r\n".encode())
             for _ in range(100):
                 client.sendall(b"ffff\r\n" + bytes(0xffff) + b"\r\n")
         self.suffer(attack)
@@ -171,12 +171,13 @@ class Refusals(unittest.TestCase):
     def test_name_their_reason(self):
         with Web() as server:
             for request, status in (
-                    ("GET / HTTP/1.1\r\nHost: a\r\nX: " + "x" * 9000, 431), ("GET / HTTP/1.1\r\n\r\n", 400),
-                    ("GET / HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n", 400), ("GET /%zz HTTP/1.1\r\nHost: a\r\n\r\n", 400),
-                    ("GET /../../../etc/passwd HTTP/1.1\r\nHost: a\r\n\r\n", 404), ("GET /%2e%2e%2fetc/passwd HTTP/1.1\r\nHost: a\r\n\r\n", 404),
-                    ("GET / HTTP/3.0\r\nHost: a\r\n\r\n", 505), ("DELETE / HTTP/1.1\r\nHost: a\r\n\r\n", 405),
-                    ("GET / HTTP/1.1\r\nHost: a\r\nContent-Length: 1\r\n\r\nx", 413), ("GET * HTTP/1.1\r\nHost: a\r\n\r\n", 400),
-                    ("CONNECT a:1 HTTP/1.1\r\nHost: a\r\n\r\n", 405), ("\r\n\r\n\r\n\r\n", 400)):
+                    ("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + "x" * 9000, 431), ("GET / HTTP/1.1\r\n\r\n", 400),
+                    ("GET / HTTP/1.1\r\nHost: localhost\r\nHost: b\r\n\r\n", 400), ("GET /%zz HTTP/1.1\r\nHost: localhost\r\n\r\n", 400),
+                    ("GET /../../../etc/passwd HTTP/1.1\r\nHost: localhost\r\n\r\n", 404), ("GET /%2e%2e%2fetc/passwd HTTP/1.1\r\nHost: localhost\r\n\r\n", 404),
+                    ("GET / HTTP/3.0\r\nHost: localhost\r\n\r\n", 505), ("DELETE / HTTP/1.1\r\nHost: localhost\r\n\r\n", 405),
+                    ("GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1\r\n\r\nx", 413), ("GET * HTTP/1.1\r\nHost: localhost\r\n\r\n", 400),
+                    ("CONNECT a:1 HTTP/1.1\r\nHost: localhost\r\n\r\n", 405), ("\r\n\r\n\r\n\r\n", 400),
+                    ("GET / HTTP/1.1\r\nHost: rebound.example\r\n\r\n", 421)):
                 with self.subTest(request[:40]), contextlib.closing(server.connect()) as client:
                     client.sendall(request.encode())
                     client.shutdown(socket.SHUT_WR)

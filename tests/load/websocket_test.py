@@ -91,6 +91,7 @@ class WebSockets(unittest.TestCase):
             self.assertEqual(self.open(server, Origin=f"http://{server.http}").status, 101)
             self.assertEqual(self.open(server, Origin="http://elsewhere").status, 403)
             self.assertEqual(self.open(server, Origin="null").status, 403)
+            self.assertEqual(self.open(server, Host="rebound.example", Origin="http://rebound.example").status, 421)
         with Web("--public") as server:
             self.assertEqual(self.open(server, Origin="http://elsewhere").status, 101)
 

@@ -79,5 +79,6 @@ void addFadeOption(CLI::App& command, CommonOptions& options);
 // exit status. If the callback throws an Error, runCommandLine() prints the message and the remedy.
 void declareFetch(CLI::App& program, int& exit_status);
 void declareList(CLI::App& program, int& exit_status);
+void declareStore(CLI::App& program, int& exit_status);
 
 }  // namespace lode::app

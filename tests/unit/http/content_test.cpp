@@ -97,11 +97,11 @@ class Makers : public testing::Test {
 };
 
 TEST(FileContentTest, countsNoMemoryForConstantBytes) {
-  static constexpr std::array<std::byte, 1000> kBytes{};
-  const FileContent content(std::span(kBytes), std::vector<std::byte>(10));
-  EXPECT_EQ(content.plain().data(), kBytes.data());
-  EXPECT_EQ(content.plain().size(), kBytes.size());
-  EXPECT_LT(content.memoryBytes(), kBytes.size());
+  static constexpr std::array<std::byte, kBytes> kConstant{};
+  const FileContent content(std::span<const std::byte>(kConstant), std::vector<std::byte>(10));
+  EXPECT_EQ(content.plain().data(), kConstant.data());
+  EXPECT_EQ(content.plain().size(), kBytes);
+  EXPECT_LT(content.memoryBytes(), kBytes);
 }
 
 TEST_F(Makers, makeAContentOnceForAllThatAskForIt) {
