@@ -23,8 +23,13 @@ void checkRoute(std::string_view target) {
   require(lode::isPrintableUtf8(route.model) && lode::isPrintableUtf8(route.token.value_or("")));
   const bool is_file = route.resource == Resource::kTileset || route.resource == Resource::kTilesetPage ||
                        isBinary(route.resource);
-  require(is_file || (route.model.empty() && route.file.empty()));
-  require(route.file.find("..") == std::string::npos);
+  require(is_file || route.model.empty());
+  if (route.resource == Resource::kPageFile) {
+    const Route again = parseTarget("/app/" + percentEncode(route.file));
+    require(again.resource == route.resource && again.file == route.file);
+  } else {
+    require(route.file.find("..") == std::string::npos);
+  }
   if (!is_file) return;
   const std::string prefix = route.token ? "/t/" + percentEncode(*route.token) : "";
   const Route again = parseTarget(prefix + "/" + percentEncode(route.model) + "/" + route.file);
@@ -47,6 +52,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   matchesAny(text, "\"a\"");
   acceptsGzip(text);
   isSameOrigin(text, "a:80");
+  isLoopbackHost(text);
   const auto parsed = parseHead(text);
   require(parsed || size < kMaxHeadBytes);
   if (!parsed) return 0;
