@@ -68,9 +68,10 @@ bool isHexName(std::string_view name) {
 void findResource(std::span<const std::string> segments, Route& route) {
   const std::string& last = segments.back();
   if (segments.size() == 1) {
+    route = {Resource::kPageFile, {}, last, {}};
     if (last.empty()) route = {Resource::kIndex, {}, std::string(kIndexFile), {}};
-    if (last == "models.json") route = {Resource::kModels, {}, last, {}};
-    if (last == "ws") route.resource = Resource::kWebSocket;
+    if (last == "models.json") route.resource = Resource::kModels;
+    if (last == "ws") route = {Resource::kWebSocket, {}, {}, {}};
   } else if (segments.size() == 2 && last == "tileset.json") {
     route = {Resource::kTileset, segments[0], last, {}};
   } else if (segments.size() == 2 && segments[0] == "app" && !last.empty() && last != kIndexFile) {

@@ -25,8 +25,11 @@ void checkRoute(std::string_view target) {
                        isBinary(route.resource);
   require(is_file || route.model.empty());
   if (route.resource == Resource::kPageFile) {
-    const Route again = parseTarget("/app/" + percentEncode(route.file));
-    require(again.resource == route.resource && again.file == route.file);
+    const auto leads_back = [&](const std::string& folder) {
+      const Route again = parseTarget(folder + percentEncode(route.file));
+      return again.resource == route.resource && again.file == route.file;
+    };
+    require(leads_back("/") || leads_back("/app/"));
   } else {
     require(route.file.find("..") == std::string::npos);
   }

@@ -36,7 +36,9 @@ TEST(Route, findsFilesOfThePage) {
   EXPECT_EQ(behind_token.resource, Resource::kPageFile);
   EXPECT_EQ(behind_token.file, "app.js");
   EXPECT_EQ(behind_token.token, "x");
-  for (const char* const target : {"/app", "/app/", "/app/index.html", "/app/a/b", "/index.html", "/app.js"})
+  EXPECT_EQ(parseTarget("/app.js").file, "app.js") << "beside the index";
+  EXPECT_EQ(parseTarget("/t/x/app.js").resource, Resource::kPageFile);
+  for (const char* const target : {"/app/", "/app/index.html", "/app/a/b", "/a/app.js"})
     EXPECT_EQ(resourceOf(target), Resource::kUnknown) << target;
 }
 

@@ -90,6 +90,8 @@ TEST_F(HttpPage, isServedAtTheRootWithItsFilesBesideIt) {
   const Response wasm = ask("/app/core.wasm");
   EXPECT_EQ(wasm.body, kWasm);
   EXPECT_EQ(wasm.fields.at("Content-Type"), "application/wasm");
+  EXPECT_EQ(ask("/core.wasm").body, kWasm) << "for an index that names files beside it";
+  EXPECT_EQ(ask("/other.js").status, 404);
   EXPECT_EQ(ask("/app/other.js").status, 404);
   EXPECT_EQ(ask("/app/index.html").status, 404);
 }
