@@ -57,6 +57,21 @@ TEST_F(BuiltStore, isBuiltOnceIfTwoProgramsOpenTheFileAtOnce) {
   EXPECT_EQ(built.size(), 1u);
 }
 
+TEST_F(BuiltStore, isNamedByACommandThatKeepsIt) {
+  const fs::path ply = folder_ / "a.ply";
+  ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "2000", "-o", ply}).status, 0);
+  const Outcome first = lodestream({"store", ply}, environment_);
+  EXPECT_EQ(first.status, 0) << first.err;
+  ASSERT_EQ(stores().size(), 1u);
+  EXPECT_EQ(first.out, stores().front().string() + "\n");
+  const fs::file_time_type built = fs::last_write_time(stores().front());
+  ASSERT_EQ(fetch(ply).status, 0);
+  EXPECT_EQ(fs::last_write_time(stores().front()), built) << "other commands use the same store";
+  EXPECT_EQ(lodestream({"store", stores().front()}, environment_).out, first.out);
+  EXPECT_EQ(lodestream({"store", "lode://here/a"}, environment_).status, 2);
+  EXPECT_EQ(lodestream({"store", folder_ / "gone.ply"}, environment_).status, 1);
+}
+
 TEST_F(BuiltStore, isRebuiltIfTheFileChangesButKeepsItsSizeAndTime) {
   const fs::path ply = folder_ / "a.ply", other = folder_ / "other.ply";
   ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "2000", "-o", ply}).status, 0);
