@@ -1,0 +1,197 @@
+import type {
+  FrameAnswer,
+  FrameRequest,
+  OpenOptions,
+  Pick,
+  StartCamera,
+  Summary,
+  TextureState,
+  TextureUpload,
+  Vec3,
+} from "./contract";
+import { Core } from "./core";
+
+/** A query of the core for a blob that may be cached. */
+export interface CacheQuery {
+  number: number;
+  digest: string;
+}
+
+/** A blob that arrived and is worth caching. */
+export interface Arrival {
+  digest: string;
+  bytes: Uint8Array<ArrayBuffer>;
+}
+
+const kDigestBytes = 32; // length of the hexadecimal digest in front of an arrival
+
+/** One model that the core streams and shows. */
+export class CoreModel {
+  private handle: number;
+
+  /** @throws Error with the core's words if it refuses the options. */
+  constructor(
+    readonly core: Core,
+    options: OpenOptions,
+  ) {
+    this.handle = core.withText(JSON.stringify(options), (pointer, size) => core.module._lode_open(pointer, size));
+    if (this.handle === 0) throw new Error(core.answerText());
+  }
+
+  close(): void {
+    if (this.handle !== 0) this.core.module._lode_close(this.handle);
+    this.handle = 0;
+  }
+
+  get isOpen(): boolean {
+    return this.handle !== 0;
+  }
+
+  wantsConnection(now_ms: number): boolean {
+    return this.core.module._lode_wants_connection(this.handle, now_ms) !== 0;
+  }
+
+  connect(now_ms: number): void {
+    this.core.module._lode_connect(this.handle, now_ms);
+  }
+
+  isConnected(): boolean {
+    return this.core.module._lode_connected(this.handle) !== 0;
+  }
+
+  /** Reports a lost connection. Returns the error if the core does not try again, else null. */
+  disconnect(why: string, now_ms: number): string | null {
+    const ended = this.core.withText(why, (pointer, size) =>
+      this.core.module._lode_disconnect(this.handle, pointer, size, now_ms),
+    );
+    return ended ? this.errorText() : null;
+  }
+
+  /** Passes received bytes. Returns an error after which the socket must be closed, else null. */
+  receive(bytes: Uint8Array, now_ms: number): { error: string; final: boolean } | null {
+    const failed = this.core.withBytes(bytes, (pointer, size) =>
+      this.core.module._lode_receive(this.handle, pointer, size, now_ms),
+    );
+    return failed ? this.core.answerJson() : null;
+  }
+
+  /** Advances the stream. Returns the error if it has ended for good, else null. */
+  step(now_ms: number): string | null {
+    return this.core.module._lode_step(this.handle, now_ms) ? this.errorText() : null;
+  }
+
+  takeOutgoing(): Uint8Array<ArrayBuffer> | null {
+    return this.core.module._lode_take_outgoing(this.handle) ? this.core.answer() : null;
+  }
+
+  takeJob(): Uint8Array<ArrayBuffer> | null {
+    return this.core.module._lode_take_job(this.handle) ? this.core.answer() : null;
+  }
+
+  finishJob(result: Uint8Array): void {
+    this.core.withBytes(result, (pointer, size) =>
+      this.core.module._lode_finish_job(this.handle, pointer, size),
+    );
+  }
+
+  takeCacheQuery(): CacheQuery | null {
+    return this.core.module._lode_take_cache_query(this.handle) ? this.core.answerJson() : null;
+  }
+
+  /** Answers a query. @param blob  null if the cache has no such blob. */
+  finishCacheQuery(query: number, blob: Uint8Array | null): void {
+    const module = this.core.module;
+    if (blob === null) {
+      module._lode_finish_cache_query(this.handle, query, 0, -1);
+      return;
+    }
+    this.core.withBytes(blob, (pointer, size) =>
+      module._lode_finish_cache_query(this.handle, query, pointer, size),
+    );
+  }
+
+  takeArrival(): Arrival | null {
+    if (!this.core.module._lode_take_arrival(this.handle)) return null;
+    const answer = this.core.answer();
+    return {
+      digest: new TextDecoder().decode(answer.subarray(0, kDigestBytes)),
+      bytes: answer.subarray(kDigestBytes),
+    };
+  }
+
+  /** Returns the model's summary, or null until it is known. */
+  summary(): Summary | null {
+    return this.core.module._lode_summary(this.handle) ? this.core.answerJson() : null;
+  }
+
+  /** Sets the first camera. Returns false if the core needs the coarsest mesh first. */
+  startCamera(start: StartCamera): boolean {
+    return this.core.withText(
+      JSON.stringify(start),
+      (pointer, size) => this.core.module._lode_start_camera(this.handle, pointer, size) !== 0,
+    );
+  }
+
+  frame(now_ms: number, request: FrameRequest): FrameAnswer {
+    this.core.withText(JSON.stringify(request), (pointer, size) =>
+      this.core.module._lode_frame(this.handle, now_ms, pointer, size),
+    );
+    return this.core.answerJson();
+  }
+
+  /** Returns the words of a mesh's vertices, or null if the mesh is not resident any more. */
+  meshVertices(id: number): Uint32Array<ArrayBuffer> | null {
+    return this.core.module._lode_mesh_vertices(this.handle, id) ? this.answerWords() : null;
+  }
+
+  meshIndices(id: number): Uint32Array<ArrayBuffer> | null {
+    return this.core.module._lode_mesh_indices(this.handle, id) ? this.answerWords() : null;
+  }
+
+  /** Returns the number of words per vertex. */
+  meshStride(): number {
+    return this.core.module._lode_mesh_stride(this.handle);
+  }
+
+  pick(x_px: number, y_px: number): Pick | null {
+    return this.core.module._lode_pick(this.handle, x_px, y_px) ? this.core.answerJson() : null;
+  }
+
+  /** Projects true coordinates to pixels of the last frame. */
+  project(points: Vec3[]): [x_px: number, y_px: number, visible: 0 | 1][] {
+    if (points.length === 0) return [];
+    this.core.withText(JSON.stringify(points), (pointer, size) =>
+      this.core.module._lode_project(this.handle, pointer, size),
+    );
+    return this.core.answerJson();
+  }
+
+  shader(stage: "vertex" | "fragment"): string {
+    this.core.module._lode_shader(this.handle, stage === "vertex" ? 0 : 1);
+    return this.core.answerText();
+  }
+
+  textures(): TextureState | null {
+    return this.core.module._lode_textures(this.handle) ? this.core.answerJson() : null;
+  }
+
+  textureTable(): Uint32Array<ArrayBuffer> {
+    this.core.module._lode_texture_table(this.handle);
+    return this.answerWords();
+  }
+
+  /** Takes the next upload of texels. `texels` is a view of the core's memory: use it at once. */
+  takeTextureUpload(): { at: TextureUpload; texels: Uint8Array } | null {
+    if (!this.core.module._lode_take_texture_upload(this.handle)) return null;
+    const at = this.core.answerJson<TextureUpload>();
+    return { at, texels: this.core.module.HEAPU8.subarray(at.ptr, at.ptr + at.bytes) };
+  }
+
+  private answerWords(): Uint32Array<ArrayBuffer> {
+    return new Uint32Array(this.core.answer().buffer);
+  }
+
+  private errorText(): string {
+    return this.core.answerJson<{ error: string }>().error;
+  }
+}

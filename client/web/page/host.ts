@@ -1,0 +1,24 @@
+import { BlobCache } from "./blob_cache";
+import { compileCore, Core } from "./core";
+import { DecodePool } from "./decode_pool";
+
+/** What all models of the page share. */
+export interface Host {
+  core: Core;
+  pool: DecodePool;
+  cache: BlobCache;
+}
+
+let host: Promise<Host> | null = null;
+
+/** Returns the host, which the first call starts. @throws the reason if the browser cannot run the core. */
+export function startHost(): Promise<Host> {
+  host ??= start();
+  return host;
+}
+
+async function start(): Promise<Host> {
+  const compiled = await compileCore();
+  const pool = new DecodePool(compiled);
+  return { core: await Core.create(compiled), pool, cache: new BlobCache() };
+}

@@ -1,0 +1,53 @@
+import { find } from "./dom";
+import { errors, watchErrors } from "./errors";
+import { Gallery } from "./gallery";
+import { parseLink, withoutToken } from "./link";
+import { keepToken } from "./server";
+import { Viewer, type ViewerState } from "./viewer";
+
+/** The page: a gallery of models without a fragment, and the viewer of one model with it. */
+
+declare global {
+  interface Window {
+    /** For tests. */
+    lodestream: {
+      state(): (ViewerState & { errors: string[] }) | { errors: string[] };
+      viewer(): Viewer | null;
+    };
+  }
+}
+
+const gallery = new Gallery();
+let viewer: Viewer | null = null;
+
+/** Shows what the address names. */
+function route(): void {
+  const link = parseLink(location.hash);
+  if (link.token) {
+    keepToken(link.token);
+    history.replaceState(null, "", location.pathname + location.search + withoutToken(location.hash));
+  }
+  if (link.model !== null && link.model === viewer?.modelName) {
+    viewer.follow(link);
+    return;
+  }
+  viewer?.close();
+  viewer = null;
+  gallery.hide();
+  if (link.model === null) gallery.show();
+  else viewer = new Viewer(link.model, link);
+}
+
+watchErrors();
+document.body.classList.toggle("embed", new URLSearchParams(location.search).has("embed"));
+for (const button of document.querySelectorAll("dialog [data-close]"))
+  button.addEventListener("click", () => button.closest("dialog")?.close());
+find<HTMLDialogElement>("#help").addEventListener("click", (event) => {
+  if (event.target === event.currentTarget) (event.currentTarget as HTMLDialogElement).close();
+});
+window.lodestream = {
+  state: () => ({ ...viewer?.state(), errors: [...errors] }),
+  viewer: () => viewer,
+};
+addEventListener("hashchange", route);
+route();

@@ -1,0 +1,79 @@
+/** The server of this page: its addresses, its token and its list of models. */
+
+export interface ListedModel {
+  name: string;
+  build_id: string;
+  triangles: number;
+  bytes: number;
+  has_textures: boolean;
+}
+
+export interface ModelList {
+  models: ListedModel[];
+  /** Address of the native protocol, such as "lode://host:7400" or "lodes://:7400"; absent if unknown. */
+  native?: string;
+}
+
+/** An HTTP status that the page explains. */
+export class HttpError extends Error {
+  constructor(readonly status: number) {
+    super(`HTTP status ${status}`);
+  }
+}
+
+const kTokenKey = "lodestream-token";
+/** A token in the page's path: `/t/TOKEN/`. The WebSocket is beside `t`, and takes the token in a message. */
+const kTokenPath = /t\/([^/]+)\/$/;
+
+/** Returns the token for this server, or "". */
+export function token(): string {
+  try {
+    const kept = sessionStorage.getItem(kTokenKey);
+    if (kept) return kept;
+  } catch {
+    // Storage is switched off.
+  }
+  const in_path = kTokenPath.exec(pathOf());
+  return in_path ? decodeURIComponent(in_path[1] ?? "") : "";
+}
+
+/** Keeps a token until the tab closes. */
+export function keepToken(value: string): void {
+  try {
+    sessionStorage.setItem(kTokenKey, value);
+  } catch {
+    // The token then lasts until the page is loaded again, in the path only.
+  }
+}
+
+export function socketUrl(): string {
+  const url = new URL(document.baseURI);
+  url.pathname = pathOf().replace(kTokenPath, "") + "ws";
+  url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
+  url.search = url.hash = "";
+  return url.href;
+}
+
+/** @throws HttpError, or TypeError if the server is not reachable. */
+export async function fetchModels(): Promise<ModelList> {
+  const headers: Record<string, string> = {};
+  const bearer = token();
+  if (bearer) headers["Authorization"] = `Bearer ${bearer}`;
+  const response = await fetch(new URL("models.json", document.baseURI), { headers });
+  if (!response.ok) throw new HttpError(response.status);
+  return (await response.json()) as ModelList;
+}
+
+/** Returns the link that opens a model in the desktop client, or null if the server's port is unknown. */
+export function nativeLink(list: ModelList, model: string): string | null {
+  const parts = /^(lodes?):\/\/(\[[^\]]*\]|[^:/]*)(?::(\d+))?\/?$/.exec(list.native ?? "");
+  if (!parts) return null;
+  const [, scheme, host, port] = parts;
+  const anywhere = !host || host === "0.0.0.0" || host === "[::]";
+  return `${scheme}://${anywhere ? location.hostname : host}${port ? `:${port}` : ""}/${encodeURIComponent(model)}`;
+}
+
+/** Returns the path of the page's folder, with a slash at its end. */
+function pathOf(): string {
+  return new URL(".", document.baseURI).pathname;
+}

@@ -1,0 +1,119 @@
+import type { WebGLRenderer } from "three";
+import type { CameraView, FrameAnswer, FrameInput, Summary } from "./contract";
+import { CoreModel } from "./core_model";
+import { find } from "./dom";
+import type { Host } from "./host";
+import { makeRenderer, Picture } from "./picture";
+import { token } from "./server";
+import type { Settings } from "./settings";
+import { Stream } from "./stream";
+
+/** Pixels of the picture per CSS pixel, at most: more cost time and are hardly seen. */
+const kMostPxPerCss = 2;
+
+export interface SessionListener {
+  contextLost(): void;
+  contextRestored(): void;
+}
+
+/** One opening of a model: its stream, its canvas and its picture. A lost context needs a new session. */
+export class Session {
+  readonly model: CoreModel;
+  readonly stream: Stream;
+  readonly canvas = document.createElement("canvas");
+  private readonly renderer: WebGLRenderer;
+  private readonly picture: Picture;
+  private summary_: Summary | null = null;
+  private is_started = false;
+  private is_lost = false;
+
+  /** @throws Error if the browser has no WebGL 2 or the core refuses. */
+  constructor(
+    host: Host,
+    name: string,
+    settings: Settings,
+    private readonly camera: CameraView | null,
+    listener: SessionListener,
+  ) {
+    this.canvas.addEventListener("webglcontextlost", (event) => {
+      event.preventDefault();
+      this.is_lost = true;
+      listener.contextLost();
+    });
+    this.canvas.addEventListener("webglcontextrestored", () => listener.contextRestored());
+    this.renderer = makeRenderer(this.canvas);
+    this.model = new CoreModel(host.core, {
+      model: name,
+      token: token(),
+      memory_bytes: settings.memory_bytes,
+      seed: Math.random(),
+      has_cache: host.cache.canKeep,
+    });
+    this.stream = new Stream(this.model, host.pool, host.cache);
+    this.picture = new Picture(this.model, this.renderer);
+    find("#stage").prepend(this.canvas);
+  }
+
+  get summary(): Summary | null {
+    return this.summary_;
+  }
+
+  get partCount(): number {
+    return this.picture.partCount;
+  }
+
+  /** True if the picture is not complete yet: frames follow each other without a pause. */
+  get isBusy(): boolean {
+    return !this.is_started || this.picture.isWaiting;
+  }
+
+  get isLost(): boolean {
+    return this.is_lost;
+  }
+
+  /** Pixels of the picture per CSS pixel. */
+  get pxPerCss(): number {
+    return this.canvas.width / Math.max(1, this.canvas.clientWidth);
+  }
+
+  /** Adjusts the picture to the window. @returns true if its size has changed. */
+  resize(): boolean {
+    const stage = find("#stage");
+    const scale = Math.min(devicePixelRatio || 1, kMostPxPerCss);
+    const width = Math.max(1, Math.round(stage.clientWidth * scale));
+    const height = Math.max(1, Math.round(stage.clientHeight * scale));
+    if (width === this.canvas.width && height === this.canvas.height) return false;
+    this.renderer.setSize(width, height, false);
+    return true;
+  }
+
+  /** Sets the camera once the core can. @returns true if frames may be drawn. */
+  start(): boolean {
+    if (this.is_started) return true;
+    this.summary_ ??= this.model.summary();
+    if (!this.summary_) return false;
+    this.is_started = this.model.startCamera({ ...this.size(), up: null, camera: this.camera });
+    return this.is_started;
+  }
+
+  /** Advances the core by a frame, and draws what it describes. @returns null if nothing was drawn. */
+  frame(settings: Settings, input: FrameInput, seconds: number, has_changed: boolean): FrameAnswer & { drawn: boolean } {
+    const { threshold_px, show } = settings;
+    const request = { ...this.size(), threshold_px, show, seconds, ...input };
+    const answer = this.model.frame(performance.now(), request);
+    return { ...answer, drawn: this.picture.draw(answer, has_changed) };
+  }
+
+  close(): void {
+    this.stream.close();
+    if (!this.is_lost) this.picture.dispose();
+    this.model.close();
+    this.renderer.dispose();
+    if (!this.is_lost) this.renderer.forceContextLoss();
+    this.canvas.remove();
+  }
+
+  private size() {
+    return { width_px: this.canvas.width, height_px: this.canvas.height };
+  }
+}

@@ -1,0 +1,119 @@
+import type { Status } from "./contract";
+import { find } from "./dom";
+import { activity, progress, statusLine } from "./words";
+
+/** Time that a note stays. */
+const kNoteMs = 4000;
+/** Width at which the scale bar is not longer, in CSS pixels. */
+const kScalePx = 140;
+
+/** The corner with the certified error, the scale bar, and messages over the picture. */
+export class StatusView {
+  private first_error_px = 0;
+  private note_timer = 0;
+  private said = "";
+  private failed = false;
+  private readonly removers = new AbortController();
+
+  /** @param retry  called when the user asks to connect again. */
+  constructor(retry: () => void) {
+    find("#banner_retry").addEventListener("click", () => retry(), { signal: this.removers.signal });
+  }
+
+  dispose(): void {
+    this.removers.abort();
+    clearTimeout(this.note_timer);
+    find("#note").hidden = true;
+    find("#scale").hidden = true;
+    find("#line").textContent = "";
+    this.trouble("");
+  }
+
+  loading(name: string): void {
+    find("#loading_text").textContent = `Loading ${name}…`;
+    find("#loading").hidden = false;
+    this.say("");
+  }
+
+  /** A new session has begun: its first error is the start of the progress. */
+  restarted(): void {
+    this.failed = false;
+    this.first_error_px = 0;
+    this.trouble("");
+  }
+
+  show(status: Status, has_picture: boolean): void {
+    if (has_picture) find("#loading").hidden = true;
+    if (!this.failed) this.trouble(describe(status));
+    if (!has_picture) return;
+    this.first_error_px = Math.max(this.first_error_px, status.error_px);
+    const line = statusLine(status);
+    const corner = find("#line");
+    if (corner.textContent !== line) corner.textContent = line;
+    this.say(activity(status));
+    const part = progress(status, this.first_error_px);
+    const bar = find("#progress");
+    bar.style.width = `${(100 * part).toFixed(1)}%`;
+    bar.classList.toggle("done", part >= 1);
+  }
+
+  /** Shows a bar with a round length. @param units_per_px  model units per CSS pixel; 0 hides the bar. */
+  showScale(units_per_px: number): void {
+    const scale = find("#scale");
+    scale.hidden = !(units_per_px > 0);
+    if (scale.hidden) return;
+    const most = units_per_px * kScalePx;
+    const power = 10 ** Math.floor(Math.log10(most));
+    const length = power * (most >= 5 * power ? 5 : most >= 2 * power ? 2 : 1);
+    scale.style.width = `${(length / units_per_px).toFixed(1)}px`;
+    const text = String(Number(length.toPrecision(2)));
+    if (scale.textContent !== text) scale.textContent = text;
+  }
+
+  /** Shows what is wrong above the picture, or nothing if the text is empty. */
+  trouble(text: string): void {
+    find("#banner").hidden = text === "";
+    find("#banner_retry").hidden = true;
+    if (find("#banner_text").textContent !== text) find("#banner_text").textContent = text;
+  }
+
+  /** Says why the viewer has stopped. */
+  fail(text: string, can_retry: boolean): void {
+    if (!this.failed) {
+      find("#loading").hidden = true;
+      this.trouble(sentence(text));
+      find("#banner_retry").hidden = !can_retry;
+      this.say("");
+    }
+    this.failed = true;
+  }
+
+  /** Shows a short message for a moment. */
+  note(text: string): void {
+    const note = find("#note");
+    note.textContent = text;
+    note.hidden = false;
+    clearTimeout(this.note_timer);
+    this.note_timer = window.setTimeout(() => (note.hidden = true), kNoteMs);
+  }
+
+  /** Says what the viewer does. Screen readers read it aloud, so it changes only when the words do. */
+  private say(text: string): void {
+    if (text === this.said) return;
+    this.said = text;
+    find("#activity").textContent = text;
+  }
+}
+
+/** Returns the trouble of a stream in a sentence, or "". */
+function describe(status: Status): string {
+  if (status.failure) return sentence(status.failure);
+  if (status.trouble) return `${sentence(status.trouble)} The picture stays; the viewer tries again by itself.`;
+  if (status.lost_tiles > 0) return "Some images of the surface cannot be read. Reload the page to try again.";
+  return "";
+}
+
+function sentence(text: string): string {
+  const trimmed = text.trim();
+  return trimmed.charAt(0).toUpperCase() + trimmed.slice(1) + (/[.!?]$/.test(trimmed) ? "" : ".");
+}

@@ -1,0 +1,144 @@
+import type { BlobCache } from "./blob_cache";
+import type { CoreModel } from "./core_model";
+import type { DecodePool } from "./decode_pool";
+import { socketUrl } from "./server";
+
+/** Time after which a connection attempt is given up, and the core tries again. */
+const kConnectDeadlineMs = 15_000;
+/** Cache queries that are open at a time. */
+const kMostQueries = 16;
+
+/**
+ * Connects a model of the core to its server, the decode workers and the cache. Call pump() once per frame;
+ * it also runs when something arrives.
+ */
+export class Stream {
+  private socket: WebSocket | null = null;
+  private deadline = 0;
+  private queries = 0;
+  private ended: string | null = null;
+  private changed_ = false;
+
+  constructor(
+    private readonly model: CoreModel,
+    private readonly pool: DecodePool,
+    private readonly cache: BlobCache,
+  ) {}
+
+  /** The reason why the stream has ended for good, or null. */
+  get failure(): string | null {
+    return this.ended;
+  }
+
+  /** Returns true if something arrived since the last call. */
+  takeChanged(): boolean {
+    const changed = this.changed_;
+    this.changed_ = false;
+    return changed;
+  }
+
+  pump(): void {
+    if (this.ended !== null || !this.model.isOpen) return;
+    const now = performance.now();
+    this.fail(this.model.step(now));
+    if (this.socket?.readyState === WebSocket.OPEN && !this.model.isConnected()) this.drop();
+    if (this.ended === null && !this.socket && this.model.wantsConnection(now)) this.connect();
+    this.send();
+    this.passJobs();
+    this.passQueries();
+    this.passArrivals();
+  }
+
+  close(): void {
+    this.ended ??= "closed";
+    this.drop();
+  }
+
+  private connect(): void {
+    const socket = new WebSocket(socketUrl());
+    socket.binaryType = "arraybuffer";
+    this.socket = socket;
+    this.deadline = window.setTimeout(() => this.lose(socket, "the server does not answer"), kConnectDeadlineMs);
+    socket.onopen = () => {
+      clearTimeout(this.deadline);
+      if (this.socket !== socket) return;
+      this.model.connect(performance.now());
+      this.pump();
+    };
+    socket.onmessage = (event: MessageEvent<ArrayBuffer>) => this.receive(socket, new Uint8Array(event.data));
+    socket.onclose = (event) => this.lose(socket, event.reason || "the connection to the server is lost");
+  }
+
+  private receive(socket: WebSocket, bytes: Uint8Array): void {
+    if (this.socket !== socket || this.ended !== null) return;
+    this.changed_ = true;
+    const problem = this.model.receive(bytes, performance.now());
+    if (problem) {
+      this.drop();
+      if (problem.final) this.ended = problem.error;
+      return;
+    }
+    this.pump();
+  }
+
+  /** Tells the core that a socket is lost. */
+  private lose(socket: WebSocket, why: string): void {
+    if (this.socket !== socket) return;
+    this.drop();
+    this.changed_ = true;
+    if (this.ended === null && this.model.isOpen) this.fail(this.model.disconnect(why, performance.now()));
+  }
+
+  /** Closes the socket without telling the core. */
+  private drop(): void {
+    clearTimeout(this.deadline);
+    const socket = this.socket;
+    this.socket = null;
+    socket?.close();
+  }
+
+  private fail(error: string | null): void {
+    if (error === null) return;
+    this.ended = error;
+    this.changed_ = true;
+    this.drop();
+  }
+
+  private send(): void {
+    if (this.socket?.readyState !== WebSocket.OPEN) return;
+    for (let bytes = this.model.takeOutgoing(); bytes; bytes = this.model.takeOutgoing()) this.socket.send(bytes);
+  }
+
+  private passJobs(): void {
+    while (this.pool.hasRoom) {
+      const job = this.model.takeJob();
+      if (!job) return;
+      this.pool.run(job, (result) => {
+        if (!this.model.isOpen) return;
+        this.changed_ = true;
+        this.model.finishJob(result);
+        this.pump();
+      });
+    }
+  }
+
+  private passQueries(): void {
+    while (this.queries < kMostQueries) {
+      const query = this.model.takeCacheQuery();
+      if (!query) return;
+      ++this.queries;
+      void this.cache.get(query.digest).then((blob) => {
+        --this.queries;
+        if (!this.model.isOpen) return;
+        this.changed_ = true;
+        this.model.finishCacheQuery(query.number, blob);
+        this.pump();
+      });
+    }
+  }
+
+  private passArrivals(): void {
+    for (let blob = this.model.takeArrival(); blob; blob = this.model.takeArrival())
+      void this.cache.put(blob.digest, blob.bytes);
+  }
+}

@@ -1,0 +1,301 @@
+import { kCameraKinds, kShowModes, type FrameAnswer, type Side } from "./contract";
+import { copyText, find } from "./dom";
+import { explainStart, report } from "./errors";
+import { startHost, type Host } from "./host";
+import { Input } from "./input";
+import type { Command } from "./keys";
+import { formatLink, modelLink, type PageLink } from "./link";
+import { Measure } from "./measure";
+import { Panel } from "./panel";
+import { fetchModels, nativeLink } from "./server";
+import { Session } from "./session";
+import { defaultSettings, keepMemoryBytes, kThresholdsPx, thresholdIndex, type Settings } from "./settings";
+import { StatusView } from "./status_view";
+
+/** Time between frames while nothing changes, and between looks at the server in a hidden tab. */
+const kIdleMs = 250;
+const kHiddenMs = 5000;
+/** Longest step of time between two frames for the motion of the camera. */
+const kMostSeconds = 0.1;
+/** Time that a driver gets to restore its context before the page tries anew. */
+const kRestoreMs = 3000;
+
+/** State that tests read. */
+export interface ViewerState {
+  converged: boolean;
+  settled: boolean;
+  triangles: number;
+  error_px: number;
+  received_bytes: number;
+  first_picture_ms: number | null;
+  parts: number;
+  frames: number;
+}
+
+/** The page of one model: connects the session, the input and the controls. */
+export class Viewer {
+  private readonly settings: Settings = defaultSettings();
+  private readonly status = new StatusView(() => this.restart());
+  private readonly panel: Panel;
+  private readonly input: Input;
+  private readonly measure: Measure;
+  private host: Host | null = null;
+  private session: Session | null = null;
+  private answer: (FrameAnswer & { drawn: boolean }) | null = null;
+  private animation = 0;
+  private hidden_timer = 0;
+  private last_ms = 0;
+  private is_dirty = true;
+  private is_closed = false;
+  private frames = 0;
+  private first_picture_ms: number | null = null;
+
+  constructor(
+    private readonly name: string,
+    private link: PageLink,
+  ) {
+    this.settings.threshold_px = link.threshold_px ?? this.settings.threshold_px;
+    this.settings.show = link.show ?? this.settings.show;
+    document.title = `${name} – Lodestream`;
+    find("#title").textContent = name;
+    find("#viewer").hidden = false;
+    this.input = new Input(find("#stage"), {
+      click: (x, y) => this.click(x, y),
+      command: (command) => this.command(command),
+    });
+    this.measure = new Measure(() => (this.is_dirty = true));
+    this.panel = new Panel(this.settings, {
+      changed: () => (this.is_dirty = true),
+      memory: (bytes) => this.setMemory(bytes),
+      command: (command) => this.command(command),
+      kind: (kind) => this.chooseKind(kind),
+      copyLink: () => void this.copyLink(),
+    });
+    this.status.loading(name);
+    this.hidden_timer = window.setInterval(() => document.hidden && this.session?.stream.pump(), kHiddenMs);
+    void this.open();
+    void this.findNativeLink();
+  }
+
+  close(): void {
+    this.is_closed = true;
+    cancelAnimationFrame(this.animation);
+    clearInterval(this.hidden_timer);
+    this.session?.close();
+    this.input.dispose();
+    this.measure.dispose();
+    this.panel.dispose();
+    this.status.dispose();
+    find("#viewer").hidden = true;
+  }
+
+  /** Shows another link to the same model. */
+  follow(link: PageLink): void {
+    this.link = link;
+    this.settings.threshold_px = link.threshold_px ?? this.settings.threshold_px;
+    this.settings.show = link.show ?? this.settings.show;
+    this.panel.showSettings();
+    if (link.camera) this.restart(link.camera);
+  }
+
+  get modelName(): string {
+    return this.name;
+  }
+
+  state(): ViewerState {
+    const status = this.answer?.status;
+    return {
+      converged: (status?.converged ?? false) && !this.session?.isBusy,
+      settled: status?.settled ?? false,
+      triangles: status?.triangles ?? 0,
+      error_px: status?.error_px ?? Infinity,
+      received_bytes: status?.received_bytes ?? 0,
+      first_picture_ms: this.first_picture_ms,
+      parts: this.session?.partCount ?? 0,
+      frames: this.frames,
+    };
+  }
+
+  /** Returns the camera of the last frame, or null before it. */
+  get camera() {
+    return this.answer?.camera ?? null;
+  }
+
+  private async open(): Promise<void> {
+    try {
+      this.host = await startHost();
+      if (this.is_closed) return;
+      this.restart(this.link.camera);
+      this.animation = requestAnimationFrame((now) => this.frame(now));
+    } catch (error) {
+      report(error);
+      this.status.fail(explainStart(error), false);
+    }
+  }
+
+  /** Opens the model anew, with the camera of now unless another is given. */
+  private restart(camera = this.answer?.camera ?? this.link.camera): void {
+    if (!this.host || this.is_closed) return;
+    this.session?.close();
+    this.session = null;
+    try {
+      this.session = new Session(this.host, this.name, this.settings, camera, {
+        contextLost: () => this.contextLost(),
+        contextRestored: () => this.restart(),
+      });
+      this.status.restarted();
+      this.is_dirty = true;
+    } catch (error) {
+      report(error);
+      this.status.fail(explainStart(error), true);
+    }
+  }
+
+  private contextLost(): void {
+    this.status.trouble("The graphics driver has restarted. The picture comes back in a moment.");
+    const lost = this.session;
+    window.setTimeout(() => {
+      if (lost === this.session) this.restart();
+    }, kRestoreMs);
+  }
+
+  private frame(now: number): void {
+    this.animation = requestAnimationFrame((next) => this.frame(next));
+    const session = this.session;
+    if (!session || session.isLost) return;
+    session.stream.pump();
+    const failure = session.stream.failure;
+    if (failure !== null) this.status.fail(failure, true);
+    const has_size = session.resize();
+    if (!session.start()) return;
+    const has_news = session.stream.takeChanged() || this.input.hasInput || has_size || this.is_dirty;
+    const goes_on = session.isBusy || (this.answer?.moving ?? true);
+    if (!has_news && !goes_on && now - this.last_ms < kIdleMs) return;
+    this.advance(session, now, has_size || this.is_dirty);
+  }
+
+  private advance(session: Session, now: number, has_changed: boolean): void {
+    const seconds = Math.min(kMostSeconds, Math.max(0, (now - this.last_ms) / 1000));
+    this.last_ms = now;
+    this.is_dirty = false;
+    const orbits = (this.answer?.kind ?? "orbit") === "orbit";
+    const input = this.input.take(session.pxPerCss, seconds, orbits);
+    const answer = (this.answer = session.frame(this.settings, input, seconds, has_changed));
+    ++this.frames;
+    if (session.partCount > 0) this.first_picture_ms ??= performance.now();
+    this.status.show(answer.status, session.partCount > 0);
+    this.status.showScale(answer.kind === "orbit" ? answer.units_per_px * session.pxPerCss : 0);
+    this.panel.show(answer, session.summary);
+    if (answer.drawn) this.measure.draw(session.model, session.pxPerCss);
+  }
+
+  private click(x: number, y: number): void {
+    const session = this.session;
+    if (!session || !this.measure.isOn) return;
+    const pick = session.model.pick(x * session.pxPerCss, y * session.pxPerCss);
+    if (pick) this.measure.add(pick);
+    else this.status.note("There is no surface at this place. Click the model.");
+  }
+
+  private command(command: Command): void {
+    this.is_dirty = true;
+    switch (command.name) {
+      case "camera":
+        return this.input.add({ next_camera: 1 });
+      case "reset":
+        return this.input.add({ reset: true });
+      case "axis":
+        return this.input.add({ next_axis: 1 });
+      case "parallel":
+        return this.input.add({ parallel: true });
+      case "side":
+        return this.look(command.side);
+      case "show":
+        return this.nextShow(command.steps);
+      case "wireframe":
+        return this.setShow(this.settings.show === "wireframe" ? "surface" : "wireframe");
+      case "clay":
+        return this.setShow(
+          this.settings.show === "clay" ? "matcap" : this.settings.show === "matcap" ? "surface" : "clay",
+        );
+      case "finer":
+      case "coarser":
+        return this.changeThreshold(command.name === "finer" ? -1 : 1);
+      case "measure":
+        this.measure.toggle();
+        return this.panel.setMeasuring(this.measure.isOn);
+      case "remove_point":
+        return this.measure.removeLast();
+      case "escape":
+        if (this.measure.isOn) this.command({ name: "measure" });
+        else this.panel.close();
+        return;
+      case "panel":
+        return this.panel.toggle();
+      case "help":
+        return find<HTMLDialogElement>("#help").showModal();
+      case "full_screen":
+        return void toggleFullScreen();
+    }
+  }
+
+  private look(side: Side): void {
+    this.input.add({ side });
+  }
+
+  private nextShow(steps: number): void {
+    const modes = this.panel.modes();
+    const index = (modes.indexOf(this.settings.show) + steps + modes.length) % modes.length;
+    this.setShow(modes[index] ?? "surface");
+  }
+
+  private setShow(show: (typeof kShowModes)[number]): void {
+    this.settings.show = show;
+    this.panel.showSettings();
+  }
+
+  private changeThreshold(steps: number): void {
+    const index = thresholdIndex(this.settings.threshold_px) + steps;
+    this.settings.threshold_px = kThresholdsPx[index] ?? this.settings.threshold_px;
+    this.panel.showSettings();
+  }
+
+  private chooseKind(kind: FrameAnswer["kind"]): void {
+    const now = kCameraKinds.indexOf(this.answer?.kind ?? "orbit");
+    const steps = (kCameraKinds.indexOf(kind) - now + kCameraKinds.length) % kCameraKinds.length;
+    if (steps > 0) this.input.add({ next_camera: steps });
+  }
+
+  private setMemory(bytes: number): void {
+    this.settings.memory_bytes = bytes;
+    keepMemoryBytes(bytes);
+    this.restart();
+  }
+
+  private async copyLink(): Promise<void> {
+    const url = new URL(document.baseURI);
+    url.search = "";
+    url.hash = this.answer
+      ? formatLink(this.name, this.answer.camera, this.settings.threshold_px, this.settings.show)
+      : modelLink(this.name);
+    const copied = await copyText(url.href);
+    this.status.note(copied ? "The link to this view is copied." : `Copy this link: ${url.href}`);
+  }
+
+  private async findNativeLink(): Promise<void> {
+    try {
+      this.panel.setNativeLink(nativeLink(await fetchModels(), this.name));
+    } catch {
+      // The link is a convenience; the stream says what is wrong with the server.
+    }
+  }
+}
+
+async function toggleFullScreen(): Promise<void> {
+  try {
+    if (document.fullscreenElement) await document.exitFullscreen();
+    else await document.documentElement.requestFullscreen();
+  } catch (error) {
+    report(error);
+  }
+}
