@@ -36,6 +36,7 @@ export interface OpenOptions {
   model: string;
   token: string;
   memory_bytes: number;
+  /** A whole number below 2^32. */
   seed: number;
   has_cache: boolean;
 }
@@ -124,9 +125,10 @@ export interface FrameAnswer {
   camera: CameraView;
   uniforms: Record<string, number | number[]>;
   units_per_px: number;
+  parallel: boolean;
+  /** Changes with `parts`, which only answers with a new serial have. The legend belongs to the parts. */
   serial: number;
   parts?: Part[];
-  textures_serial: number;
   status: Status;
   legend?: [colour: string, meaning: string][];
 }
@@ -134,21 +136,29 @@ export interface FrameAnswer {
 export interface Pick {
   point: Vec3;
   off_model: number;
-  px: [number, number];
 }
 
+/** A new serial means that the array of layers is new and empty. */
 export interface TextureState {
   serial: number;
   layers: number;
   table_words: number;
+  /** True if textures have transparent texels. */
+  has_clear: boolean;
 }
 
+/** Texels of an image for a place in the array of layers. */
 export interface TextureUpload {
   layer: number;
   x: number;
   y: number;
   width: number;
   height: number;
-  ptr: number;
-  bytes: number;
+  texels: Uint8Array;
 }
+
+/** Features of the shaders; sums select a program. */
+export const kTextured = 1;
+export const kCutOut = 2;
+export const kColourMode = 4; // any mode but "surface"
+export const kWireframe = 8; // needs kColourMode, and triangles with vertices of their own

@@ -15,10 +15,11 @@ export interface CoreModule {
   _lode_disconnect(model: number, why: number, bytes: number, now_ms: number): number;
   _lode_connected(model: number): number;
   _lode_receive(model: number, pointer: number, bytes: number, now_ms: number): number;
+  _lode_takes_input(model: number): number;
   _lode_step(model: number, now_ms: number): number;
   _lode_take_outgoing(model: number): number;
   _lode_take_job(model: number): number;
-  _lode_finish_job(model: number, pointer: number, bytes: number): void;
+  _lode_finish_job(model: number, pointer: number, bytes: number): number;
   _lode_take_cache_query(model: number): number;
   _lode_finish_cache_query(model: number, query: number, pointer: number, bytes: number): void;
   _lode_take_arrival(model: number): number;
@@ -32,10 +33,10 @@ export interface CoreModule {
   _lode_frame(model: number, now_ms: number, json: number, bytes: number): number;
   _lode_mesh_vertices(model: number, id: number): number;
   _lode_mesh_indices(model: number, id: number): number;
-  _lode_mesh_stride(model: number): number;
+  _lode_mesh_stride(model: number, id: number): number;
   _lode_pick(model: number, x_px: number, y_px: number): number;
   _lode_project(model: number, json: number, bytes: number): number;
-  _lode_shader(model: number, stage: number): number;
+  _lode_shader(stage: number, parts: number): number;
   _lode_textures(model: number): number;
   _lode_texture_table(model: number): number;
   _lode_take_texture_upload(model: number): number;
@@ -97,23 +98,23 @@ export class Core {
     return this.withBytes(kEncoder.encode(text), call);
   }
 
+  /** Returns the answer of the last call in the core's memory. It is valid until the next call. */
+  answerView(): Uint8Array {
+    const pointer = this.module._lode_answer() >>> 0;
+    return this.module.HEAPU8.subarray(pointer, pointer + this.module._lode_answer_bytes());
+  }
+
   /** Returns a copy of the answer of the last call. */
   answer(): Uint8Array<ArrayBuffer> {
-    return this.copy(this.module._lode_answer(), this.module._lode_answer_bytes());
+    return this.answerView().slice() as Uint8Array<ArrayBuffer>;
   }
 
   answerText(): string {
-    const pointer = this.module._lode_answer() >>> 0;
-    return kDecoder.decode(this.module.HEAPU8.subarray(pointer, pointer + this.module._lode_answer_bytes()));
+    return kDecoder.decode(this.answerView());
   }
 
   /** Returns the answer, parsed. The core is trusted: it and the page come from one build. */
   answerJson<T>(): T {
     return JSON.parse(this.answerText()) as T;
-  }
-
-  copy(pointer: number, bytes: number): Uint8Array<ArrayBuffer> {
-    const from = pointer >>> 0;
-    return this.module.HEAPU8.slice(from, from + bytes) as Uint8Array<ArrayBuffer>;
   }
 }

@@ -24,6 +24,7 @@ export interface Arrival {
 }
 
 const kDigestBytes = 32; // length of the hexadecimal digest in front of an arrival
+const kUploadHeadBytes = 20; // length of layer, x, y, width and height in front of texels
 
 /** One model that the core streams and shows. */
 export class CoreModel {
@@ -67,12 +68,20 @@ export class CoreModel {
     return ended ? this.errorText() : null;
   }
 
-  /** Passes received bytes. Returns an error after which the socket must be closed, else null. */
-  receive(bytes: Uint8Array, now_ms: number): { error: string; final: boolean } | null {
+  /**
+   * Passes received bytes; none let the core go on after takesInput() was false. After an error of the
+   * connection, isConnected() is false. Returns the error if the stream has ended for good, else null.
+   */
+  receive(bytes: Uint8Array, now_ms: number): string | null {
     const failed = this.core.withBytes(bytes, (pointer, size) =>
       this.core.module._lode_receive(this.handle, pointer, size, now_ms),
     );
-    return failed ? this.core.answerJson() : null;
+    return failed ? this.errorText() : null;
+  }
+
+  /** Returns false if received bytes must wait until outgoing bytes are sent. */
+  takesInput(): boolean {
+    return this.core.module._lode_takes_input(this.handle) !== 0;
   }
 
   /** Advances the stream. Returns the error if it has ended for good, else null. */
@@ -88,10 +97,12 @@ export class CoreModel {
     return this.core.module._lode_take_job(this.handle) ? this.core.answer() : null;
   }
 
-  finishJob(result: Uint8Array): void {
-    this.core.withBytes(result, (pointer, size) =>
+  /** Passes the result of a worker. Returns the error if the stream has ended for good, else null. */
+  finishJob(result: Uint8Array): string | null {
+    const failed = this.core.withBytes(result, (pointer, size) =>
       this.core.module._lode_finish_job(this.handle, pointer, size),
     );
+    return failed ? this.errorText() : null;
   }
 
   takeCacheQuery(): CacheQuery | null {
@@ -124,19 +135,23 @@ export class CoreModel {
     return this.core.module._lode_summary(this.handle) ? this.core.answerJson() : null;
   }
 
-  /** Sets the first camera. Returns false if the core needs the coarsest mesh first. */
+  /** Sets the first camera. Returns false if the core needs the coarsest mesh first. @throws Error */
   startCamera(start: StartCamera): boolean {
-    return this.core.withText(
-      JSON.stringify(start),
-      (pointer, size) => this.core.module._lode_start_camera(this.handle, pointer, size) !== 0,
+    const result = this.core.withText(JSON.stringify(start), (pointer, size) =>
+      this.core.module._lode_start_camera(this.handle, pointer, size),
     );
+    if (result < 0) throw new Error(this.errorText());
+    return result > 0;
   }
 
+  /** Advances the camera and selects the parts to draw. @throws Error if the core cannot. */
   frame(now_ms: number, request: FrameRequest): FrameAnswer {
     this.core.withText(JSON.stringify(request), (pointer, size) =>
       this.core.module._lode_frame(this.handle, now_ms, pointer, size),
     );
-    return this.core.answerJson();
+    const answer = this.core.answerJson<FrameAnswer | { error: string }>();
+    if ("error" in answer) throw new Error(answer.error);
+    return answer;
   }
 
   /** Returns the words of a mesh's vertices, or null if the mesh is not resident any more. */
@@ -148,9 +163,9 @@ export class CoreModel {
     return this.core.module._lode_mesh_indices(this.handle, id) ? this.answerWords() : null;
   }
 
-  /** Returns the number of words per vertex. */
-  meshStride(): number {
-    return this.core.module._lode_mesh_stride(this.handle);
+  /** Returns the number of words per vertex: 4, or 6 with texture coordinates. */
+  meshStride(id: number): number {
+    return this.core.module._lode_mesh_stride(this.handle, id);
   }
 
   pick(x_px: number, y_px: number): Pick | null {
@@ -166,25 +181,24 @@ export class CoreModel {
     return this.core.answerJson();
   }
 
-  shader(stage: "vertex" | "fragment"): string {
-    this.core.module._lode_shader(this.handle, stage === "vertex" ? 0 : 1);
-    return this.core.answerText();
-  }
-
+  /** Returns the state of the texture tiles, or null without textures. */
   textures(): TextureState | null {
     return this.core.module._lode_textures(this.handle) ? this.core.answerJson() : null;
   }
 
-  textureTable(): Uint32Array<ArrayBuffer> {
-    this.core.module._lode_texture_table(this.handle);
-    return this.answerWords();
+  /** Returns the words of the table of tiles, or null if none has changed since the last call. */
+  textureTable(): Uint32Array<ArrayBuffer> | null {
+    return this.core.module._lode_texture_table(this.handle) ? this.answerWords() : null;
   }
 
-  /** Takes the next upload of texels. `texels` is a view of the core's memory: use it at once. */
-  takeTextureUpload(): { at: TextureUpload; texels: Uint8Array } | null {
+  /** Takes the next image for the array of layers. Use its texels at once: they are in the core's memory. */
+  takeTextureUpload(): TextureUpload | null {
     if (!this.core.module._lode_take_texture_upload(this.handle)) return null;
-    const at = this.core.answerJson<TextureUpload>();
-    return { at, texels: this.core.module.HEAPU8.subarray(at.ptr, at.ptr + at.bytes) };
+    const answer = this.core.answerView();
+    const head = new DataView(answer.buffer, answer.byteOffset, kUploadHeadBytes);
+    const word = (index: number) => head.getUint32(4 * index, true);
+    const texels = answer.subarray(kUploadHeadBytes);
+    return { layer: word(0), x: word(1), y: word(2), width: word(3), height: word(4), texels };
   }
 
   private answerWords(): Uint32Array<ArrayBuffer> {
@@ -194,4 +208,10 @@ export class CoreModel {
   private errorText(): string {
     return this.core.answerJson<{ error: string }>().error;
   }
+}
+
+/** Returns a shader of the mesh program. @param parts  sum of the features, such as kTextured. */
+export function shaderText(core: Core, stage: "vertex" | "fragment", parts: number): string {
+  core.module._lode_shader(stage === "vertex" ? 0 : 1, parts);
+  return core.answerText();
 }

@@ -112,7 +112,7 @@ function makeCard(model: ListedModel): { card: HTMLElement; frame: HTMLElement }
   const link = element("a", { class: "card", href: modelLink(model.name) }, [
     frame,
     element("span", { class: "name" }, [model.name]),
-    element("span", { class: "details" }, [details.join(" · ")]),
+    element("span", { class: "details" }, [details.map((detail) => detail.replace(/ /g, "\u00a0")).join(" · ")]),
   ]);
   return { card: element("li", {}, [link]), frame };
 }

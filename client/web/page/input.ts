@@ -90,7 +90,6 @@ export class Input {
       if (x !== 0 || y !== 0) {
         const css_px = kArrowPxPerS * seconds;
         add(input, "turned_px", x * css_px, y * css_px);
-        input.pressed_px ??= [this.stage.clientWidth / 2, this.stage.clientHeight / 2];
       }
     }
     input.pointer_px = this.pointer;

@@ -7,20 +7,29 @@ import {
   Scene,
   type RawShaderMaterial,
 } from "three";
-import type { Part } from "./contract";
+import { kTextured, kWireframe, type Part } from "./contract";
 import type { CoreModel } from "./core_model";
+import type { MeshPrograms } from "./mesh_programs";
 
 /** Bytes that a frame uploads, so that frames stay short. */
 const kUploadBytes = 8e6;
 /** Age of a waiting list at which the rest is uploaded at once, so that a moving camera cannot starve it. */
 const kLongestWaitMs = 400;
+const kTexturedStride = 6; // words per vertex
 
-/** A mesh on the GPU. `isDrawn` is false while the list with it is not complete. */
+/** A mesh on the GPU. Its draw range is empty while it is in no shown list. */
 interface Resident {
   mesh: Mesh<BufferGeometry, RawShaderMaterial>;
-  index_count: number;
+  count: number; // of indices, or of vertices without indices
+  has_texture: boolean;
   flags: number;
   tint: number;
+}
+
+/** Parts to draw, and the features of the shaders that draw them. */
+interface PartList {
+  parts: Part[];
+  features: number;
 }
 
 /**
@@ -28,15 +37,15 @@ interface Resident {
  * shown list stays complete, so that the surface is closed in every frame.
  */
 export class MeshSet {
-  private residents = new Map<number, Resident>();
-  private shown: Part[] = [];
-  private waiting: Part[] | null = null;
+  private readonly residents = new Map<string, Resident>();
+  private shown: PartList = { parts: [], features: 0 };
+  private waiting: PartList | null = null;
   private waiting_since_ms = 0;
 
   constructor(
     private readonly model: CoreModel,
     private readonly scene: Scene,
-    private readonly material: RawShaderMaterial,
+    private readonly programs: MeshPrograms,
   ) {}
 
   get isWaiting(): boolean {
@@ -44,13 +53,13 @@ export class MeshSet {
   }
 
   get partCount(): number {
-    return this.shown.length;
+    return this.shown.parts.length;
   }
 
   /** Sets the next list to show. Replaces a list that is not complete yet. */
-  setParts(parts: Part[]): void {
+  setParts(parts: Part[], features: number): void {
     if (!this.waiting) this.waiting_since_ms = performance.now();
-    this.waiting = parts;
+    this.waiting = { parts, features };
     this.removeUnused();
   }
 
@@ -59,21 +68,16 @@ export class MeshSet {
    * @returns true if the shown list has changed.
    */
   update(): boolean {
-    if (!this.waiting) return false;
+    const list = this.waiting;
+    if (!list) return false;
     const is_late = performance.now() - this.waiting_since_ms > kLongestWaitMs;
     let left = is_late ? Infinity : kUploadBytes;
-    for (const [id] of this.waiting) {
-      if (this.residents.has(id)) continue;
+    for (const [id] of list.parts) {
+      if (this.residents.has(keyOf(id, list))) continue;
       if (left <= 0) return false;
-      const bytes = this.upload(id);
-      if (bytes === null) {
-        this.waiting = null; // the core has dropped the mesh: its next list is without it
-        this.removeUnused();
-        return false;
-      }
-      left -= bytes;
+      left -= this.upload(id, list);
     }
-    this.show(this.waiting);
+    this.show(list);
     return true;
   }
 
@@ -82,64 +86,71 @@ export class MeshSet {
     this.residents.clear();
   }
 
-  private show(parts: Part[]): void {
-    this.shown = parts;
+  private show(list: PartList): void {
+    this.shown = list;
     this.waiting = null;
     this.removeUnused();
-    for (const [id, flags, tint] of parts) {
-      const resident = this.residents.get(id);
+    for (const [id, flags, tint] of list.parts) {
+      const resident = this.residents.get(keyOf(id, list));
       if (!resident) continue;
       resident.flags = flags;
       resident.tint = tint;
-      resident.mesh.geometry.setDrawRange(0, resident.index_count);
+      const features = resident.has_texture ? list.features : list.features & ~kTextured;
+      resident.mesh.material = this.programs.with(features);
+      resident.mesh.geometry.setDrawRange(0, resident.count);
     }
-    const drawn = new Set(parts.map(([id]) => id));
-    for (const [id, { mesh }] of this.residents) if (!drawn.has(id)) mesh.geometry.setDrawRange(0, 0);
   }
 
   /** Creates a mesh with an empty draw range: the next picture uploads it without drawing it. */
-  private upload(id: number): number | null {
-    const vertices = this.model.meshVertices(id);
-    const indices = this.model.meshIndices(id);
-    if (!vertices || !indices) return null;
-    const stride = this.model.meshStride();
+  private upload(id: number, list: PartList): number {
+    const vertices = this.model.meshVertices(id) ?? new Uint32Array();
+    const indices = this.model.meshIndices(id) ?? new Uint32Array();
+    const stride = this.model.meshStride(id) || kTexturedStride;
+    const has_wires = (list.features & kWireframe) !== 0;
+    const words = has_wires ? withoutIndices(vertices, indices, stride) : vertices;
     const geometry = new BufferGeometry();
-    const buffer = new InterleavedBuffer(vertices, stride);
+    const buffer = new InterleavedBuffer(words, stride);
+    const has_texture = stride >= kTexturedStride;
     geometry.setAttribute("vertex_words", new InterleavedBufferAttribute(buffer, 4, 0));
-    if (stride >= 6) geometry.setAttribute("texture_words", new InterleavedBufferAttribute(buffer, 2, 4));
-    const index = new BufferAttribute(indices, 1);
-    geometry.setIndex(index);
-    geometry.setDrawRange(0, 0);
-    const bytes = vertices.byteLength + indices.byteLength;
+    if (has_texture) geometry.setAttribute("texture_words", new InterleavedBufferAttribute(buffer, 2, 4));
     // The core keeps the data: the page's copy is freed once it is on the GPU.
     buffer.onUpload(() => (buffer.array = new Uint32Array()));
-    index.onUpload(() => (index.array = new Uint32Array()));
+    if (!has_wires) {
+      const index = new BufferAttribute(indices, 1);
+      index.onUpload(() => (index.array = new Uint32Array()));
+      geometry.setIndex(index);
+    }
+    geometry.setDrawRange(0, 0);
 
-    const mesh = new Mesh(geometry, this.material);
-    const resident: Resident = { mesh, index_count: indices.length, flags: 0, tint: 0 };
+    const features = has_texture ? list.features : list.features & ~kTextured;
+    const mesh = new Mesh(geometry, this.programs.with(features));
+    const resident: Resident = { mesh, count: indices.length, has_texture, flags: 0, tint: 0 };
     mesh.frustumCulled = false;
     mesh.matrixAutoUpdate = false;
     mesh.onBeforeRender = () => this.setUniforms(resident);
     this.scene.add(mesh);
-    this.residents.set(id, resident);
-    return bytes;
+    this.residents.set(keyOf(id, list), resident);
+    return words.byteLength + (has_wires ? 0 : indices.byteLength);
   }
 
-  private setUniforms({ flags, tint }: Resident): void {
-    const { draw_flags, draw_tint } = this.material.uniforms;
+  /** Sets the uniforms of a draw call. three.js passes those of a material only once a picture otherwise. */
+  private setUniforms({ mesh, flags, tint }: Resident): void {
+    const { draw_flags, draw_tint } = mesh.material.uniforms;
     if (!draw_flags || !draw_tint || (draw_flags.value === flags && draw_tint.value === tint)) return;
     draw_flags.value = flags;
     draw_tint.value = tint;
-    this.material.uniformsNeedUpdate = true;
+    this.programs.setChanged();
   }
 
   /** Frees meshes that are neither in the shown nor in the waiting list. */
   private removeUnused(): void {
-    const used = new Set([...this.shown, ...(this.waiting ?? [])].map(([id]) => id));
-    for (const [id, resident] of this.residents) {
-      if (used.has(id)) continue;
+    const used = new Set<string>();
+    for (const list of [this.shown, this.waiting])
+      for (const [id] of list?.parts ?? []) if (list) used.add(keyOf(id, list));
+    for (const [key, resident] of this.residents) {
+      if (used.has(key)) continue;
       this.remove(resident);
-      this.residents.delete(id);
+      this.residents.delete(key);
     }
   }
 
@@ -147,4 +158,18 @@ export class MeshSet {
     this.scene.remove(mesh);
     mesh.geometry.dispose();
   }
+}
+
+/** Returns the key of a mesh in the form that a list needs: with indices, or without for edges. */
+function keyOf(id: number, { features }: PartList): string {
+  return (features & kWireframe) !== 0 ? `wires ${id}` : String(id);
+}
+
+/** Returns the vertices of each triangle in turn: the shader of edges numbers the corners by the vertex. */
+function withoutIndices(vertices: Uint32Array, indices: Uint32Array, stride: number): Uint32Array {
+  const words = new Uint32Array(indices.length * stride);
+  indices.forEach((index, corner) => {
+    words.set(vertices.subarray(index * stride, (index + 1) * stride), corner * stride);
+  });
+  return words;
 }

@@ -86,7 +86,8 @@ export class Panel {
       for (const button of document.querySelectorAll<HTMLElement>("[data-kind]"))
         button.setAttribute("aria-pressed", String(button.dataset["kind"] === answer.kind));
     }
-    this.showLegend(answer.legend ?? []);
+    find("#parallel").setAttribute("aria-pressed", String(answer.parallel));
+    if (answer.legend) this.showLegend(answer.legend);
   }
 
   setMeasuring(is_on: boolean): void {
@@ -116,7 +117,7 @@ export class Panel {
 
   private fill(): void {
     this.memory.replaceChildren(
-      ...kMemoryChoices.map((bytes) => element("option", { value: String(bytes) }, [formatBytes(bytes)])),
+      ...kMemoryChoices.map((bytes) => element("option", { value: String(bytes) }, [formatBytes(bytes).replace(".0", "")])),
     );
     this.threshold.max = String(kThresholdsPx.length - 1);
     this.fillModes();

@@ -1,7 +1,8 @@
-import { Camera, DoubleSide, GLSL3, RawShaderMaterial, Scene, WebGLRenderer, type IUniform } from "three";
+import { Camera, Scene, WebGLRenderer, type IUniform } from "three";
 import { makeBackground } from "./background";
-import type { FrameAnswer } from "./contract";
+import type { FrameAnswer, Part, ShowMode } from "./contract";
 import type { CoreModel } from "./core_model";
+import { MeshPrograms } from "./mesh_programs";
 import { MeshSet } from "./mesh_set";
 import { TileTextures } from "./tile_textures";
 
@@ -18,80 +19,84 @@ export function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer {
   return renderer;
 }
 
+/** What draws a model. It depends on the names of the uniforms, which the first frame tells. */
+interface Drawing {
+  programs: MeshPrograms;
+  meshes: MeshSet;
+}
+
 /** Draws a model as the core describes it. */
 export class Picture {
   private readonly scene = new Scene();
   private readonly camera = new Camera(); // three.js wants one; the core's uniforms are the camera
   private readonly background = makeBackground();
-  private material: RawShaderMaterial | null = null;
-  private meshes: MeshSet | null = null;
-  private textures: TileTextures | null = null;
-  private drawn = "";
+  private readonly textures: TileTextures;
+  private drawing: Drawing | null = null;
+  private parts: Part[] = [];
+  private features = -1;
+  private look = "";
 
   constructor(
     private readonly model: CoreModel,
     private readonly renderer: WebGLRenderer,
   ) {
+    this.textures = new TileTextures(model, renderer);
     this.scene.matrixWorldAutoUpdate = false;
     this.scene.add(this.background);
   }
 
   /** Number of parts in the picture. */
   get partCount(): number {
-    return this.meshes?.partCount ?? 0;
+    return this.drawing?.meshes.partCount ?? 0;
   }
 
   /** True while meshes of the next list are uploaded: draw again in the next frame. */
   get isWaiting(): boolean {
-    return this.meshes?.isWaiting ?? false;
+    return this.drawing?.meshes.isWaiting ?? false;
   }
 
   /** Draws a frame, unless the picture would be the same. @returns true if it was drawn. */
-  draw(answer: FrameAnswer, has_changed = false): boolean {
-    if (!this.material) this.start(answer);
-    if (!this.material || !this.meshes) return false;
-    if (answer.parts) this.meshes.setParts(answer.parts);
-    const is_waiting = this.meshes.isWaiting;
-    this.meshes.update();
-    const has_new_tiles = this.textures?.update(answer.textures_serial) ?? false;
+  draw(answer: FrameAnswer, show: ShowMode, has_changed = false): boolean {
+    const { programs, meshes } = (this.drawing ??= this.start(answer));
+    const has_new_tiles = this.textures.update();
+    const { exist, has_clear } = this.textures;
+    const features = programs.featuresOf(show, exist, has_clear);
+    if (answer.parts || features !== this.features) {
+      this.parts = answer.parts ?? this.parts;
+      this.features = features;
+      meshes.setParts(this.parts, features);
+    }
+    const has_uploads = meshes.isWaiting;
+    meshes.update();
     const look = JSON.stringify(answer.uniforms);
-    if (!has_changed && !is_waiting && !has_new_tiles && look === this.drawn) return false;
-    this.drawn = look;
+    if (!has_changed && !has_uploads && !has_new_tiles && look === this.look) return false;
+    this.look = look;
     for (const [name, value] of Object.entries(answer.uniforms)) {
-      const uniform = this.material.uniforms[name];
+      const uniform = programs.uniforms[name];
       if (uniform) uniform.value = value;
     }
-    this.material.uniformsNeedUpdate = true;
+    programs.setChanged();
     this.renderer.render(this.scene, this.camera);
     return true;
   }
 
   dispose(): void {
-    this.meshes?.dispose();
-    this.textures?.dispose();
-    this.material?.dispose();
+    this.drawing?.meshes.dispose();
+    this.drawing?.programs.dispose();
+    this.textures.dispose();
     this.background.geometry.dispose();
     this.background.material.dispose();
   }
 
-  /** Makes what depends on the model's attributes and on the names of the uniforms. */
-  private start(answer: FrameAnswer): void {
-    const uniforms: Record<string, IUniform> = { draw_flags: { value: 0 }, draw_tint: { value: 0 } };
+  private start(answer: FrameAnswer): Drawing {
+    const uniforms: Record<string, IUniform> = {
+      draw_flags: { value: 0 },
+      draw_tint: { value: 0 },
+      tile_layers: { value: this.textures.layers },
+      tile_table: { value: this.textures.table },
+    };
     for (const [name, value] of Object.entries(answer.uniforms)) uniforms[name] = { value };
-    const has_textures = this.model.summary()?.has_textures ?? false;
-    if (has_textures) {
-      this.textures = new TileTextures(this.model, this.renderer);
-      uniforms["tile_layers"] = { value: this.textures.layers };
-      uniforms["tile_table"] = { value: this.textures.table };
-    }
-    this.material = new RawShaderMaterial({
-      glslVersion: GLSL3,
-      vertexShader: this.model.shader("vertex"),
-      fragmentShader: this.model.shader("fragment"),
-      uniforms,
-      side: DoubleSide,
-      alphaToCoverage: has_textures,
-    });
-    this.meshes = new MeshSet(this.model, this.scene, this.material);
+    const programs = new MeshPrograms(this.model.core, this.renderer, uniforms);
+    return { programs, meshes: new MeshSet(this.model, this.scene, programs) };
   }
 }

@@ -10,8 +10,8 @@ export interface ListedModel {
 
 export interface ModelList {
   models: ListedModel[];
-  /** Address of the native protocol, such as "lode://host:7400" or "lodes://:7400"; absent if unknown. */
-  native?: string;
+  /** Port of the native protocol; null if other machines cannot reach it. */
+  native?: { port: number; tls: boolean } | null;
 }
 
 /** An HTTP status that the page explains. */
@@ -64,13 +64,11 @@ export async function fetchModels(): Promise<ModelList> {
   return (await response.json()) as ModelList;
 }
 
-/** Returns the link that opens a model in the desktop client, or null if the server's port is unknown. */
+/** Returns the link that opens a model in the desktop client, or null if this cannot reach the server. */
 export function nativeLink(list: ModelList, model: string): string | null {
-  const parts = /^(lodes?):\/\/(\[[^\]]*\]|[^:/]*)(?::(\d+))?\/?$/.exec(list.native ?? "");
-  if (!parts) return null;
-  const [, scheme, host, port] = parts;
-  const anywhere = !host || host === "0.0.0.0" || host === "[::]";
-  return `${scheme}://${anywhere ? location.hostname : host}${port ? `:${port}` : ""}/${encodeURIComponent(model)}`;
+  if (!list.native) return null;
+  const { port, tls } = list.native;
+  return `${tls ? "lodes" : "lode"}://${location.hostname}:${port}/${encodeURIComponent(model)}`;
 }
 
 /** Returns the path of the page's folder, with a slash at its end. */

@@ -37,16 +37,18 @@ export class Session {
   ) {
     this.canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
+      if (this.model.isOpen) listener.contextLost();
       this.is_lost = true;
-      listener.contextLost();
     });
-    this.canvas.addEventListener("webglcontextrestored", () => listener.contextRestored());
+    this.canvas.addEventListener("webglcontextrestored", () => {
+      if (this.model.isOpen) listener.contextRestored();
+    });
     this.renderer = makeRenderer(this.canvas);
     this.model = new CoreModel(host.core, {
       model: name,
       token: token(),
       memory_bytes: settings.memory_bytes,
-      seed: Math.random(),
+      seed: Math.floor(Math.random() * 2 ** 32),
       has_cache: host.cache.canKeep,
     });
     this.stream = new Stream(this.model, host.pool, host.cache);
@@ -101,7 +103,7 @@ export class Session {
     const { threshold_px, show } = settings;
     const request = { ...this.size(), threshold_px, show, seconds, ...input };
     const answer = this.model.frame(performance.now(), request);
-    return { ...answer, drawn: this.picture.draw(answer, has_changed) };
+    return { ...answer, drawn: this.picture.draw(answer, show, has_changed) };
   }
 
   close(): void {

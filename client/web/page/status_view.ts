@@ -108,9 +108,14 @@ export class StatusView {
 /** Returns the trouble of a stream in a sentence, or "". */
 function describe(status: Status): string {
   if (status.failure) return sentence(status.failure);
-  if (status.trouble) return `${sentence(status.trouble)} The picture stays; the viewer tries again by itself.`;
+  if (status.trouble) return troubleWords(status.trouble);
   if (status.lost_tiles > 0) return "Some images of the surface cannot be read. Reload the page to try again.";
   return "";
+}
+
+/** Returns a sentence about a missing connection, or "". */
+export function troubleWords(why: string): string {
+  return why ? `${sentence(why)} The viewer tries again by itself.` : "";
 }
 
 function sentence(text: string): string {

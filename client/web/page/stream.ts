@@ -16,7 +16,9 @@ export class Stream {
   private socket: WebSocket | null = null;
   private deadline = 0;
   private queries = 0;
+  private waiting: Uint8Array[] = []; // received bytes that the core does not take yet
   private ended: string | null = null;
+  private trouble_ = "";
   private changed_ = false;
 
   constructor(
@@ -30,6 +32,11 @@ export class Stream {
     return this.ended;
   }
 
+  /** The reason why there is no connection while the core tries again, or "". */
+  get trouble(): string {
+    return this.trouble_;
+  }
+
   /** Returns true if something arrived since the last call. */
   takeChanged(): boolean {
     const changed = this.changed_;
@@ -41,9 +48,10 @@ export class Stream {
     if (this.ended !== null || !this.model.isOpen) return;
     const now = performance.now();
     this.fail(this.model.step(now));
-    if (this.socket?.readyState === WebSocket.OPEN && !this.model.isConnected()) this.drop();
+    this.check();
     if (this.ended === null && !this.socket && this.model.wantsConnection(now)) this.connect();
     this.send();
+    this.passInput();
     this.passJobs();
     this.passQueries();
     this.passArrivals();
@@ -62,6 +70,7 @@ export class Stream {
     socket.onopen = () => {
       clearTimeout(this.deadline);
       if (this.socket !== socket) return;
+      this.trouble_ = "";
       this.model.connect(performance.now());
       this.pump();
     };
@@ -72,19 +81,37 @@ export class Stream {
   private receive(socket: WebSocket, bytes: Uint8Array): void {
     if (this.socket !== socket || this.ended !== null) return;
     this.changed_ = true;
-    const problem = this.model.receive(bytes, performance.now());
-    if (problem) {
-      this.drop();
-      if (problem.final) this.ended = problem.error;
-      return;
-    }
+    this.waiting.push(bytes);
     this.pump();
+  }
+
+  /** Passes received bytes to the core, which takes no more while its own bytes are not sent. */
+  private passInput(): void {
+    let is_blocked = !this.model.takesInput();
+    while (this.socket && this.ended === null && (is_blocked || this.waiting.length > 0)) {
+      this.send();
+      if (!this.model.takesInput()) return;
+      const bytes = is_blocked ? new Uint8Array() : (this.waiting.shift() ?? new Uint8Array());
+      this.fail(this.model.receive(bytes, performance.now()));
+      this.check();
+      is_blocked = !this.model.takesInput();
+    }
+    this.send();
+  }
+
+  /** Closes the socket if the core has ended the connection, or wants another because the server leaves. */
+  private check(): void {
+    const socket = this.socket;
+    if (this.ended !== null || socket?.readyState !== WebSocket.OPEN) return;
+    if (!this.model.isConnected()) this.drop();
+    else if (this.model.wantsConnection(performance.now())) this.lose(socket, "the server asks to connect again");
   }
 
   /** Tells the core that a socket is lost. */
   private lose(socket: WebSocket, why: string): void {
     if (this.socket !== socket) return;
     this.drop();
+    this.trouble_ = why;
     this.changed_ = true;
     if (this.ended === null && this.model.isOpen) this.fail(this.model.disconnect(why, performance.now()));
   }
@@ -94,6 +121,7 @@ export class Stream {
     clearTimeout(this.deadline);
     const socket = this.socket;
     this.socket = null;
+    this.waiting = [];
     socket?.close();
   }
 
@@ -116,7 +144,7 @@ export class Stream {
       this.pool.run(job, (result) => {
         if (!this.model.isOpen) return;
         this.changed_ = true;
-        this.model.finishJob(result);
+        this.fail(this.model.finishJob(result));
         this.pump();
       });
     }

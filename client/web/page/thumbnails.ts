@@ -73,7 +73,7 @@ export class Thumbnails {
       model: listed.name,
       token: token(),
       memory_bytes: kMemoryBytes,
-      seed: Math.random(),
+      seed: Math.floor(Math.random() * 2 ** 32),
       has_cache: host.cache.canKeep,
     });
     const stream = new Stream(model, host.pool, host.cache);
@@ -102,10 +102,10 @@ export class Thumbnails {
         if (model.summary()) is_started = model.startCamera({ ...size, up: null, camera: null });
         continue;
       }
-      const request = { ...size, threshold_px: kThresholdPx, seconds: 0.016, show: "surface" as const };
+      const request = { ...size, threshold_px: kThresholdPx, seconds: 0, show: "surface" as const };
       const answer = model.frame(now, request);
       const is_final = answer.status.converged && answer.status.settled && !picture.isWaiting;
-      picture.draw(answer, is_final || is_late);
+      picture.draw(answer, request.show, is_final || is_late);
       has_parts = picture.partCount > 0;
       if (!has_parts || (!(is_final && !picture.isWaiting) && !is_late)) continue;
       const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/webp", 0.85));

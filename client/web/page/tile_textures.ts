@@ -13,28 +13,37 @@ export class TileTextures {
   readonly layers = new ExternalTexture();
   readonly table = new ExternalTexture();
   private readonly gl: WebGL2RenderingContext;
-  private layer_count = 0;
   private table_rows = 0;
   private serial = -1;
+  private state: TextureState | null = null;
 
   constructor(
     private readonly model: CoreModel,
     private readonly renderer: WebGLRenderer,
   ) {
     this.gl = renderer.getContext() as WebGL2RenderingContext;
-    this.resize(1);
-    this.setTable(new Uint32Array(1));
+  }
+
+  /** True if the model has textures. */
+  get exist(): boolean {
+    return this.state !== null;
+  }
+
+  /** True if textures have transparent texels. */
+  get has_clear(): boolean {
+    return this.state?.has_clear ?? false;
   }
 
   /** Uploads new tiles, then the table that refers to them. @returns true if the picture may change. */
-  update(serial: number): boolean {
-    if (serial === this.serial) return false;
-    this.serial = serial;
-    const state: TextureState | null = this.model.textures();
-    if (!state) return false;
-    if (state.layers > this.layer_count) this.resize(state.layers);
-    this.uploadTiles();
-    this.setTable(this.model.textureTable());
+  update(): boolean {
+    this.state = this.model.textures();
+    if (!this.state) return false;
+    const is_new = this.state.serial !== this.serial;
+    if (is_new) this.makeLayers(this.state);
+    const has_tiles = this.uploadTiles();
+    const table = this.model.textureTable();
+    if (table) this.setTable(table);
+    if (!is_new && !has_tiles && !table) return false;
     this.renderer.resetState();
     return true;
   }
@@ -44,52 +53,31 @@ export class TileTextures {
     this.gl.deleteTexture(this.table.sourceTexture as WebGLTexture | null);
   }
 
-  private uploadTiles(): void {
+  private uploadTiles(): boolean {
     const gl = this.gl;
+    let upload = this.model.takeTextureUpload();
+    if (!upload) return false;
     gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.layers.sourceTexture as WebGLTexture);
     this.setUnpacking();
-    for (let upload = this.model.takeTextureUpload(); upload; upload = this.model.takeTextureUpload()) {
-      const { layer, x, y, width, height } = upload.at;
-      gl.texSubImage3D(
-        gl.TEXTURE_2D_ARRAY,
-        0,
-        x,
-        y,
-        layer,
-        width,
-        height,
-        1,
-        gl.RGBA,
-        gl.UNSIGNED_BYTE,
-        upload.texels,
-      );
+    for (; upload; upload = this.model.takeTextureUpload()) {
+      const { layer, x, y, width, height, texels } = upload;
+      const { RGBA, UNSIGNED_BYTE } = gl;
+      gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, x, y, layer, width, height, 1, RGBA, UNSIGNED_BYTE, texels);
     }
+    return true;
   }
 
-  /** Makes room for more layers and keeps the tiles that are there. */
-  private resize(layers: number): void {
+  /** Makes the empty array of a new set of textures. */
+  private makeLayers({ serial, layers }: TextureState): void {
     const gl = this.gl;
-    const most = gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS) as number;
-    const old = this.layers.sourceTexture as WebGLTexture | null;
-    const kept = this.layer_count;
-    const count = Math.min(Math.max(layers, this.layer_count * 2), most);
+    gl.deleteTexture(this.layers.sourceTexture as WebGLTexture | null);
     const texture = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D_ARRAY, texture);
-    gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.SRGB8_ALPHA8, kTilePx, kTilePx, count);
+    gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.SRGB8_ALPHA8, kTilePx, kTilePx, Math.max(1, layers));
     this.setSampling(gl.TEXTURE_2D_ARRAY, gl.LINEAR);
-    if (old) {
-      const framebuffer = gl.createFramebuffer();
-      gl.bindFramebuffer(gl.READ_FRAMEBUFFER, framebuffer);
-      for (let layer = 0; layer < kept; ++layer) {
-        gl.framebufferTextureLayer(gl.READ_FRAMEBUFFER, gl.COLOR_ATTACHMENT0, old, 0, layer);
-        gl.copyTexSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, layer, 0, 0, kTilePx, kTilePx);
-      }
-      gl.deleteFramebuffer(framebuffer);
-      gl.deleteTexture(old);
-    }
     this.layers.sourceTexture = texture;
-    this.layer_count = count;
-    this.renderer.resetState();
+    this.serial = serial;
+    this.setTable(new Uint32Array(1));
   }
 
   private setTable(words: Uint32Array): void {
@@ -109,7 +97,6 @@ export class TileTextures {
     gl.bindTexture(gl.TEXTURE_2D, this.table.sourceTexture as WebGLTexture);
     this.setUnpacking();
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, kTableWidth, rows, gl.RED_INTEGER, gl.UNSIGNED_INT, padded);
-    this.renderer.resetState();
   }
 
   private setUnpacking(): void {

@@ -10,7 +10,7 @@ import { Panel } from "./panel";
 import { fetchModels, nativeLink } from "./server";
 import { Session } from "./session";
 import { defaultSettings, keepMemoryBytes, kThresholdsPx, thresholdIndex, type Settings } from "./settings";
-import { StatusView } from "./status_view";
+import { StatusView, troubleWords } from "./status_view";
 
 /** Time between frames while nothing changes, and between looks at the server in a hidden tab. */
 const kIdleMs = 250;
@@ -167,7 +167,19 @@ export class Viewer {
     const failure = session.stream.failure;
     if (failure !== null) this.status.fail(failure, true);
     const has_size = session.resize();
-    if (!session.start()) return;
+    try {
+      if (session.start()) this.drawChanges(session, now, has_size);
+      else if (failure === null) this.status.trouble(troubleWords(session.stream.trouble));
+    } catch (error) {
+      report(error);
+      this.session = null;
+      session.close();
+      this.status.fail(error instanceof Error ? error.message : String(error), true);
+    }
+  }
+
+  /** Draws a frame if anything has changed. */
+  private drawChanges(session: Session, now: number, has_size: boolean): void {
     const has_news = session.stream.takeChanged() || this.input.hasInput || has_size || this.is_dirty;
     const goes_on = session.isBusy || (this.answer?.moving ?? true);
     if (!has_news && !goes_on && now - this.last_ms < kIdleMs) return;
