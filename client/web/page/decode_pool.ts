@@ -4,77 +4,96 @@ export interface WorkerSetup {
   compiled: WebAssembly.Module;
 }
 export interface WorkerJob {
-  job: Uint8Array<ArrayBuffer>;
+  job: Uint8Array;
 }
-/** `result` is empty if the worker could not decode the job. */
+/** `result` is null if the worker could not decode the job. */
 export interface WorkerResult {
-  result: Uint8Array<ArrayBuffer>;
+  result: Uint8Array<ArrayBuffer> | null;
 }
 
-type Done = (result: Uint8Array) => void;
-
-/** Jobs per worker that are taken from the core ahead of time, so that no worker waits for a frame. */
-const kJobsPerWorker = 3;
-const kMostWorkers = 4;
+/** A job in the queue or at a worker. */
+interface PooledJob {
+  job: Uint8Array;
+  done: (result: Uint8Array | null) => void;
+  has_failed: boolean;
+}
 
 interface DecodeWorker {
   thread: Worker;
-  done: Done | null; // function of the job in progress; null if idle
+  running: PooledJob | null;
 }
 
+const kMostWorkers = 4;
+/** Jobs per worker that are taken from the core ahead of time, so that no worker waits for a frame. */
+const kJobsPerWorker = 3;
+
 export class DecodePool {
-  private workers: DecodeWorker[] = [];
-  private queue: { job: Uint8Array<ArrayBuffer>; done: Done }[] = [];
+  private readonly workers: DecodeWorker[] = [];
+  private readonly queue: PooledJob[] = [];
 
   constructor(private readonly compiled: WebAssembly.Module) {
     const cores = navigator.hardwareConcurrency || 2;
     const count = Math.max(1, Math.min(kMostWorkers, cores - 1));
-    for (let i = 0; i < count; ++i) this.workers.push(this.makeWorker());
+    for (let i = 0; i < count; ++i) this.workers.push(this.start({ running: null }));
   }
 
   /** True if another job may be added: the queue is bounded, so that the newest requests come first. */
   get hasRoom(): boolean {
-    const running = this.workers.filter((worker) => worker.done).length;
+    const running = this.workers.filter((worker) => worker.running).length;
     return this.queue.length + running < this.workers.length * kJobsPerWorker;
   }
 
-  /** Decodes a job. Calls `done` later with the result, which is empty if a worker failed. */
-  run(job: Uint8Array<ArrayBuffer>, done: Done): void {
-    this.queue.push({ job, done });
+  /** Decodes a job. Calls `done` later with the result, or with null if two workers have failed. */
+  run(job: Uint8Array, done: (result: Uint8Array | null) => void): void {
+    this.queue.push({ job, done, has_failed: false });
     this.dispatch();
   }
 
   private dispatch(): void {
     for (const worker of this.workers) {
-      if (worker.done) continue;
+      if (worker.running) continue;
       const next = this.queue.shift();
       if (!next) return;
-      worker.done = next.done;
+      worker.running = next;
       const message: WorkerJob = { job: next.job };
-      worker.thread.postMessage(message, [next.job.buffer]);
+      worker.thread.postMessage(message);
     }
   }
 
-  private makeWorker(): DecodeWorker {
+  /** Gives a worker a thread of its own. */
+  private start(worker: { running: PooledJob | null }): DecodeWorker {
     const thread = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
-    const worker: DecodeWorker = { thread, done: null };
-    thread.onmessage = (event: MessageEvent<WorkerResult>) => this.finish(worker, event.data.result);
-    thread.onerror = () => {
-      // A worker that ran out of memory is of no use any more.
-      thread.terminate();
-      const index = this.workers.indexOf(worker);
-      if (index >= 0 && worker.done) this.workers[index] = this.makeWorker();
-      this.finish(worker, new Uint8Array());
+    const started = Object.assign(worker, { thread });
+    thread.onmessage = (event: MessageEvent<WorkerResult>) => {
+      if (event.data.result) this.finish(started, event.data.result);
+      else this.restart(started);
     };
+    thread.onerror = () => this.restart(started);
     const setup: WorkerSetup = { compiled: this.compiled };
     thread.postMessage(setup);
-    return worker;
+    return started;
   }
 
-  private finish(worker: DecodeWorker, result: Uint8Array): void {
-    const done = worker.done;
-    worker.done = null;
+  /** Replaces a thread that has failed, for example because memory ran out, and tries its job once more. */
+  private restart(worker: DecodeWorker): void {
+    worker.thread.terminate();
+    const job = worker.running;
+    if (!job) return; // it never ran: without a job it would fail again and again
+    this.start(worker);
+    if (job.has_failed) {
+      this.finish(worker, null);
+      return;
+    }
+    job.has_failed = true;
+    worker.running = null;
+    this.queue.unshift(job);
     this.dispatch();
-    done?.(result);
+  }
+
+  private finish(worker: DecodeWorker, result: Uint8Array | null): void {
+    const job = worker.running;
+    worker.running = null;
+    this.dispatch();
+    job?.done(result);
   }
 }

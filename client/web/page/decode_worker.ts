@@ -18,12 +18,15 @@ scope.onmessage = (event) => {
     return;
   }
   const { job } = event.data;
-  void decode(job).then((result) => scope.postMessage({ result }, [result.buffer]));
+  decode(job).then(
+    (result) => scope.postMessage({ result }, [result.buffer]),
+    () => scope.postMessage({ result: null }, []),
+  );
 };
 
 async function decode(job: Uint8Array): Promise<Uint8Array<ArrayBuffer>> {
   const it = await core;
-  if (!it) return new Uint8Array();
+  if (!it) throw new Error("a job came before the core");
   const image = it.withBytes(job, (pointer, size) =>
     it.module._lode_job_image(pointer, size) ? it.answer() : null,
   );

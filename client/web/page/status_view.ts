@@ -50,8 +50,8 @@ export class StatusView {
     const line = statusLine(status);
     const corner = find("#line");
     if (corner.textContent !== line) corner.textContent = line;
-    this.say(activity(status));
-    const part = progress(status, this.first_error_px);
+    this.say(this.failed ? "" : activity(status));
+    const part = this.failed ? 1 : progress(status, this.first_error_px);
     const bar = find("#progress");
     bar.style.width = `${(100 * part).toFixed(1)}%`;
     bar.classList.toggle("done", part >= 1);

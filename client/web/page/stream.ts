@@ -7,6 +7,8 @@ import { socketUrl } from "./server";
 const kConnectDeadlineMs = 15_000;
 /** Cache queries that are open at a time. */
 const kMostQueries = 16;
+const kDecoderStopped =
+  "a part of the model cannot be decoded, maybe because memory ran out; close other tabs, or choose a smaller memory limit";
 
 /**
  * Connects a model of the core to its server, the decode workers and the cache. Call pump() once per frame;
@@ -144,7 +146,7 @@ export class Stream {
       this.pool.run(job, (result) => {
         if (!this.model.isOpen) return;
         this.changed_ = true;
-        this.fail(this.model.finishJob(result));
+        this.fail(result ? this.model.finishJob(result) : kDecoderStopped);
         this.pump();
       });
     }
