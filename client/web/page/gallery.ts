@@ -1,7 +1,7 @@
 import { element, find } from "./dom";
 import { explainListing, report } from "./errors";
 import { startHost } from "./host";
-import { modelLink } from "./link";
+import { modelLink, parseLink } from "./link";
 import { fetchModels, HttpError, keepToken, type ListedModel } from "./server";
 import { forgetPictures, Thumbnails } from "./thumbnails";
 import { formatBytes, formatTriangles } from "./words";
@@ -18,12 +18,13 @@ export class Gallery {
   private thumbnails: Thumbnails | null = null;
   private observer: IntersectionObserver | null = null;
 
-  constructor() {
+  /** @param entered  called when the server has accepted a token, to show what the address names. */
+  constructor(private readonly entered: () => void) {
     this.search.addEventListener("input", () => this.filter());
     find<HTMLFormElement>("#token_form").addEventListener("submit", (event) => {
       event.preventDefault();
       keepToken(find<HTMLInputElement>("#token").value.trim());
-      void this.load();
+      void this.load(true);
     });
     find("#retry").addEventListener("click", () => void this.load());
   }
@@ -42,18 +43,23 @@ export class Gallery {
     this.cards.replaceChildren();
   }
 
-  private async load(): Promise<void> {
+  private async load(has_new_token = false): Promise<void> {
     this.say("Loading the list of models…");
     try {
       const { models } = await fetchModels();
       if (this.root.hidden) return;
+      if (has_new_token && parseLink(location.hash).model !== null) {
+        this.entered();
+        return;
+      }
       this.list(models);
       void forgetPictures(models);
     } catch (error) {
       report(error);
       if (this.root.hidden) return;
-      const wants_token = error instanceof HttpError && (error.status === 401 || error.status === 403);
-      this.say(wants_token ? "" : explainListing(error), !wants_token);
+      const wants_token = error instanceof HttpError && error.wantsToken;
+      const refusal = has_new_token ? "The server does not accept this token." : "";
+      this.say(wants_token ? refusal : explainListing(error), !wants_token);
       find("#token_form").hidden = !wants_token;
     }
   }

@@ -5,8 +5,8 @@ import { HeldKeys, commandOf, isTyping, type Command } from "./keys";
 const kClickPx = 4;
 /** Movement by which a finger must move before it turns the model, in CSS pixels. */
 const kTouchSlopPx = 6;
-const kDoubleTapMs = 350;
-const kDoubleTapPx = 30;
+const kDoubleClickMs = 350;
+const kDoubleClickPx = 30;
 /** Wheel delta of one step, in pixels and in lines. */
 const kStepPx = 100;
 const kStepLines = 3;
@@ -35,7 +35,7 @@ export class Input {
   private readonly keys = new HeldKeys();
   private pending: FrameInput = {};
   private pointer: [number, number] = [0, 0];
-  private last_tap = { x: 0, y: 0, at_ms: -Infinity };
+  private last_click = { x: 0, y: 0, at_ms: -Infinity };
   private last_pointer_type = "mouse";
   private readonly removers = new AbortController();
 
@@ -164,17 +164,19 @@ export class Input {
     }
     if (!is_up || finger.shifts) return;
     const [x, y] = this.at(event);
+    const is_touch = event.pointerType === "touch";
     if (Math.hypot(x - finger.start_x, y - finger.start_y) > kClickPx || this.fingers.size > 0) return;
-    if (event.pointerType !== "touch" || finger.is_drag) {
-      if (event.pointerType !== "touch") this.listener.click(x, y);
-      return;
-    }
-    const tap = this.last_tap;
-    const is_second =
-      event.timeStamp - tap.at_ms < kDoubleTapMs && Math.hypot(x - tap.x, y - tap.y) < kDoubleTapPx;
-    if (is_second) this.pending.double_click_px = [x, y];
-    else this.listener.click(x, y);
-    this.last_tap = { x, y, at_ms: is_second ? -Infinity : event.timeStamp };
+    if (!is_touch || !finger.is_drag) this.click(x, y, event.timeStamp, is_touch);
+  }
+
+  /** Browsers report double clicks of a mouse, but double taps not everywhere. */
+  private click(x: number, y: number, at_ms: number, is_touch: boolean): void {
+    const last = this.last_click;
+    const is_near = Math.hypot(x - last.x, y - last.y) < kDoubleClickPx;
+    const is_second = is_near && at_ms - last.at_ms < kDoubleClickMs;
+    if (!is_second) this.listener.click(x, y);
+    else if (is_touch) this.pending.double_click_px = [x, y];
+    this.last_click = { x, y, at_ms: is_second ? -Infinity : at_ms };
   }
 
   private wheel(event: WheelEvent): void {

@@ -17,7 +17,7 @@ declare global {
   }
 }
 
-const gallery = new Gallery();
+const gallery = new Gallery(() => route());
 let viewer: Viewer | null = null;
 
 /** Shows what the address names. */
@@ -35,7 +35,14 @@ function route(): void {
   viewer = null;
   gallery.hide();
   if (link.model === null) gallery.show();
-  else viewer = new Viewer(link.model, link);
+  else viewer = new Viewer(link.model, link, askForToken);
+}
+
+/** Shows the gallery, which asks for a token, and then what the address names. */
+function askForToken(): void {
+  viewer?.close();
+  viewer = null;
+  gallery.show();
 }
 
 watchErrors();

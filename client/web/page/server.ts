@@ -19,6 +19,10 @@ export class HttpError extends Error {
   constructor(readonly status: number) {
     super(`HTTP status ${status}`);
   }
+
+  get wantsToken(): boolean {
+    return this.status === 401 || this.status === 403;
+  }
 }
 
 const kTokenKey = "lodestream-token";

@@ -37,8 +37,10 @@ export class Session {
   ) {
     this.canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
-      if (this.model.isOpen) listener.contextLost();
+      if (!this.model.isOpen) return;
       this.is_lost = true;
+      this.release(); // a restored context refuses objects of the lost one
+      listener.contextLost();
     });
     this.canvas.addEventListener("webglcontextrestored", () => {
       if (this.model.isOpen) listener.contextRestored();
@@ -108,11 +110,17 @@ export class Session {
 
   close(): void {
     this.stream.close();
-    if (!this.is_lost) this.picture.dispose();
     this.model.close();
-    this.renderer.dispose();
-    if (!this.is_lost) this.renderer.forceContextLoss();
+    if (!this.is_lost) {
+      this.release();
+      this.renderer.forceContextLoss();
+    }
     this.canvas.remove();
+  }
+
+  private release(): void {
+    this.picture.dispose();
+    this.renderer.dispose();
   }
 
   private size() {

@@ -7,7 +7,7 @@ import type { Command } from "./keys";
 import { formatLink, modelLink, type PageLink } from "./link";
 import { Measure } from "./measure";
 import { Panel } from "./panel";
-import { fetchModels, nativeLink } from "./server";
+import { fetchModels, HttpError, nativeLink } from "./server";
 import { Session } from "./session";
 import { defaultSettings, keepMemoryBytes, kThresholdsPx, thresholdIndex, type Settings } from "./settings";
 import { StatusView, troubleWords } from "./status_view";
@@ -53,6 +53,7 @@ export class Viewer {
   constructor(
     private readonly name: string,
     private link: PageLink,
+    private readonly wantsToken: () => void,
   ) {
     this.settings.threshold_px = link.threshold_px ?? this.settings.threshold_px;
     this.settings.show = link.show ?? this.settings.show;
@@ -297,8 +298,9 @@ export class Viewer {
   private async findNativeLink(): Promise<void> {
     try {
       this.panel.setNativeLink(nativeLink(await fetchModels(), this.name));
-    } catch {
-      // The link is a convenience; the stream says what is wrong with the server.
+    } catch (error) {
+      // The stream says what else is wrong with the server.
+      if (!this.is_closed && error instanceof HttpError && error.wantsToken) this.wantsToken();
     }
   }
 }
