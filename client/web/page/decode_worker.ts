@@ -1,6 +1,6 @@
 import { Core } from "./core";
 import type { WorkerJob, WorkerResult, WorkerSetup } from "./decode_pool";
-import { ImageDecoder8 } from "./image_decoder";
+import { TileDecoder } from "./tile_decoder";
 
 /** A decode worker: an instance of the core that answers each job with its result. */
 
@@ -9,7 +9,7 @@ const scope = self as unknown as {
   postMessage(message: WorkerResult, transfer: Transferable[]): void;
 };
 
-const images = new ImageDecoder8();
+const images = new TileDecoder();
 let core: Promise<Core> | null = null;
 
 scope.onmessage = (event) => {

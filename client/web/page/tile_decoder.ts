@@ -8,13 +8,14 @@ export interface DecodedImage {
 const kFailed: DecodedImage = { rgba: new Uint8Array(), width: 0, height: 0 };
 
 /**
- * Decodes JPEG and WebP with the browser, and reads the texels back unchanged. A 2D canvas would premultiply
- * alpha and lose the colours of transparent texels, so texels go through a WebGL texture.
+ * Decodes JPEG and WebP with the browser, and reads the texels back unchanged. Opaque images go through a 2D
+ * canvas in main memory. It would premultiply alpha and so lose the colours of transparent texels: images with
+ * alpha go through a WebGL texture.
  */
-export class ImageDecoder8 {
-  private canvas: OffscreenCanvas | null = null;
+export class TileDecoder {
   private gl: WebGL2RenderingContext | null = null;
   private texture: WebGLTexture | null = null;
+  private plane: OffscreenCanvasRenderingContext2D | null = null;
 
   async decode(file: Uint8Array<ArrayBuffer>): Promise<DecodedImage> {
     let bitmap: ImageBitmap;
@@ -27,13 +28,31 @@ export class ImageDecoder8 {
       return kFailed;
     }
     try {
-      return this.readBack(bitmap) ?? readFromCanvas(bitmap) ?? kFailed;
+      const is_opaque = isJpeg(file);
+      return (is_opaque ? null : this.readTexture(bitmap)) ?? this.readCanvas(bitmap) ?? kFailed;
     } finally {
       bitmap.close();
     }
   }
 
-  private readBack(bitmap: ImageBitmap): DecodedImage | null {
+  /** Reads an image back through a 2D canvas: exact for opaque images. */
+  private readCanvas(bitmap: ImageBitmap): DecodedImage | null {
+    const { width, height } = bitmap;
+    this.plane ??= new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
+    if (!this.plane) return null;
+    const { canvas } = this.plane;
+    if (canvas.width < width || canvas.height < height) {
+      canvas.width = Math.max(canvas.width, width);
+      canvas.height = Math.max(canvas.height, height);
+    }
+    this.plane.globalCompositeOperation = "copy";
+    this.plane.drawImage(bitmap, 0, 0);
+    const { data } = this.plane.getImageData(0, 0, width, height);
+    return { rgba: new Uint8Array(data.buffer), width, height };
+  }
+
+  /** Reads an image back through a WebGL texture. @returns null if workers have no WebGL. */
+  private readTexture(bitmap: ImageBitmap): DecodedImage | null {
     const gl = this.context();
     if (!gl) return null;
     const { width, height } = bitmap;
@@ -48,9 +67,7 @@ export class ImageDecoder8 {
   /** Returns a context with the texture and a framebuffer bound, or null if there is none. */
   private context(): WebGL2RenderingContext | null {
     if (this.gl && !this.gl.isContextLost()) return this.gl;
-    if (typeof OffscreenCanvas === "undefined") return null;
-    this.canvas = new OffscreenCanvas(1, 1);
-    const gl = this.canvas.getContext("webgl2", { antialias: false, depth: false });
+    const gl = new OffscreenCanvas(1, 1).getContext("webgl2", { antialias: false, depth: false });
     this.gl = gl;
     if (!gl) return null;
     this.texture = gl.createTexture();
@@ -63,13 +80,7 @@ export class ImageDecoder8 {
   }
 }
 
-/** Reads an image through a 2D canvas: exact for opaque images only. Used if workers have no WebGL. */
-function readFromCanvas(bitmap: ImageBitmap): DecodedImage | null {
-  if (typeof OffscreenCanvas === "undefined") return null;
-  const { width, height } = bitmap;
-  const context = new OffscreenCanvas(width, height).getContext("2d");
-  if (!context) return null;
-  context.drawImage(bitmap, 0, 0);
-  const { data } = context.getImageData(0, 0, width, height);
-  return { rgba: new Uint8Array(data.buffer), width, height };
+/** Returns true for the first bytes of a JPEG file. JPEG has no alpha. */
+function isJpeg(file: Uint8Array): boolean {
+  return file[0] === 0xff && file[1] === 0xd8;
 }
