@@ -190,6 +190,14 @@ TEST_F(HttpPage, isForAllNamesOfAServerWithTokens) {
   EXPECT_EQ(ask("/t/right/models.json", "Host: models.example\r\n").status, 200);
 }
 
+TEST_F(HttpPage, hasALinkForThisMachineIfTheServerListensOnAllAddresses) {
+  options_.public_ok = options_.insecure = true;
+  options_.http = "0.0.0.0:0";
+  start();
+  const std::string address = server_->httpAddress().value();
+  EXPECT_EQ(server_->pageLink(), "http://localhost" + address.substr(address.rfind(':')) + "/");
+}
+
 TEST_F(HttpPage, learnsANativePortThatItsHostReaches) {
   options_.public_ok = true;
   start();
