@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes client/web/dist: client/web/build.sh
+# Makes client/web/dist, and client/web/dist.sha256 with the checksums of its sources: client/web/build.sh
 # Needs Debian 13, for emscripten. On other systems root can name a folder that becomes a Debian 13 root, about 2 GB:
 # client/web/build.sh --root FOLDER. The same sources give the same bytes.
 set -euo pipefail
@@ -63,7 +63,7 @@ build() {
   mkdir -p "$dist"
   cp "$build/core.js" "$build/core.wasm" "$dist/"
   "$web/page/bundle.sh" "$dist"
-  list_sources "$build" > "$dist/SOURCES"
+  list_sources "$build" > "$web/dist.sha256"
 }
 
 case "${1:-}" in

@@ -74,8 +74,6 @@ void findResource(std::span<const std::string> segments, Route& route) {
     if (last == "ws") route = {Resource::kWebSocket, {}, {}, {}};
   } else if (segments.size() == 2 && last == "tileset.json") {
     route = {Resource::kTileset, segments[0], last, {}};
-  } else if (segments.size() == 2 && segments[0] == "app" && !last.empty() && last != kIndexFile) {
-    route = {Resource::kPageFile, {}, last, {}};  // links of the index would not fit this path
   } else if (segments.size() == 3 && isHexName(last)) {
     for (const FileKind& kind : kFileKinds)
       if (segments[1] == kind.folder && last.ends_with(kind.extension))

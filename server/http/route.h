@@ -9,7 +9,7 @@ namespace lode::http {
 
 enum class Resource : uint8_t {
   kIndex,        ///< "/", the page
-  kPageFile,     ///< "/NAME" or "/app/NAME", a file that the page loads
+  kPageFile,     ///< "/NAME", a file that the page loads
   kModels,       ///< "/models.json"
   kTileset,      ///< "/MODEL/tileset.json"
   kTilesetPage,  ///< "/MODEL/p/PAGE.json"

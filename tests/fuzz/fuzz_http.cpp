@@ -25,11 +25,8 @@ void checkRoute(std::string_view target) {
                        isBinary(route.resource);
   require(is_file || route.model.empty());
   if (route.resource == Resource::kPageFile) {
-    const auto leads_back = [&](const std::string& folder) {
-      const Route again = parseTarget(folder + percentEncode(route.file));
-      return again.resource == route.resource && again.file == route.file;
-    };
-    require(leads_back("/") || leads_back("/app/"));
+    const Route again = parseTarget("/" + percentEncode(route.file));
+    require(again.resource == route.resource && again.file == route.file);
   } else {
     require(route.file.find("..") == std::string::npos);
   }

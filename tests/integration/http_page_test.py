@@ -22,7 +22,7 @@ TYPES = {".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=u
 
 
 def paths_of_files():
-    return {"/" if path.name == "index.html" else f"/app/{path.name}": path for path in PAGE.iterdir() if path.is_file()}
+    return {"/" if path.name == "index.html" else f"/{path.name}": path for path in PAGE.iterdir() if path.is_file()}
 
 
 @unittest.skipUnless((PAGE / "index.html").exists(), "the programs have no page")
@@ -38,14 +38,14 @@ class Page(unittest.TestCase):
                 self.assertEqual(server.ask(path, "HEAD")[1]["content-length"], str(len(body)))
                 packed = server.ask(path, Accept_Encoding="gzip")
                 self.assertEqual(gzip.decompress(packed[2]), body)
-            self.assertEqual(server.ask("/app/nothing.js")[0], 404)
+            self.assertEqual(server.ask("/nothing.js")[0], 404)
 
     def test_refers_to_its_own_files_only(self):
         links = re.findall(r'(?:src|href)="([^"]*)"', (PAGE / "index.html").read_text())
         self.assertTrue(links)
         for link in links:
             if not link.startswith(("data:", "#")):
-                self.assertTrue((PAGE / link.removeprefix("app/")).is_file(), link)
+                self.assertTrue((PAGE / link).is_file(), link)
 
     def test_needs_no_token(self):
         with tempfile.TemporaryDirectory() as folder:

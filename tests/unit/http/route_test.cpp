@@ -28,24 +28,16 @@ TEST(Route, findsEveryResource) {
 
 TEST(Route, findsFilesOfThePage) {
   EXPECT_EQ(parseTarget("/").file, "index.html");
-  const Route route = parseTarget("/app/core.wasm?v=1");
+  const Route route = parseTarget("/core.wasm?v=1");
   EXPECT_EQ(route.resource, Resource::kPageFile);
   EXPECT_EQ(route.file, "core.wasm");
   EXPECT_EQ(route.model, "");
-  const Route behind_token = parseTarget("/t/x/app/app.js");
+  const Route behind_token = parseTarget("/t/x/app.js");
   EXPECT_EQ(behind_token.resource, Resource::kPageFile);
   EXPECT_EQ(behind_token.file, "app.js");
   EXPECT_EQ(behind_token.token, "x");
-  EXPECT_EQ(parseTarget("/app.js").file, "app.js") << "beside the index";
-  EXPECT_EQ(parseTarget("/t/x/app.js").resource, Resource::kPageFile);
-  for (const char* const target : {"/app/", "/app/index.html", "/app/a/b", "/a/app.js"})
+  for (const char* const target : {"/app/", "/app/a/b", "/a/app.js"})
     EXPECT_EQ(resourceOf(target), Resource::kUnknown) << target;
-}
-
-TEST(Route, servesAModelWithTheNameOfTheFolderOfThePage) {
-  EXPECT_EQ(parseTarget("/app/tileset.json").model, "app");
-  EXPECT_EQ(parseTarget("/app/g/" + kHex + ".1.glb").model, "app");
-  EXPECT_EQ(parseTarget("/t/app/app/tileset.json").model, "app");
 }
 
 TEST(Route, decodesModelNamesAfterSplitting) {

@@ -14,7 +14,11 @@ using core::kStart;
 /// A page that shows the fixture's model: one node with an LOD of 4 triangles and one of 40.
 class WebModelTest : public core::EngineTest {
  protected:
-  WebModelTest() : model_({.model = "model"}) {}
+  static WebModelOptions optionsOf(const char* name) {
+    WebModelOptions options;
+    options.model = name;
+    return options;
+  }
 
   void openAndReceive() {
     core::Engine& engine = model_.engine();
@@ -42,7 +46,7 @@ class WebModelTest : public core::EngineTest {
     return input;
   }
 
-  WebModel model_;
+  WebModel model_{optionsOf("strip")};
 };
 
 TEST_F(WebModelTest, framesTheModelByItsCoarsestMesh) {
