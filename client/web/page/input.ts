@@ -216,6 +216,11 @@ export class Input {
   }
 }
 
+/** Returns true for input that moves the camera as long as it lasts. */
+export function movesCamera({ turned_px, shifted_px, wheel, fly }: FrameInput): boolean {
+  return turned_px !== undefined || shifted_px !== undefined || wheel !== undefined || fly !== undefined;
+}
+
 function add(input: FrameInput, name: "turned_px" | "shifted_px", x: number, y: number): void {
   const [x_before, y_before] = input[name] ?? [0, 0];
   input[name] = [x_before + x, y_before + y];

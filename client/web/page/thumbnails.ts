@@ -10,7 +10,7 @@ const kCacheName = "lodestream-pictures";
 const kWidthPx = 320;
 const kHeightPx = 200;
 const kThresholdPx = 2;
-const kMemoryBytes = 64e6;
+const kMemoryBytes = 192e6; // with less, the array of tiles has no room for a level of each of 20 images
 /** Time after which a picture is taken as it is, or given up if nothing has arrived. */
 const kDeadlineMs = 12_000;
 

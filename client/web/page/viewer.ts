@@ -1,8 +1,9 @@
 import { kCameraKinds, kShowModes, type FrameAnswer, type Side } from "./contract";
 import { copyText, find } from "./dom";
 import { explainStart, report } from "./errors";
+import { FramePacing } from "./frame_pacing";
 import { startHost, type Host } from "./host";
-import { Input } from "./input";
+import { Input, movesCamera } from "./input";
 import type { Command } from "./keys";
 import { formatLink, modelLink, type PageLink } from "./link";
 import { Measure } from "./measure";
@@ -39,6 +40,7 @@ export class Viewer {
   private readonly panel: Panel;
   private readonly input: Input;
   private readonly measure: Measure;
+  private readonly pacing = new FramePacing();
   private host: Host | null = null;
   private session: Session | null = null;
   private answer: (FrameAnswer & { drawn: boolean }) | null = null;
@@ -106,7 +108,7 @@ export class Viewer {
   state(): ViewerState {
     const status = this.answer?.status;
     return {
-      converged: (status?.converged ?? false) && !this.session?.isBusy,
+      converged: (status?.converged ?? false) && this.pacing.factor === 1 && !this.session?.isBusy,
       settled: status?.settled ?? false,
       triangles: status?.triangles ?? 0,
       error_px: status?.error_px ?? Infinity,
@@ -182,18 +184,21 @@ export class Viewer {
   /** Draws a frame if anything has changed. */
   private drawChanges(session: Session, now: number, has_size: boolean): void {
     const has_news = session.stream.takeChanged() || this.input.hasInput || has_size || this.is_dirty;
-    const goes_on = session.isBusy || (this.answer?.moving ?? true);
+    const goes_on = session.isBusy || (this.answer?.moving ?? true) || this.pacing.factor > 1;
     if (!has_news && !goes_on && now - this.last_ms < kIdleMs) return;
     this.advance(session, now, has_size || this.is_dirty);
   }
 
   private advance(session: Session, now: number, has_changed: boolean): void {
-    const seconds = Math.min(kMostSeconds, Math.max(0, (now - this.last_ms) / 1000));
+    const since_last_ms = now - this.last_ms;
+    const seconds = Math.min(kMostSeconds, Math.max(0, since_last_ms / 1000));
     this.last_ms = now;
     this.is_dirty = false;
     const orbits = (this.answer?.kind ?? "orbit") === "orbit";
     const input = this.input.take(session.pxPerCss, seconds, orbits);
-    const answer = (this.answer = session.frame(this.settings, input, seconds, has_changed));
+    this.pacing.update(now, since_last_ms, movesCamera(input) || (this.answer?.moving ?? false));
+    const settings = { ...this.settings, threshold_px: this.settings.threshold_px * this.pacing.factor };
+    const answer = (this.answer = session.frame(settings, input, seconds, has_changed));
     ++this.frames;
     if (session.partCount > 0) this.first_picture_ms ??= performance.now();
     this.status.show(answer.status, session.partCount > 0);

@@ -1,0 +1,31 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { FramePacing } from "../page/frame_pacing.ts";
+
+/** Runs frames of a length. @returns the factor after them. */
+function run(pacing, from_ms, frame_ms, count, moves) {
+  for (let i = 1; i <= count; ++i) pacing.update(from_ms + i * frame_ms, frame_ms, moves);
+  return pacing.factor;
+}
+
+test("a slow moving picture gets coarser, and as fine as asked for at rest", () => {
+  const pacing = new FramePacing();
+  assert.ok(run(pacing, 0, 100, 10, true) > 2);
+  assert.equal(run(pacing, 1000, 100, 4, false), 1);
+});
+
+test("a quick picture stays as it is, and a picture that has become quick gets finer", () => {
+  const pacing = new FramePacing();
+  assert.equal(run(pacing, 0, 16, 60, true), 1);
+  const coarse = run(pacing, 1000, 100, 10, true);
+  assert.ok(run(pacing, 2000, 16, 20, true) < coarse);
+});
+
+test("pauses between two motions do not count as slow frames", () => {
+  const pacing = new FramePacing();
+  for (let i = 0; i < 20; ++i) {
+    pacing.update(1000 * i, 250, true);
+    pacing.update(1000 * i + 250, 250, false);
+  }
+  assert.equal(pacing.factor, 1);
+});
