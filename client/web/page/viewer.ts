@@ -47,6 +47,7 @@ export class Viewer {
   private animation = 0;
   private hidden_timer = 0;
   private last_ms = 0;
+  private has_drawn = false; // true if the last animation frame drew a picture
   private is_dirty = true;
   private is_closed = false;
   private frames = 0;
@@ -164,6 +165,8 @@ export class Viewer {
 
   private frame(now: number): void {
     this.animation = requestAnimationFrame((next) => this.frame(next));
+    if (this.has_drawn) this.pacing.measure(now, now - this.last_ms);
+    this.has_drawn = false;
     const session = this.session;
     if (!session || session.isLost) return;
     session.stream.pump();
@@ -190,13 +193,12 @@ export class Viewer {
   }
 
   private advance(session: Session, now: number, has_changed: boolean): void {
-    const since_last_ms = now - this.last_ms;
-    const seconds = Math.min(kMostSeconds, Math.max(0, since_last_ms / 1000));
+    const seconds = Math.min(kMostSeconds, Math.max(0, (now - this.last_ms) / 1000));
     this.last_ms = now;
     this.is_dirty = false;
     const orbits = (this.answer?.kind ?? "orbit") === "orbit";
     const input = this.input.take(session.pxPerCss, seconds, orbits);
-    this.pacing.update(now, since_last_ms, movesCamera(input) || (this.answer?.moving ?? false));
+    this.pacing.update(now, movesCamera(input) || (this.answer?.moving ?? false));
     const settings = { ...this.settings, threshold_px: this.settings.threshold_px * this.pacing.factor };
     const answer = (this.answer = session.frame(settings, input, seconds, has_changed));
     ++this.frames;
@@ -204,6 +206,7 @@ export class Viewer {
     this.status.show(answer.status, session.partCount > 0);
     this.status.showScale(answer.kind === "orbit" ? answer.units_per_px * session.pxPerCss : 0);
     this.panel.show(answer, session.summary);
+    this.has_drawn = answer.drawn;
     if (answer.drawn) this.measure.draw(session.model, session.pxPerCss);
   }
 
