@@ -5,6 +5,9 @@ import { socketUrl } from "./server";
 
 /** Time after which a connection attempt is given up, and the core tries again. */
 const kConnectDeadlineMs = 15_000;
+/** Wait after a failed attempt, at first and at most. It doubles with each. */
+const kFirstWaitMs = 500;
+const kLongestWaitMs = 15_000;
 /** Cache queries that are open at a time. */
 const kMostQueries = 16;
 const kDecoderStopped =
@@ -17,6 +20,8 @@ const kDecoderStopped =
 export class Stream {
   private socket: WebSocket | null = null;
   private deadline = 0;
+  private wait_ms = kFirstWaitMs;
+  private next_attempt_ms = 0;
   private queries = 0;
   private waiting: Uint8Array[] = []; // received bytes that the core does not take yet
   private ended: string | null = null;
@@ -51,7 +56,8 @@ export class Stream {
     const now = performance.now();
     this.fail(this.model.step(now));
     this.check();
-    if (this.ended === null && !this.socket && this.model.wantsConnection(now)) this.connect();
+    const may_connect = this.ended === null && !this.socket && now >= this.next_attempt_ms;
+    if (may_connect && this.model.wantsConnection(now)) this.connect();
     this.send();
     this.passInput();
     this.passJobs();
@@ -68,16 +74,17 @@ export class Stream {
     const socket = new WebSocket(socketUrl());
     socket.binaryType = "arraybuffer";
     this.socket = socket;
-    this.deadline = window.setTimeout(() => this.lose(socket, "the server does not answer"), kConnectDeadlineMs);
+    this.deadline = window.setTimeout(() => this.lose(socket, ""), kConnectDeadlineMs);
     socket.onopen = () => {
       clearTimeout(this.deadline);
       if (this.socket !== socket) return;
       this.trouble_ = "";
+      this.wait_ms = kFirstWaitMs;
       this.model.connect(performance.now());
       this.pump();
     };
     socket.onmessage = (event: MessageEvent<ArrayBuffer>) => this.receive(socket, new Uint8Array(event.data));
-    socket.onclose = (event) => this.lose(socket, event.reason || "the connection to the server is lost");
+    socket.onclose = (event) => this.lose(socket, event.reason);
   }
 
   private receive(socket: WebSocket, bytes: Uint8Array): void {
@@ -109,13 +116,20 @@ export class Stream {
     else if (this.model.wantsConnection(performance.now())) this.lose(socket, "the server asks to connect again");
   }
 
-  /** Tells the core that a socket is lost. */
-  private lose(socket: WebSocket, why: string): void {
+  /** Tells the core that a connection is lost. It knows nothing of attempts that failed: these are repeated. */
+  private lose(socket: WebSocket, reason: string): void {
     if (this.socket !== socket) return;
     this.drop();
-    this.trouble_ = why;
     this.changed_ = true;
-    if (this.ended === null && this.model.isOpen) this.fail(this.model.disconnect(why, performance.now()));
+    const now = performance.now();
+    if (this.model.isOpen && this.model.isConnected()) {
+      this.trouble_ = reason || "the connection to the server is lost";
+      this.fail(this.model.disconnect(this.trouble_, now));
+      return;
+    }
+    this.trouble_ = reason || "the server does not answer";
+    this.next_attempt_ms = now + this.wait_ms * (1 + Math.random() / 2); // so that not all pages come at once
+    this.wait_ms = Math.min(kLongestWaitMs, this.wait_ms * 2);
   }
 
   /** Closes the socket without telling the core. */

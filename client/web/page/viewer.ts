@@ -1,16 +1,16 @@
-import { kCameraKinds, kShowModes, type FrameAnswer, type Side } from "./contract";
+import { Commands } from "./commands";
+import { kCameraKinds, type FrameAnswer } from "./contract";
 import { copyText, find } from "./dom";
 import { explainStart, report } from "./errors";
 import { FramePacing } from "./frame_pacing";
 import { startHost, type Host } from "./host";
 import { Input, movesCamera } from "./input";
-import type { Command } from "./keys";
 import { formatLink, modelLink, type PageLink } from "./link";
 import { Measure } from "./measure";
 import { Panel } from "./panel";
 import { fetchModels, HttpError, nativeLink } from "./server";
 import { Session } from "./session";
-import { defaultSettings, keepMemoryBytes, kThresholdsPx, thresholdIndex, type Settings } from "./settings";
+import { defaultSettings, keepMemoryBytes, type Settings } from "./settings";
 import { StatusView, troubleWords } from "./status_view";
 
 /** Time between frames while nothing changes, and between looks at the server in a hidden tab. */
@@ -40,6 +40,7 @@ export class Viewer {
   private readonly panel: Panel;
   private readonly input: Input;
   private readonly measure: Measure;
+  private readonly commands: Commands;
   private readonly pacing = new FramePacing();
   private host: Host | null = null;
   private session: Session | null = null;
@@ -65,16 +66,17 @@ export class Viewer {
     find("#viewer").hidden = false;
     this.input = new Input(find("#stage"), {
       click: (x, y) => this.click(x, y),
-      command: (command) => this.command(command),
+      command: (command) => this.commands.run(command),
     });
     this.measure = new Measure(() => (this.is_dirty = true));
     this.panel = new Panel(this.settings, {
       changed: () => (this.is_dirty = true),
       memory: (bytes) => this.setMemory(bytes),
-      command: (command) => this.command(command),
+      command: (command) => this.commands.run(command),
       kind: (kind) => this.chooseKind(kind),
       copyLink: () => void this.copyLink(),
     });
+    this.commands = new Commands(this.settings, this.input, this.panel, this.measure);
     this.status.loading(name);
     this.hidden_timer = window.setInterval(() => document.hidden && this.session?.stream.pump(), kHiddenMs);
     void this.open();
@@ -218,69 +220,6 @@ export class Viewer {
     else this.status.note("There is no surface at this place. Click the model.");
   }
 
-  private command(command: Command): void {
-    this.is_dirty = true;
-    switch (command.name) {
-      case "camera":
-        return this.input.add({ next_camera: 1 });
-      case "reset":
-        return this.input.add({ reset: true });
-      case "axis":
-        return this.input.add({ next_axis: 1 });
-      case "parallel":
-        return this.input.add({ parallel: true });
-      case "side":
-        return this.look(command.side);
-      case "show":
-        return this.nextShow(command.steps);
-      case "wireframe":
-        return this.setShow(this.settings.show === "wireframe" ? "surface" : "wireframe");
-      case "clay":
-        return this.setShow(
-          this.settings.show === "clay" ? "matcap" : this.settings.show === "matcap" ? "surface" : "clay",
-        );
-      case "finer":
-      case "coarser":
-        return this.changeThreshold(command.name === "finer" ? -1 : 1);
-      case "measure":
-        this.measure.toggle();
-        return this.panel.setMeasuring(this.measure.isOn);
-      case "remove_point":
-        return this.measure.removeLast();
-      case "escape":
-        if (this.measure.isOn) this.command({ name: "measure" });
-        else this.panel.close();
-        return;
-      case "panel":
-        return this.panel.toggle();
-      case "help":
-        return find<HTMLDialogElement>("#help").showModal();
-      case "full_screen":
-        return void toggleFullScreen();
-    }
-  }
-
-  private look(side: Side): void {
-    this.input.add({ side });
-  }
-
-  private nextShow(steps: number): void {
-    const modes = this.panel.modes();
-    const index = (modes.indexOf(this.settings.show) + steps + modes.length) % modes.length;
-    this.setShow(modes[index] ?? "surface");
-  }
-
-  private setShow(show: (typeof kShowModes)[number]): void {
-    this.settings.show = show;
-    this.panel.showSettings();
-  }
-
-  private changeThreshold(steps: number): void {
-    const index = thresholdIndex(this.settings.threshold_px) + steps;
-    this.settings.threshold_px = kThresholdsPx[index] ?? this.settings.threshold_px;
-    this.panel.showSettings();
-  }
-
   private chooseKind(kind: FrameAnswer["kind"]): void {
     const now = kCameraKinds.indexOf(this.answer?.kind ?? "orbit");
     const steps = (kCameraKinds.indexOf(kind) - now + kCameraKinds.length) % kCameraKinds.length;
@@ -310,14 +249,5 @@ export class Viewer {
       // The stream says what else is wrong with the server.
       if (!this.is_closed && error instanceof HttpError && error.wantsToken) this.wantsToken();
     }
-  }
-}
-
-async function toggleFullScreen(): Promise<void> {
-  try {
-    if (document.fullscreenElement) await document.exitFullscreen();
-    else await document.documentElement.requestFullscreen();
-  } catch (error) {
-    report(error);
   }
 }

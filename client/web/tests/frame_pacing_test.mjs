@@ -14,7 +14,7 @@ function run(pacing, from_ms, frame_ms, count, moves) {
 test("a slow moving picture gets coarser, and as fine as asked for at rest", () => {
   const pacing = new FramePacing();
   assert.ok(run(pacing, 0, 100, 10, true) > 2);
-  assert.equal(run(pacing, 1000, 100, 4, false), 1);
+  assert.equal(run(pacing, 1000, 100, 7, false), 1);
 });
 
 test("a quick picture stays as it is, and a picture that has become quick gets finer", () => {

@@ -92,6 +92,27 @@ test("a lost connection is reported, and replaced when the core asks for one", (
   assert.equal(stream.trouble, "");
 });
 
+test("attempts that fail are repeated after a wait, and the core learns nothing of them", () => {
+  const model = new FakeModel();
+  const stream = makeStream(model);
+  let now = 1000;
+  globalThis.performance = { now: () => now };
+  Math.random = () => 0;
+  stream.pump();
+  sockets[0].onclose({ reason: "" });
+  assert.equal(model.why, undefined);
+  assert.match(stream.trouble, /does not answer/);
+  stream.pump();
+  assert.equal(sockets.length, 1);
+  now += 500;
+  stream.pump();
+  assert.equal(sockets.length, 2);
+  sockets[1].onclose({ reason: "" });
+  now += 999;
+  stream.pump();
+  assert.equal(sockets.length, 2);
+});
+
 test("the socket is closed when the core has ended the connection", () => {
   const model = new FakeModel();
   const stream = makeStream(model);
