@@ -1,5 +1,7 @@
 /** The wasm core: loading, and passing bytes and texts in and out. Shared by the page and its workers. */
 
+import { HttpError } from "./server";
+
 /** The emscripten module. Pointers and sizes are numbers of bytes. */
 export interface CoreModule {
   readonly HEAPU8: Uint8Array;
@@ -57,7 +59,7 @@ const kDecoder = new TextDecoder();
 export async function compileCore(): Promise<WebAssembly.Module> {
   const url = new URL("core.wasm", import.meta.url);
   const response = await fetch(url);
-  if (!response.ok) throw new Error(`core.wasm: HTTP status ${response.status}`);
+  if (!response.ok) throw new HttpError(response.status);
   if (response.headers.get("content-type") === "application/wasm")
     return WebAssembly.compileStreaming(response);
   return WebAssembly.compile(await response.arrayBuffer());

@@ -19,7 +19,7 @@ interface PooledJob {
 }
 
 interface DecodeWorker {
-  thread: Worker;
+  thread: Worker | null; // null after a failure without a job: the next job starts another
   running: PooledJob | null;
 }
 
@@ -34,7 +34,11 @@ export class DecodePool {
   constructor(private readonly compiled: WebAssembly.Module) {
     const cores = navigator.hardwareConcurrency || 2;
     const count = Math.max(1, Math.min(kMostWorkers, cores - 1));
-    for (let i = 0; i < count; ++i) this.workers.push(this.start({ running: null }));
+    for (let i = 0; i < count; ++i) {
+      const worker = { thread: null, running: null };
+      this.start(worker);
+      this.workers.push(worker);
+    }
   }
 
   /** True if another job may be added: the queue is bounded, so that the newest requests come first. */
@@ -56,30 +60,30 @@ export class DecodePool {
       if (!next) return;
       worker.running = next;
       const message: WorkerJob = { job: next.job };
-      worker.thread.postMessage(message);
+      (worker.thread ?? this.start(worker)).postMessage(message);
     }
   }
 
   /** Gives a worker a thread of its own. */
-  private start(worker: { running: PooledJob | null }): DecodeWorker {
+  private start(worker: DecodeWorker): Worker {
     const thread = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
-    const started = Object.assign(worker, { thread });
+    worker.thread = thread;
     thread.onmessage = (event: MessageEvent<WorkerResult>) => {
-      if (event.data.result) this.finish(started, event.data.result);
-      else this.restart(started);
+      if (event.data.result) this.finish(worker, event.data.result);
+      else this.abandon(worker);
     };
-    thread.onerror = () => this.restart(started);
+    thread.onerror = () => this.abandon(worker);
     const setup: WorkerSetup = { compiled: this.compiled };
     thread.postMessage(setup);
-    return started;
+    return thread;
   }
 
-  /** Replaces a thread that has failed, for example because memory ran out, and tries its job once more. */
-  private restart(worker: DecodeWorker): void {
-    worker.thread.terminate();
+  /** Ends a thread that has failed, for example because memory ran out, and tries its job once more. */
+  private abandon(worker: DecodeWorker): void {
+    worker.thread?.terminate();
+    worker.thread = null;
     const job = worker.running;
-    if (!job) return; // it never ran: without a job it would fail again and again
-    this.start(worker);
+    if (!job) return;
     if (job.has_failed) {
       this.finish(worker, null);
       return;

@@ -29,11 +29,13 @@ export function explainListing(error: unknown): string {
 /** Says why the viewer cannot start, and what to do. */
 export function explainStart(error: unknown): string {
   const text = error instanceof Error ? error.message : String(error);
+  if (typeof WebAssembly === "undefined" || error instanceof WebAssembly.CompileError)
+    return "This browser cannot run the viewer, because its WebAssembly is switched off or too old. Update it, or use another browser.";
   if (/webgl/i.test(text))
     return "This browser cannot draw 3D pictures, because WebGL 2 is missing or switched off. Switch on hardware acceleration in its settings, or use another browser.";
   if (error instanceof RangeError || /memory/i.test(text))
     return "This page has run out of memory. Close other tabs, choose a smaller memory limit under Detail, and reload.";
-  if (/wasm|WebAssembly|CompileError/i.test(text))
-    return "This browser cannot run the viewer, because WebAssembly is missing or switched off. Update it, or use another browser.";
+  if (error instanceof TypeError || error instanceof HttpError)
+    return "A part of the viewer cannot be loaded. Check your connection, then reload the page.";
   return "The viewer cannot start. Reload the page; if that does not help, use another browser.";
 }

@@ -57,11 +57,15 @@ export function commandOf(event: KeyboardEvent): Command | null {
   return kCommands[key] ?? null;
 }
 
+/** Keys that move a slider. */
+const kSliderKeys = /^(Arrow|Page|Home|End)/;
+
 /** Returns true if a key goes to a text box, a list or a slider instead of the picture. */
 export function isTyping(event: KeyboardEvent): boolean {
   const target = event.target;
   if (!(target instanceof HTMLElement)) return false;
   if (target.closest("dialog")) return true;
+  if (target.matches("input[type=range]")) return kSliderKeys.test(event.key);
   const is_field = target.matches("input, select, textarea, [contenteditable]");
   return is_field && event.key !== "Escape";
 }

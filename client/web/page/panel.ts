@@ -139,6 +139,13 @@ export class Panel {
   }
 
   private listen(): void {
+    // A list that keeps the focus after a click would take the keys that move the camera.
+    for (const list of [this.show_, this.memory]) {
+      let has_keys = false;
+      list.addEventListener("keydown", () => (has_keys = true), { signal: this.removers.signal });
+      list.addEventListener("pointerdown", () => (has_keys = false), { signal: this.removers.signal });
+      this.on(list, "change", () => has_keys || find("#stage").focus({ preventScroll: true }));
+    }
     this.on(this.show_, "change", () => {
       this.settings.show = kShowModes.find((mode) => mode === this.show_.value) ?? "surface";
       this.listener.changed();

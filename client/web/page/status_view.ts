@@ -1,6 +1,6 @@
 import type { Status } from "./contract";
 import { find } from "./dom";
-import { activity, progress, statusLine } from "./words";
+import { activity, explain, progress, statusLine } from "./words";
 
 /** Time that a note stays. */
 const kNoteMs = 4000;
@@ -13,11 +13,14 @@ export class StatusView {
   private note_timer = 0;
   private said = "";
   private failed = false;
+  private explanation = "";
   private readonly removers = new AbortController();
 
   /** @param retry  called when the user asks to connect again. */
   constructor(retry: () => void) {
-    find("#banner_retry").addEventListener("click", () => retry(), { signal: this.removers.signal });
+    const options = { signal: this.removers.signal };
+    find("#banner_retry").addEventListener("click", () => retry(), options);
+    find("#line").addEventListener("click", () => this.note(this.explanation), options);
   }
 
   dispose(): void {
@@ -50,6 +53,7 @@ export class StatusView {
     const line = statusLine(status);
     const corner = find("#line");
     if (corner.textContent !== line) corner.textContent = line;
+    this.explanation = explain(status);
     this.say(this.failed ? "" : activity(status));
     const part = this.failed ? 1 : progress(status, this.first_error_px);
     const bar = find("#progress");
@@ -77,11 +81,11 @@ export class StatusView {
     if (find("#banner_text").textContent !== text) find("#banner_text").textContent = text;
   }
 
-  /** Says why the viewer has stopped. */
-  fail(text: string, can_retry: boolean): void {
+  /** Says why the viewer has stopped. @param remedy  a sentence that says what to do. */
+  fail(text: string, can_retry: boolean, remedy = ""): void {
     if (!this.failed) {
       find("#loading").hidden = true;
-      this.trouble(sentence(text));
+      this.trouble(`${sentence(text)} ${remedy}`.trim());
       find("#banner_retry").hidden = !can_retry;
       this.say("");
     }

@@ -173,7 +173,7 @@ export class Viewer {
     if (!session || session.isLost) return;
     session.stream.pump();
     const failure = session.stream.failure;
-    if (failure !== null) this.status.fail(failure, true);
+    if (failure !== null) this.status.fail(failure, true, "Try again, or choose another model.");
     const has_size = session.resize();
     try {
       if (session.start()) this.drawChanges(session, now, has_size);

@@ -54,6 +54,13 @@ export function statusLine(status: Status): string {
   return parts.join(" · ");
 }
 
+/** Returns the meaning of the line in the corner. */
+export function explain(status: Status): string {
+  const error = formatErrorPx(status.error_px);
+  const triangles = formatTriangles(status.triangles);
+  return `No point of the shown surface is more than ${error} away from the original. It has ${triangles}; ${formatBytes(status.received_bytes)} were received.`;
+}
+
 /** Returns what the viewer does now, or "" if the picture is as sharp as asked for. */
 export function activity(status: Status): string {
   if (status.converged) return "";
