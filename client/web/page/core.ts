@@ -1,6 +1,6 @@
 /** The wasm core: loading, and passing bytes and texts in and out. Shared by the page and its workers. */
 
-import { HttpError } from "./server";
+import { HttpError } from "./http_error";
 
 /** The emscripten module. Pointers and sizes are numbers of bytes. */
 export interface CoreModule {

@@ -1,6 +1,6 @@
 /** Errors of the page, for tests, and in the words of users. */
 
-import { HttpError } from "./server";
+import { HttpError } from "./http_error";
 
 const kMostErrors = 50;
 export const errors: string[] = [];

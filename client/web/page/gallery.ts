@@ -2,7 +2,8 @@ import { element, find } from "./dom";
 import { explainListing, report } from "./errors";
 import { startHost } from "./host";
 import { modelLink, parseLink } from "./link";
-import { fetchModels, HttpError, keepToken, type ListedModel } from "./server";
+import { HttpError } from "./http_error";
+import { fetchModels, keepToken, type ListedModel } from "./server";
 import { forgetPictures, Thumbnails } from "./thumbnails";
 import { formatBytes, formatTriangles } from "./words";
 

@@ -1,5 +1,7 @@
 /** The server of this page: its addresses, its token and its list of models. */
 
+import { HttpError } from "./http_error";
+
 export interface ListedModel {
   name: string;
   build_id: string;
@@ -12,17 +14,6 @@ export interface ModelList {
   models: ListedModel[];
   /** Port of the native protocol; null if other machines cannot reach it. */
   native?: { port: number; tls: boolean } | null;
-}
-
-/** An HTTP status that the page explains. */
-export class HttpError extends Error {
-  constructor(readonly status: number) {
-    super(`HTTP status ${status}`);
-  }
-
-  get wantsToken(): boolean {
-    return this.status === 401 || this.status === 403;
-  }
 }
 
 const kTokenKey = "lodestream-token";
