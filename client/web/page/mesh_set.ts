@@ -56,6 +56,11 @@ export class MeshSet {
     return this.shown.parts.length;
   }
 
+  /** Ids of the meshes in the picture. */
+  get ids(): number[] {
+    return this.shown.parts.map(([id]) => id);
+  }
+
   /** Sets the next list to show. Replaces a list that is not complete yet. */
   setParts(parts: Part[], features: number): void {
     if (!this.waiting) this.waiting_since_ms = performance.now();

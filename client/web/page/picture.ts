@@ -50,6 +50,11 @@ export class Picture {
     return this.drawing?.meshes.partCount ?? 0;
   }
 
+  /** Ids of the meshes in the picture. */
+  get ids(): number[] {
+    return this.drawing?.meshes.ids ?? [];
+  }
+
   /** True while meshes of the next list are uploaded: draw again in the next frame. */
   get isWaiting(): boolean {
     return this.drawing?.meshes.isWaiting ?? false;

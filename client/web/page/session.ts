@@ -1,5 +1,5 @@
 import type { WebGLRenderer } from "three";
-import type { CameraView, FrameAnswer, FrameInput, Summary } from "./contract";
+import type { CameraView, FrameAnswer, FrameInput, Status, Summary } from "./contract";
 import { CoreModel } from "./core_model";
 import { find } from "./dom";
 import type { Host } from "./host";
@@ -26,6 +26,7 @@ export class Session {
   private summary_: Summary | null = null;
   private is_started = false;
   private is_lost = false;
+  private shown_error_px = Infinity;
 
   /** @throws Error if the browser has no WebGL 2 or the core refuses. */
   constructor(
@@ -105,7 +106,17 @@ export class Session {
     const { threshold_px, show } = settings;
     const request = { ...this.size(), threshold_px, show, seconds, ...input };
     const answer = this.model.frame(performance.now(), request);
-    return { ...answer, drawn: this.picture.draw(answer, show, has_changed) };
+    const drawn = this.picture.draw(answer, show, has_changed);
+    return { ...answer, status: this.statusOfPicture(answer.status), drawn };
+  }
+
+  /** Returns the meshes in the picture, for tests; null for those that the core does not need any more. */
+  meshes(): ({ stride: number; vertices: Uint32Array; indices: Uint32Array } | null)[] {
+    return this.picture.ids.map((id) => {
+      const vertices = this.model.meshVertices(id);
+      const indices = this.model.meshIndices(id);
+      return vertices && indices ? { stride: this.model.meshStride(id), vertices, indices } : null;
+    });
   }
 
   close(): void {
@@ -116,6 +127,16 @@ export class Session {
       this.renderer.forceContextLoss();
     }
     this.canvas.remove();
+  }
+
+  /** While the picture shows an earlier list of parts, its error is that of the coarser list. */
+  private statusOfPicture(status: Status): Status {
+    if (!this.picture.isWaiting) {
+      this.shown_error_px = status.error_px;
+      return status;
+    }
+    const error_px = Math.max(status.error_px, this.shown_error_px);
+    return { ...status, error_px, converged: false, settled: false };
   }
 
   private release(): void {

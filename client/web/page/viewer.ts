@@ -123,6 +123,11 @@ export class Viewer {
     };
   }
 
+  /** Returns the meshes in the picture, for tests. */
+  meshes() {
+    return this.session?.meshes() ?? [];
+  }
+
   /** Returns the camera of the last frame, or null before it. */
   get camera() {
     return this.answer?.camera ?? null;
