@@ -45,7 +45,7 @@ draco_source() {  # BUILD
 list_sources() {  # BUILD
   cd "$root"
   {
-    ninja -C "$1" -t deps | grep -oE '(client|common|proto)/[A-Za-z0-9_/.]+\.(h|cpp)$' | sort -u
+    ninja -C "$1" -t deps | grep -oE '(client|common|proto)/[A-Za-z0-9_/.]+\.(h|cpp)$' &
     echo proto/lodestream.fbs
     git -c safe.directory='*' ls-files client/web/page client/web/module client/web/package-lock.json
   } | sort -u | xargs sha256sum
@@ -61,7 +61,7 @@ build() {
   local dist="$web/dist"
   rm -rf "$dist"
   mkdir -p "$dist"
-  cp "$build/core.js" "$build/core.wasm" "$dist/"
+  install -m 644 "$build/core.js" "$build/core.wasm" "$dist/"
   "$web/page/bundle.sh" "$dist"
   list_sources "$build" > "$web/dist.sha256"
 }
