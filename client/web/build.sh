@@ -57,7 +57,7 @@ build() {
   command -v emcc > /dev/null || fail "there is no emscripten; use Debian 13, or --root FOLDER"
   emcmake cmake -S "$web/module" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None -DDRACO_SOURCE="$(draco_source "$build")"
   ninja -C "$build"
-  (cd "$web" && npm ci --omit=dev --no-audit --no-fund)
+  (cd "$web" && npm ci --no-audit --no-fund && npm run check && npm test)
   local dist="$web/dist"
   rm -rf "$dist"
   mkdir -p "$dist"

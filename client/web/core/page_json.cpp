@@ -150,6 +150,7 @@ Json statusOf(WebModel& model, const FrameInput& frame) {
           {"round_trip_ms", counts.round_trip_ms},
           {"trouble", engine.trouble()},
           {"failure", engine.failure()},
+          {"tiles_left_out", counts.tiles_left_out},
           {"lost_tiles", cut ? cut->lost_tiles : 0},
           {"build", engine.cutBuild()}};
 }

@@ -116,6 +116,7 @@ export interface Status {
   trouble: string;
   failure: string;
   lost_tiles: number;
+  tiles_left_out: number;
   build: string;
 }
 

@@ -15,11 +15,14 @@ import type { MeshPrograms } from "./mesh_programs";
 const kUploadBytes = 8e6;
 /** Age of a waiting list at which the rest is uploaded at once, so that a moving camera cannot starve it. */
 const kLongestWaitMs = 400;
+/** Bytes of meshes that are in no list: those of a turning camera often come back. */
+const kSpareBytes = 32e6;
 const kTexturedStride = 6; // words per vertex
 
 /** A mesh on the GPU. Its draw range is empty while it is in no shown list. */
 interface Resident {
   mesh: Mesh<BufferGeometry, RawShaderMaterial>;
+  bytes: number;
   count: number; // of indices, or of vertices without indices
   has_texture: boolean;
   flags: number;
@@ -96,8 +99,11 @@ export class MeshSet {
     this.waiting = null;
     this.removeUnused();
     for (const [id, flags, tint] of list.parts) {
-      const resident = this.residents.get(keyOf(id, list));
+      const key = keyOf(id, list);
+      const resident = this.residents.get(key);
       if (!resident) continue;
+      this.residents.delete(key); // moves the mesh behind those that were shown before
+      this.residents.set(key, resident);
       resident.flags = flags;
       resident.tint = tint;
       const features = resident.has_texture ? list.features : list.features & ~kTextured;
@@ -129,13 +135,14 @@ export class MeshSet {
 
     const features = has_texture ? list.features : list.features & ~kTextured;
     const mesh = new Mesh(geometry, this.programs.with(features));
-    const resident: Resident = { mesh, count: indices.length, has_texture, flags: 0, tint: 0 };
+    const bytes = words.byteLength + (has_wires ? 0 : indices.byteLength);
+    const resident: Resident = { mesh, bytes, count: indices.length, has_texture, flags: 0, tint: 0 };
     mesh.frustumCulled = false;
     mesh.matrixAutoUpdate = false;
     mesh.onBeforeRender = () => this.setUniforms(resident);
     this.scene.add(mesh);
     this.residents.set(keyOf(id, list), resident);
-    return words.byteLength + (has_wires ? 0 : indices.byteLength);
+    return bytes;
   }
 
   /** Sets the uniforms of a draw call. three.js passes those of a material only once a picture otherwise. */
@@ -147,13 +154,17 @@ export class MeshSet {
     this.programs.setChanged();
   }
 
-  /** Frees meshes that are neither in the shown nor in the waiting list. */
+  /** Hides meshes that are neither in the shown nor in the waiting list, and frees the oldest of them. */
   private removeUnused(): void {
     const used = new Set<string>();
     for (const list of [this.shown, this.waiting])
       for (const [id] of list?.parts ?? []) if (list) used.add(keyOf(id, list));
-    for (const [key, resident] of this.residents) {
-      if (used.has(key)) continue;
+    const spare = [...this.residents].filter(([key]) => !used.has(key));
+    let bytes = spare.reduce((sum, [, resident]) => sum + resident.bytes, 0);
+    for (const [key, resident] of spare) {
+      resident.mesh.geometry.setDrawRange(0, 0);
+      if (bytes <= kSpareBytes) continue;
+      bytes -= resident.bytes;
       this.remove(resident);
       this.residents.delete(key);
     }

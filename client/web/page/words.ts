@@ -58,14 +58,13 @@ export function statusLine(status: Status): string {
 export function explain(status: Status): string {
   const error = formatErrorPx(status.error_px);
   const triangles = formatTriangles(status.triangles);
-  return `No point of the shown surface is more than ${error} away from the original. It has ${triangles}; ${formatBytes(status.received_bytes)} were received.`;
+  return `Measured: the shown surface is at most ${error} away from the original. It has ${triangles}; ${formatBytes(status.received_bytes)} were received.`;
 }
 
 /** Returns what the viewer does now, or "" if the picture is as sharp as asked for. */
 export function activity(status: Status): string {
-  if (status.converged) return "";
-  if (status.limited) return "The memory limit keeps the picture coarser. Allow more under Detail.";
-  return "Sharpening…";
+  if (status.tiles_left_out > 0 || (status.limited && !status.converged)) return "The memory limit keeps the picture coarser. Allow more under Detail.";
+  return status.converged ? "" : "Sharpening…";
 }
 
 /** Returns how much of the way to the threshold is done, from 0 to 1, on a logarithmic scale. */

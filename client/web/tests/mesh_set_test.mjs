@@ -46,13 +46,31 @@ test("a newer list replaces a list that is not complete, and keeps the meshes th
   assert.ok(scene.children.includes(kept[1]));
 });
 
-test("meshes that are in no list are removed", () => {
-  const { scene, set } = makeSet();
+test("a mesh that comes back is not uploaded again", () => {
+  const { scene, set, drawn } = makeSet();
   set.setParts(parts(1), 0);
   set.update();
-  set.setParts(parts(), 0);
+  const [first] = scene.children;
+  set.setParts(parts(2), 0);
   set.update();
-  assert.equal(scene.children.length, 0);
+  assert.equal(drawn(), 1);
+  set.setParts(parts(1), 0);
+  set.update();
+  assert.equal(first.geometry.drawRange.count, 3);
+  assert.equal(drawn(), 1);
+});
+
+test("meshes in no list take at most 32 MB, and the oldest are freed first", () => {
+  const { scene, set } = makeSet();
+  for (let id = 1; id <= 10; ++id) {
+    set.setParts(parts(id), 0);
+    set.update();
+  }
+  assert.equal(scene.children.length, 7); // 6 of 5 MB, and the shown one
+  const [oldest] = scene.children;
+  set.setParts(parts(4), 0);
+  set.update();
+  assert.equal(oldest.geometry.drawRange.count, 3);
 });
 
 test("edges are drawn without indices, and the surface stays until their meshes are uploaded", () => {
@@ -62,9 +80,9 @@ test("edges are drawn without indices, and the surface stays until their meshes 
   set.setParts(parts(1), kWireframe);
   assert.equal(drawn(), 1);
   set.update();
-  assert.equal(scene.children.length, 1);
-  assert.equal(scene.children[0].geometry.index, null);
-  assert.equal(scene.children[0].geometry.drawRange.count, 3);
+  assert.equal(drawn(), 1);
+  assert.equal(scene.children.at(-1).geometry.index, null);
+  assert.equal(scene.children.at(-1).geometry.drawRange.count, 3);
 });
 
 test("a mesh without texture coordinates is drawn by a program without textures", () => {
