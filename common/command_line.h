@@ -48,8 +48,8 @@ inline bool hasCommand(const CLI::App& program, std::string_view name) {
   return !program.get_subcommands(is_named).empty();
 }
 
-/// Returns the message about words that the program or its command does not know. Only an option can precede
-/// the command, so that a first word without a dash is a mistyped command.
+/// Returns the message about unknown words. A first word without a dash counts as a mistyped command, because
+/// only options can precede the command.
 inline std::string unknownInWords(const CLI::App& program, const std::vector<std::string>& unknown) {
   if (program.get_subcommands().empty() && !unknown.front().starts_with('-'))
     return "unknown command: " + unknown.front();
@@ -65,19 +65,19 @@ inline std::string helpHint(const CLI::App& program) {
 
 }  // namespace command_line
 
-/// The command of a command line that begins with another word than a command.
+/// Command to run if the command line does not begin with a command.
 struct DefaultCommand {
-  const char* name = nullptr;  ///< null: there is none, and such a command line is wrong
+  const char* name = nullptr;  ///< name of the command; null: such a command line is wrong
   /// Returns true if the first word is an argument of the default command, false if it is a mistyped command.
   bool (*takes)(std::string_view first_word) = nullptr;
-  /// Returns true if the command runs for a command line without words; null: it does not.
+  /// Returns true if the command also runs for an empty command line; null: false.
   bool (*stands_alone)() = nullptr;
 };
 
 namespace command_line {
 
-/// Returns the words of a command line, with the default command in front if they begin with its argument, or
-/// if there are none and the command stands alone.
+/// Returns the words of a command line. Puts the default command in front if the words begin with an argument
+/// of this command, or if there are no words and the command stands alone.
 inline std::vector<const char*> withDefaultCommand(const CLI::App& program, int argc, const char* const* argv,
                                                    const DefaultCommand& default_command) {
   std::vector<const char*> words(argv, argv + argc);

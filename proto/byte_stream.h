@@ -25,9 +25,9 @@ class ByteStream {
   /// Creates a stream with TLS. Call a handshake function before any other function.
   ByteStream(asio::ip::tcp::socket socket, std::shared_ptr<asio::ssl::context> tls);
 
-  /// From now on, reads and writes the payloads of a WebSocket's binary messages, as the server. Each write
-  /// is a message; read messages are joined. Reading also answers Ping and Close. Call it after the
-  /// handshakes of TLS and HTTP, while nothing is read or written.
+  /// Makes the stream read and write payloads of a WebSocket's binary messages, as the server. Each write is
+  /// a message; reads join messages. Reading also answers Ping and Close. Call it after the handshakes of TLS
+  /// and HTTP, while nothing is read or written.
   void startWebSocket();
 
   /// Performs the TLS handshake as a server. Does nothing on a plain stream and on a WebSocket.
@@ -42,7 +42,7 @@ class ByteStream {
 
   /// @param error  must outlive the awaitable. Set to asio::error::eof if the peer closed its side, even
   /// without TLS's close_notify, because the length of a frame already tells the reader whether data is
-  /// missing. @throws Error kProtocol if a WebSocket's client breaks its rules.
+  /// missing. @throws Error kProtocol if a client breaks the rules of WebSocket.
   asio::awaitable<size_t> readSome(asio::mutable_buffer into, asio::error_code& error);
   /// Writes all parts. With TLS, one large part costs less than several small ones.
   asio::awaitable<void> write(std::span<const asio::const_buffer> parts, asio::error_code& error);

@@ -91,7 +91,7 @@ asio::awaitable<void> FrameStream::discard() {
   asio::error_code error;
   try {
     while (!error) co_await stream_.readSome(asio::buffer(ahead_), error);
-  } catch (const std::exception&) {  // a WebSocket's client breaks the rules again, or memory ran out
+  } catch (const std::exception&) {  // the client breaks the rules of WebSocket again, or memory ran out
   }
 }
 

@@ -16,7 +16,7 @@ constexpr unsigned kMasked = 0x80, kLength = 0x7F;                   ///< second
 constexpr unsigned kLength16 = 126, kLength64 = 127;                 ///< lengths that announce a longer form
 constexpr size_t kShortHeaderBytes = 2, kMaskBytes = 4;
 constexpr size_t kKeyDigits = 24;
-/// Answers to Ping that wait; a client that pings faster than it reads gets no more.
+/// Limit of the waiting answers to Ping. A client that pings faster than it reads gets no further answers.
 constexpr size_t kMaxAnswerBytes = 4096;
 
 unsigned valueOf(std::byte byte) noexcept { return std::to_integer<unsigned>(byte); }

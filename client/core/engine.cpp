@@ -198,7 +198,7 @@ void Engine::renewRequests() {
   uint64_t waiting_bytes = model_->undecodedBytes();
   /// @return false if no further request fits.
   const auto ask = [&](const Request& request) {
-    // Do not load stand-ins while the cache has had every queried blob.
+    // Load stand-ins only after the cache has missed a blob, which the server must then send.
     if (request.is_stand_in && options_.has_cache && !queries_.hasMisses()) return true;
     if (!model_->wants(request) || !asked.insert(request.blob.number).second) return true;
     if (draining != nullptr && draining->isRequested(request.blob)) return true;

@@ -51,8 +51,8 @@ const core::Cut& cutAt(const lodestream_cut* cut) {
   return *given(cut, "cut", "one from lodestream_take_cut()").cut;
 }
 
-/// Returns the id of a part's mesh. The id changes when the texture set is loaded, because only then the mesh
-/// gets texture coordinates.
+/// Returns the id of a part's mesh. The id changes when the texture set is loaded, because the mesh then gets
+/// texture coordinates.
 uint64_t meshId(const core::Cut& cut, const core::CutPart& part) {
   static_assert(alignof(Mesh) > 1);
   return reinterpret_cast<uintptr_t>(part.mesh.get()) | (cut.textures ? 1 : 0);

@@ -11,8 +11,8 @@ namespace lode::net {
 
 /// Largest number of reads and writes in one call of exchange().
 constexpr size_t kMaxExchangeRounds = 16;
-/// Number of received bytes at which a call of exchange() returns. A byte costs most in a flood of small
-/// frames.
+/// Number of received bytes at which a call of exchange() returns. The limit is for floods of small frames,
+/// which cost most per byte.
 constexpr size_t kMaxExchangeBytes = kMaxReceivedBytes;
 
 /// Sends the frames that a client's end of the protocol has queued. If the transport has no room, the frames
@@ -23,9 +23,9 @@ void sendOutgoing(Transport& transport, End& end) {
 }
 
 /// Passes received bytes to a client's end of the protocol. While `end` takes no input because its answers
-/// are unsent, sends the answers first; if the transport has no room for them, stops. So a server that sends
-/// without reading can fill neither the queue of answers nor the queue of received bytes. One call does
-/// limited work, so that the caller can check deadlines even during a flood of frames.
+/// are unsent, sends the answers first, and stops if the transport has no room. A server that sends without
+/// reading therefore cannot fill a queue. One call does limited work, so that the caller can check deadlines
+/// even during a flood of frames.
 /// @param transport  a TcpTransport, or an object with its functions.
 /// @param end  an object with connected(), takesInput(), takeOutgoing() and receive(bytes); receive() also
 /// handles the events.

@@ -9,8 +9,8 @@ namespace lode::render {
 /// error threshold of its parts. The true exponent lies between 1 and 2, depending on how flat the model is.
 constexpr double kFallOfWork = 1.5;
 
-/// Mean of the error thresholds of a frame's parts (core::CutPart::threshold_px). The mean is chosen such
-/// that the frame would take the same work if each part had it as its threshold (see kFallOfWork).
+/// Mean error threshold of a frame's parts (core::CutPart::threshold_px), weighted by work: a frame in which
+/// every part has the mean as its threshold takes the same work (see kFallOfWork).
 class MeanThreshold {
  public:
   void add(uint64_t triangles, double threshold_px) noexcept;
@@ -48,7 +48,7 @@ struct Coarsening {
 /// that the user requested.
 std::optional<Coarsening> coarseningOf(const ShownThresholds& shown, float finest_px) noexcept;
 
-/// Estimates the share of a frame's work that depends on its number of pixels when the CPU renders the frame.
+/// Estimates how much of a frame's work depends on the number of pixels if the CPU renders the frame.
 double pixelShareInSoftware(uint64_t triangles, double pixels) noexcept;
 
 /// Statistics of one picture.

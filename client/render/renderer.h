@@ -82,7 +82,7 @@ class Renderer {
   /// have no triangles; see GpuCulling::trianglesLately().
   DrawCounts addInstance(size_t instance, const core::View& view, const DrawStyle& style,
                          const DrawTime& time, GpuCulling& culling);
-  /// Draws those clusters of an instance that the last culling pass found. Call continuePicture() first.
+  /// Draws the clusters of an instance that the last culling pass found. Call continuePicture() first.
   /// @return number of draw calls.
   uint32_t drawFound(size_t instance, const core::View& view, const Framebuffer& target,
                      const DrawStyle& style, const GpuCulling& culling);

@@ -82,7 +82,7 @@ std::error_code triedToWriteTo(const fs::path& folder) {
 }  // namespace
 
 void prepareCacheFolder(const fs::path& folder) {
-  followLinks(folder);  // refuses a link of another user
+  followLinks(folder);  // throws for a link of another user
   std::error_code failed;
   if (!fs::is_directory(folder, failed)) makeOwnFolders(folder, kCacheUse);
   failed = triedToWriteTo(folder);
@@ -115,7 +115,8 @@ std::optional<std::vector<std::byte>> BlobCache::find(const BlobRef& blob) {
 }
 
 void BlobCache::store(const fs::path& file, std::span<const std::byte> bytes) const {
-  if (makeFoldersOf(file, folder_)) writeOwnFile(file, bytes);  // reads detect a file damaged by a crash
+  if (makeFoldersOf(file, folder_))
+    writeOwnFile(file, bytes);  // needs no sync, because reads detect a file damaged by a crash
 }
 
 void BlobCache::keep(const BlobRef& blob, std::span<const std::byte> bytes) {

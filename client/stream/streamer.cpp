@@ -332,14 +332,14 @@ void Streamer::setMemoryBudget(uint64_t bytes, uint64_t drawn_bytes) {
 
 void Streamer::keep(std::vector<std::shared_ptr<const core::Cut>> cuts) {
   const std::lock_guard lock(state_->mutex);
-  if (state_->status.ended) return;  // keep nothing, because the thread that frees cuts has ended
+  if (state_->status.ended) return;  // keeps nothing, because the thread that frees cuts has ended
   std::ranges::move(cuts, std::back_inserter(state_->to_keep));
 }
 
 StreamStatus Streamer::status() const {
   const std::lock_guard lock(state_->mutex);
   StreamStatus result = state_->statusOfView();
-  result.limited = state_->status.limited;  // a scene divides its memory by this while the camera moves
+  result.limited = state_->status.limited;  // needed while the camera moves, to divide a scene's memory
   return result;
 }
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes client/web/dist, and client/web/dist.sha256 with the checksums of its sources: client/web/build.sh
-# Needs Debian 13, for emscripten. On other systems root can name a folder that becomes a Debian 13 root, about 2 GB:
-# client/web/build.sh --root FOLDER. The same sources give the same bytes.
+# Needs Debian 13, for emscripten. On other systems, run as root and name a folder that becomes a Debian 13
+# system, about 2 GB: client/web/build.sh --root FOLDER. The same sources give the same bytes.
 set -euo pipefail
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
@@ -26,7 +26,7 @@ build_in() {  # FOLDER
   chroot "$folder" /lodestream/client/web/build.sh
 }
 
-# Prints the folder of Draco's sources, which Debian's package of the same version was made from.
+# Downloads the sources of Debian's Draco package, and prints their folder.
 draco_source() {  # BUILD
   local at="$1/draco"
   if [[ ! -d "$at/src" ]]; then
@@ -41,7 +41,7 @@ draco_source() {  # BUILD
   echo "$at"
 }
 
-# Lists the files of the repository that the module and the page are made from, with their checksums.
+# Lists the sources of the module and of the page with their checksums.
 list_sources() {  # BUILD
   cd "$root"
   {

@@ -26,9 +26,8 @@ struct EncodedPayload {
 };
 
 /// Origin of a mesh's triangles, which selects the predictor of positions. kFile and kFarLod select a
-/// predictor that saves more bytes but decodes more slowly. It suits the triangles of a file, which are often
-/// regular, and those of far LODs (coarse LODs for nodes outside the picture), which mostly touch the node's
-/// border.
+/// predictor that saves more bytes but decodes more slowly. Triangles of a file are often regular, and those
+/// of far LODs mostly touch the node's border; both suit this predictor.
 enum class MeshSource { kFile, kSimplified, kFarLod };
 
 /// Encodes an LOD with Draco's edgebreaker, with float positions in the model frame. docs/store-format.md

@@ -9,10 +9,10 @@ namespace {
 constexpr int kCentre = 127;        // coordinate of the square's centre, which encodes the direction +x
 constexpr int kLast = 2 * kCentre;  // largest coordinate; 254 instead of 255, so that the square has a centre
 
-// Returns the one code that encoders use for the direction that p denotes. On an edge of the square, two
-// codes denote the same direction, because the two halves of the edge mirror each other; all four corners
-// denote -x. Encoders use the lower half of the left edge, the left half of the lower edge, the upper half of
-// the right edge, the right half of the upper edge, and the upper right corner.
+// Returns the code that encoders use for the direction of p. Each direction on an edge of the square has two
+// codes, because the halves of an edge mirror each other. All four corners denote -x. Encoders use the lower
+// half of the left edge, the left half of the lower edge, the upper half of the right edge, the right half of
+// the upper edge, and the upper right corner.
 glm::ivec2 canonical(glm::ivec2 p) noexcept {
   const bool left = p.x == 0, right = p.x == kLast, bottom = p.y == 0, top = p.y == kLast;
   if ((left || right) && (bottom || top)) return glm::ivec2(kLast);

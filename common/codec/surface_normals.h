@@ -20,8 +20,8 @@ uint16_t normalOf(glm::i64vec3 sum) noexcept;
 std::vector<uint16_t> surfaceNormals(const Mesh& mesh);
 
 /// Encodes the list of normals that follows a payload without normals (docs/store-format.md). The list
-/// contains the normals that differ from surfaceNormals() of the decoded mesh. The two differ at vertices on
-/// a node's border, because some triangles around such a vertex belong to other nodes.
+/// contains the normals that differ from surfaceNormals() of the decoded mesh. They differ at vertices on a
+/// node's border, where other nodes contain some of the triangles.
 /// @param surface  code of surfaceNormals() for each vertex.
 /// @param wanted   code of the normal to encode for each vertex.
 std::vector<std::byte> encodeOtherNormals(std::span<const uint16_t> surface,

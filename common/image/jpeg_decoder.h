@@ -52,7 +52,7 @@ class JpegDecoder {
   /// Returns true if readTexels() needs two additional bytes per texel and channel, for the coefficients of
   /// the whole image.
   bool hasSeveralScans() noexcept { return jpeg_has_multiple_scans(&info_) != FALSE; }
-  /// Makes readTexels() decode the image at an eighth of its edges, from the mean of each block alone.
+  /// Makes readTexels() decode the image at 1/8 of its width and height, from the mean of each block.
   /// @return the size of the small image; 0 if the file is damaged; failure() says how.
   glm::uvec2 shrink();
   /// Decodes the image; call once. @param texels  rows of size(), or of the size that shrink() returned;

@@ -13,8 +13,8 @@ constexpr size_t kForeignHeadBytes = 512;
 
 /// Recognizes a file that is neither a PLY file nor a store: a mesh of another format, a point cloud, a
 /// picture, a compressed file, an archive, a web page, a Git LFS pointer or an empty file. Uses the first
-/// bytes; the name's ending counts only for formats without a signature (OBJ, OFF, STL and glTF) and tells
-/// apart those that share one. Never reads a number from the file. Thread safe.
+/// bytes; the name's ending matters only for formats without a signature (OBJ, OFF, STL and glTF) and for
+/// formats that share a signature. Never reads a number from the file. Thread safe.
 /// @param head  first bytes of the file, kForeignHeadBytes or all that it has; bytes after these are ignored.
 /// @return rest of an error message that begins with the file's name: the format, and the command or the
 /// programs that convert it. Returns nothing for PLY files, stores and unknown files.

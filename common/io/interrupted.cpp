@@ -147,7 +147,7 @@ Unfinished& Unfinished::operator=(Unfinished&& other) noexcept {
 void Unfinished::finish() noexcept {
   if (slot_ == nullptr) return;
   std::exchange(slot_, nullptr)->store(nullptr);
-  while (is_ending) ::pause();  // the thread that ends the process may still read the path
+  while (is_ending) ::pause();  // waits, because the thread that ends the process may still read the path
   path_.reset();
 }
 

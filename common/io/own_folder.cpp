@@ -48,7 +48,7 @@ void makeParents(const std::filesystem::path& path) {
   const std::filesystem::path parent = path.parent_path();
   if (parent.empty() || parent == path || ::access(parent.c_str(), F_OK) == 0) return;
   makeParents(parent);
-  ::mkdir(parent.c_str(), kOwnerOnly);  // makeOwnFolder() reports a failure
+  ::mkdir(parent.c_str(), kOwnerOnly);  // ignores a failure, which makeOwnFolder() reports
 }
 
 }  // namespace
@@ -93,7 +93,8 @@ bool writeOwnFile(const std::filesystem::path& path, std::span<const std::byte> 
       path.parent_path() / (kNewFile + std::to_string(::getpid()) + "-" + std::to_string(++serial));
   constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
   int file = ::open(temporary.c_str(), kFlags, S_IRUSR | S_IWUSR);
-  if (file < 0 && errno == EEXIST && ::unlink(temporary.c_str()) == 0)  // remove the file of a killed process
+  if (file < 0 && errno == EEXIST &&
+      ::unlink(temporary.c_str()) == 0)  // removes the file of a killed process
     file = ::open(temporary.c_str(), kFlags, S_IRUSR | S_IWUSR);
   if (file < 0) return false;
   bool is_written = append(file, bytes);

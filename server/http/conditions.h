@@ -16,19 +16,19 @@ bool acceptsGzip(std::string_view field) noexcept;
 /// Returns the token of a field Authorization, "Bearer TOKEN" (RFC 6750, 2.1), or nothing for other schemes.
 std::optional<std::string_view> bearerToken(std::string_view field) noexcept;
 
-/// Returns true if a page with a field Origin may open a WebSocket to the host that the field Host names:
-/// both name one host and port, or the client is no browser and sends no origin. Port 80 or 443 may be left
-/// out.
+/// Returns true if the fields Origin and Host name the same host and port, so that the page may open a
+/// WebSocket. Port 80 or 443 may be left out. Clients other than browsers send no origin, and the function
+/// returns true.
 bool isSameOrigin(std::string_view origin, std::string_view host) noexcept;
 
 /// Returns true if a field Host names this machine itself: localhost, 127.0.0.0/8 or [::1], with any port.
-/// Without a field the client is no browser, and the function returns true. A page of another host whose name
-/// leads to loopback (DNS rebinding) sends the name of that host.
+/// Without a field the client is no browser, and the function returns true. In a DNS rebinding attack, the
+/// name of another host resolves to loopback, but Host contains that name.
 bool isLoopbackHost(std::string_view host) noexcept;
 
 enum class RangeKind : uint8_t { kWhole, kPart, kNotSatisfiable };
 
-/// Part of a content that a request asks for.
+/// Range of bytes that a request asks for.
 struct ContentRange {
   RangeKind kind = RangeKind::kWhole;
   uint64_t first = 0, bytes = 0;

@@ -11,7 +11,7 @@ constexpr uint64_t kEntryBytes = 192;
 
 }  // namespace
 
-/// A content that counts towards the memory as long as somebody uses it.
+/// A content that counts towards the memory limit until its last user releases it.
 class ContentCache::Counted {
  public:
   Counted(std::unique_ptr<const Content> content, std::shared_ptr<Memory> memory, uint64_t bytes)

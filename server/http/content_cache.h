@@ -14,7 +14,7 @@
 
 namespace lode::http {
 
-/// Something that the server computes to answer requests, such as the bytes of a file. Immutable.
+/// Data that the server computes to answer requests, such as the bytes of a file. Immutable.
 class Content {
  public:
   virtual ~Content() = default;
@@ -45,9 +45,9 @@ class FileContent : public Content {
   std::vector<std::byte> plain_, packed_;
 };
 
-/// Keeps the contents that were used last, by key. Contents that left the cache while responses still use
-/// them count towards the limit until the last response ends, so that slow clients cannot make the server
-/// exceed the limit. Thread safe.
+/// Caches contents by key, and evicts the least recently used. An evicted content counts towards the limit
+/// until the last response that uses it ends, so that slow clients cannot make the server exceed the limit.
+/// Thread safe.
 class ContentCache {
  public:
   explicit ContentCache(uint64_t limit_bytes)
@@ -56,12 +56,11 @@ class ContentCache {
   /// Returns a content, or null. The content becomes the last to be evicted.
   std::shared_ptr<const Content> find(const std::string& key);
 
-  /// Adds a content and evicts others, least recently used first.
-  /// @return the content, or null if even without the other contents there is no room for it, because
-  /// responses still use evicted contents.
+  /// Adds a content and evicts others, least recently used first. @return the content, or null if responses
+  /// still use so many evicted contents that the new one does not fit.
   std::shared_ptr<const Content> add(const std::string& key, std::unique_ptr<const Content> content);
 
-  /// Removes all contents for whose keys `is_stale` returns true.
+  /// Evicts each content if `is_stale` returns true for its key.
   template <typename Predicate>
   void eraseIf(const Predicate& is_stale) {
     std::list<Entry> removed;
@@ -80,7 +79,7 @@ class ContentCache {
   uint64_t usedBytes() const noexcept { return memory_->used.load(std::memory_order_relaxed); }
 
  private:
-  /// Memory of all contents, which outlives the cache as long as a response uses a content.
+  /// Memory of all contents. Outlives the cache if a response still uses a content.
   struct Memory {
     std::atomic<uint64_t> used{0};
   };

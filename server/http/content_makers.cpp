@@ -72,13 +72,13 @@ void ContentMakers::State::makeNext(std::unique_lock<std::mutex>& lock) {
   MakeResult result = MakeResult::kFailed;
   std::shared_ptr<const Content> content;
   try {
-    content = cache.find(key);  // another thread may have made it since the request
+    content = cache.find(key);  // another thread may have made the content since the request
     if (!content) {
       content = cache.add(key, make());
       made.fetch_add(1, std::memory_order_relaxed);
     }
     result = content ? MakeResult::kDone : MakeResult::kBusy;
-  } catch (const Error& error) {  // `make` has reported it
+  } catch (const Error& error) {  // `make` has reported the error
     result = error.code() == ErrorCode::kIo ? MakeResult::kUnreadable : MakeResult::kFailed;
   } catch (const std::bad_alloc&) {
     result = MakeResult::kBusy;
@@ -86,8 +86,8 @@ void ContentMakers::State::makeNext(std::unique_lock<std::mutex>& lock) {
   }
   lock.lock();
   const auto job = jobs.find(key);
-  if (job == jobs.end()) return;  // join() has dropped it
-  // The lock stays locked, so that no function runs after join().
+  if (job == jobs.end()) return;  // join() has dropped the job
+  // Keeps the mutex locked, so that no `done` is called after join().
   for (const Done& done : job->second.waiting) try {
       done(result, content);
     } catch (const std::exception&) {  // memory ran out; the connection's deadline ends the wait

@@ -10,7 +10,7 @@
 
 namespace lode::http {
 
-/// How a content was obtained, or why not.
+/// Result of making a content.
 enum class MakeResult : uint8_t {
   kDone,
   kBusy,        ///< too many contents are being made, or their memory is used up; ask again later
@@ -24,9 +24,8 @@ struct ContentMakersOptions {
   uint64_t memory_bytes = 256'000'000;  ///< limit of the cache
 };
 
-/// Makes contents on threads of its own, which yield to the threads that send, and caches them. Requests for
-/// a content that is being made wait for the same content, so that nothing is computed twice at a time.
-/// Thread safe.
+/// Makes contents on low-priority threads, and caches them. Concurrent requests for the same content wait for
+/// one job, so that it is computed once. Thread safe.
 class ContentMakers {
  public:
   using Make = std::function<std::unique_ptr<const Content>()>;
@@ -41,15 +40,15 @@ class ContentMakers {
 
   /// Returns a cached content, or null.
   std::shared_ptr<const Content> find(const std::string& key);
-  /// Makes a content, unless another request does, and calls `done`.
+  /// Makes a content, or waits for the job that already makes it, and calls `done`.
   /// @param make  runs on a maker's thread.
   /// @return false if the queue is full; `done` is then not called.
   bool make(const std::string& key, Make make, Done done);
   ContentCache& cache() noexcept;
 
   uint64_t made() const noexcept;  ///< number of contents made
-  /// Drops waiting requests, so that no `done` is called any more. Waits at most a second for the running
-  /// functions; later ones end on detached threads, for example those that wait for a disk.
+  /// Drops waiting requests, so that no `done` is called any more. Waits at most a second for running
+  /// functions. Those that take longer, for example because the disk is slow, end on detached threads.
   void join();
 
  private:

@@ -21,8 +21,8 @@ struct NativePort {
 /// @param native  port that the reader can reach, or nothing. Thread safe.
 std::string modelsJson(std::span<const ModelSummary> models, std::optional<NativePort> native);
 
-/// Returns a page with links to the models' tilesets, for a program without the page of client/web. The page
-/// is complete: it loads nothing. Thread safe.
+/// Returns a self-contained HTML page with links to the models' tilesets, for a server that was built without
+/// client/web. Thread safe.
 std::string indexPage(std::span<const ModelSummary> models);
 
 }  // namespace lode::http

@@ -36,10 +36,10 @@ struct ParsedHead {
   RequestHead head;        ///< valid if the request is not refused
 };
 
-/// Parses a request's head with Boost.Beast. Refuses requests with a body, requests that intermediaries could
-/// understand in two ways, versions other than HTTP/1.0 and 1.1, and heads above kMaxHeadBytes.
+/// Parses a request's head with Boost.Beast. Refuses requests with a body, ambiguous requests (request
+/// smuggling), versions other than HTTP/1.0 and 1.1, and heads above kMaxHeadBytes.
 /// @param received  bytes received so far; bytes after the head are ignored.
-/// @param searched_bytes  number of bytes at the start in which earlier calls found no end of the head.
+/// @param searched_bytes  number of leading bytes that earlier calls have searched for the head's end.
 /// @return nothing if the head is incomplete. Thread safe.
 std::optional<ParsedHead> parseHead(std::string_view received, size_t searched_bytes = 0);
 

@@ -51,8 +51,8 @@ std::string_view reasonOf(int status) noexcept {
   }
 }
 
-/// Fields of every response. The policy lets the page load scripts, styles and data from its own server only,
-/// run WebAssembly, and show pictures that it makes. Pages of other hosts may embed it.
+/// Fields of every response. The policy allows scripts, styles and data only from this server, WebAssembly,
+/// and blob images. Pages of other hosts may embed the page.
 constexpr std::string_view kCommonFields =
     "Server: lodestreamd\r\n"
     "Access-Control-Allow-Origin: *\r\n"

@@ -12,7 +12,7 @@ namespace lode::http {
 /// How long caches may keep a response.
 enum class Caching : uint8_t {
   kNever,       ///< errors
-  kRevalidate,  ///< ask for each use whether the entity tag is still valid
+  kRevalidate,  ///< revalidate the entity tag before each use
   kForever,     ///< a content that never changes under its name
 };
 
@@ -20,7 +20,7 @@ enum class Caching : uint8_t {
 struct ResponseHead {
   int status = 200;
   std::string_view content_type{};  ///< empty: none
-  uint64_t content_bytes = 0;       ///< size of the body, also of one that is not sent, as for HEAD
+  uint64_t content_bytes = 0;       ///< size of the body, even if it is not sent (HEAD)
   std::string_view etag{};          ///< empty: none
   ContentRange range{};             ///< part of the content, for status 206 and 416
   uint64_t total_bytes = 0;         ///< size of the whole content, for status 206 and 416
@@ -32,8 +32,8 @@ struct ResponseHead {
   std::string_view extra{};  ///< more fields, each with its CRLF
 };
 
-/// Returns the bytes of a head with its empty line. Every head has the fields that let pages of other hosts
-/// read the response, and fields that restrict what browsers do with it.
+/// Returns the bytes of a head with its empty line. Every head has CORS fields, so that pages of other hosts
+/// can read the response, and fields with the content security policy.
 /// @param now  time for the field Date. Thread safe.
 std::string formatHead(const ResponseHead& head, std::time_t now);
 

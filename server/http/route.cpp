@@ -64,7 +64,8 @@ bool isHexName(std::string_view name) {
   return name.size() >= kDigits && name.find_first_not_of("0123456789abcdef") >= kDigits;
 }
 
-/// Finds the resource of segments after the token. Sets all of the route but the token.
+/// Finds the resource that the segments after the token name. Sets every member of the route except the
+/// token.
 void findResource(std::span<const std::string> segments, Route& route) {
   const std::string& last = segments.back();
   if (segments.size() == 1) {

@@ -18,7 +18,7 @@ enum class Resource : uint8_t {
   kWebp,         ///< "/MODEL/i/IMAGE.V.webp"
   kWebSocket,    ///< "/ws"
   kUnknown,      ///< a path without a resource
-  kMalformed,    ///< a target that is no path, or whose percent signs are wrong
+  kMalformed,    ///< a target that is no path, or with an invalid percent-encoding
 };
 
 /// Returns true for files that gzip would not make smaller.

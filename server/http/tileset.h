@@ -11,10 +11,10 @@
 
 namespace lode::http {
 
-/// The files of one store as 3D Tiles. Makes the same bytes as `export --tiles`. Immutable and thread safe.
+/// A store as 3D Tiles. Makes the same files as `export --tiles`. Immutable and thread safe.
 class Tileset : public Content {
  public:
-  /// Guesses the up axis from the coarsest mesh and walks the hierarchy. @throws Error kIo, kFormat, kLimit.
+  /// Guesses the up axis from the coarsest mesh, and reads the hierarchy. @throws Error kIo, kFormat, kLimit.
   explicit Tileset(std::shared_ptr<const store::Reader> store);
 
   /// Returns true if export writes a file with this name, such as "tileset.json" or "g/BLOB.V.glb".

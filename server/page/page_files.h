@@ -11,7 +11,7 @@ namespace lode::page {
 struct PageFile {
   std::string_view name;  ///< "index.html", "core.wasm"
   std::span<const std::byte> bytes;
-  std::string_view hash;  ///< 32 hexadecimal digits that follow from the bytes
+  std::string_view hash;  ///< hash of the bytes, 32 hexadecimal digits
 };
 
 /// Returns the files of client/web/dist, or no file if the program was built without this folder. Thread

@@ -122,7 +122,7 @@ struct Server::State {
   uint16_t port = 0;
   /// Context for accepting connections and for the health port; runs on run()'s thread.
   asio::io_context context{1};
-  std::unique_ptr<Acceptor> acceptor, http_acceptor;  ///< the latter is null without HTTP
+  std::unique_ptr<Acceptor> acceptor, http_acceptor;  ///< http_acceptor is null without HTTP
   std::unique_ptr<HealthEndpoint> health;
   asio::steady_timer drain_timer{context}, maintain_timer{context};
   uint64_t peak_bytes = 0;       ///< peak use of the budget since the last trim
@@ -321,10 +321,9 @@ void Server::State::run() {
   for (auto& worker : workers) worker->join();
 }
 
-/// Runs every kMaintainEvery. Ends late reads, refills the reserve, and returns freed memory to the system
-/// once the used part of the budget has fallen below half of its peak and no longer falls. Without this trim,
-/// malloc would keep nearly all the memory that a flood of requests or answers needed. The trim waits while
-/// the used part still falls, because each connection that is still closing frees more memory.
+/// Runs every kMaintainEvery. Ends late reads and refills the reserve. Trims the heap once the used part of
+/// the budget has fallen below half of its peak and no longer falls. Without the trim, malloc would keep
+/// nearly all the memory that a flood of requests or answers needed.
 void Server::State::maintain() {
   readers.tick();
   MemoryReserve::refill();

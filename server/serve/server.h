@@ -25,7 +25,8 @@ struct ServeOptions {
   std::string listen = "127.0.0.1:7400";
   /// Open listening socket that replaces `listen`; the server owns the socket.
   std::optional<int> listening_socket;
-  /// Address of the port for HTTP, or empty for no such port. Access and limits are those of `listen`.
+  /// Address of the port for HTTP, or empty for no such port. The port has the access rules and limits of
+  /// `listen`.
   std::string http;
   uint64_t http_memory_bytes = kHttpMemoryBytes;               ///< memory of contents for HTTP
   std::span<const page::PageFile> page = page::builtInPage();  ///< page at "/"; empty: a list of the models

@@ -26,7 +26,7 @@ bool overlap(const AtlasPiece& a, const AtlasPiece& b) {
   return glm::all(glm::lessThan(glm::max(a.first, b.first), glm::min(a.end, b.end)));
 }
 
-/// Joins each piece with the later ones that it overlaps. @return true if a piece was joined.
+/// Joins each piece with the later pieces that overlap it. @return true if a piece was joined.
 bool joinOnce(std::vector<AtlasPiece>& pieces, std::vector<uint32_t>& owners) {
   std::vector<uint32_t> order(pieces.size()), into(pieces.size());
   std::iota(order.begin(), order.end(), 0u);

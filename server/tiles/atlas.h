@@ -29,22 +29,22 @@ struct AtlasPiece {
   uint64_t area() const noexcept { return uint64_t{size().x} * size().y; }
 };
 
-/// Replaces pieces of the same level that overlap by one piece if this does not add texels.
-/// @param pieces  receives the pieces that remain, in the order of their textures, levels and places.
-/// @return for each piece given, the index of the piece that contains it now.
+/// Merges overlapping pieces of the same level if this does not add texels.
+/// @param pieces  replaced by the merged pieces, sorted by texture, level and place.
+/// @return for each original piece, the index of the merged piece that contains it.
 std::vector<uint32_t> joinPieces(std::vector<AtlasPiece>& pieces);
 
 /// Sets the places of pieces, so that none overlap. @return the size of the atlas. Deterministic.
 glm::uvec2 placePieces(std::span<AtlasPiece> pieces);
 
-/// An atlas, and whether texels of its pieces are transparent.
+/// An atlas image. `is_clear` is true if its pieces have transparent texels.
 struct Atlas {
   Image image;
   bool is_clear = false;
 };
 
-/// Copies pieces to their places. Texels between the pieces, and texels that are wholly transparent, get the
-/// colours around them. @throws Error as TextureLevels::part().
+/// Copies pieces to their places. Texels between the pieces and fully transparent texels get the colours
+/// around them. @throws Error as TextureLevels::part().
 Atlas paintAtlas(std::span<const AtlasPiece> pieces, glm::uvec2 size, TextureLevels& levels);
 
 }  // namespace lode::tiles

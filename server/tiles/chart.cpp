@@ -28,7 +28,7 @@ Charts findCharts(const Mesh& mesh, const TextureSet& textures, double step) {
   for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
     const VertexAttributes& vertex = mesh.vertex_attributes[v];
     const glm::dvec2 uv = trueTextureCoordinates(textures, vertex);
-    const uint32_t first = groups.find(v);  // not above v, so that its chart exists
+    const uint32_t first = groups.find(v);  // first <= v, so its chart exists
     if (first == v) {
       result.of_vertex[v] = static_cast<uint32_t>(result.charts.size());
       const bool has_materials = mesh.attributes.has(AttributeSet::kMaterial);

@@ -10,11 +10,12 @@
 
 namespace lode::tiles {
 
-/// A part of a mesh that is connected on the surface and on its image: triangles that share vertices.
+/// A connected part of a mesh: triangles that share vertices, so that the part is also connected in the
+/// texture.
 struct Chart {
   uint16_t material = 0;
   glm::dvec2 least{0}, most{0};  ///< box of the true texture coordinates
-  double area_uv = 0;            ///< area on the image, of which the whole image is 1
+  double area_uv = 0;            ///< area in the texture; the whole image has area 1
   double area_model = 0;         ///< area on the surface, in square model units
 };
 

@@ -20,7 +20,7 @@ constexpr uint32_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
 
 uint32_t padded(size_t bytes) { return static_cast<uint32_t>((bytes + 3) / 4 * 4); }
 
-/// Describes a GLB, one part after the other.
+/// Builds the JSON chunk of a GLB, part by part.
 class Description {
  public:
   explicit Description(const GlbContent& content) : content_(content) {}
@@ -162,7 +162,7 @@ class Chunks {
     (row.add(static_cast<uint32_t>(numbers)), ...);
     add(row.bytes(), std::byte{0});
   }
-  /// Adds bytes, and fills up to a multiple of four bytes.
+  /// Adds bytes, and pads the chunk to a multiple of four bytes.
   void add(std::span<const std::byte> bytes, std::byte fill) {
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     bytes_.resize(padded(bytes_.size()), fill);

@@ -13,8 +13,8 @@
 
 namespace lode::tiles {
 
-/// Bytes of a normal outside a stream: three signed bytes and one unused byte, because glTF aligns vertices
-/// to four bytes.
+/// Bytes of a normal outside a Draco stream: three signed bytes and one padding byte, because glTF aligns
+/// vertices to four bytes.
 constexpr size_t kGlbNormalBytes = 4;
 
 /// An image of a GLB, in a file of its own or inside the GLB.
@@ -42,8 +42,8 @@ struct GlbContent {
 
 /// Returns binary glTF 2.0 with the extension KHR_draco_mesh_compression. Each part is a primitive with a
 /// matt, double-sided material. Normals outside a stream need KHR_mesh_quantization, WebP needs
-/// EXT_texture_webp. The mesh is in the model frame, turned from z up to y up, which viewers of 3D Tiles
-/// undo. Thread safe.
+/// EXT_texture_webp. The mesh is in the model frame, rotated from z up to y up; viewers of 3D Tiles rotate it
+/// back. Thread safe.
 std::vector<std::byte> encodeGlb(const GlbContent& content);
 
 }  // namespace lode::tiles

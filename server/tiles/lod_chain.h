@@ -16,16 +16,15 @@ struct TileLod {
   bool operator==(const TileLod&) const = default;
 };
 
-/// A finer and a coarser LOD both become tiles only if the coarser one has fewer triangles by the first
-/// factor and a larger error by the second. Otherwise clients, which load all tiles on their way down, would
-/// load almost the same mesh twice.
+/// Least ratios of triangles and of errors between consecutive LODs that become tiles. Clients load all tiles
+/// on the path from the root, so with smaller ratios they would load almost the same mesh twice.
 constexpr double kLeastTriangleRatio = 1.6, kLeastErrorRatio = 1.9;
 
 /// Selects the LODs of a node that become tiles, coarsest first: the node's finest LOD, its coarsest LOD that
-/// is not a far LOD, and LODs between them that differ enough. Errors fall strictly, because some clients
-/// refine a tile of any size on the screen if its error is not below its parent's. So an error that is not
-/// below the one before it becomes (1 - 1e-6) times the one before it. All errors have nine digits. An LOD
-/// with error 0 is the last of the chain, because nothing finer can look different.
+/// is not a far LOD, and LODs between them that differ enough. Errors decrease strictly, because some clients
+/// always refine a tile whose error is not below its parent's. An error that is not below the previous one
+/// becomes (1 - 1e-6) times the previous one. All errors have nine digits. An LOD with error 0 ends the
+/// chain, because finer LODs look the same.
 /// @param above_model  error of the tile above, larger than 0.
 std::vector<TileLod> tileChain(const Node& node, double above_model);
 

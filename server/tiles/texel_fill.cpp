@@ -7,7 +7,8 @@
 namespace lode::tiles {
 namespace {
 
-/// One level of the pyramid: the mean colours of the known texels below; alpha is 0 where none is known.
+/// Returns the next coarser level of the pyramid: mean colours of the known texels; alpha is 0 where no texel
+/// is known.
 Image pull(const Image& finer) {
   Image coarser{(finer.size + 1u) / 2u, {}};
   coarser.texels.resize(size_t{coarser.size.x} * coarser.size.y);

@@ -10,7 +10,7 @@
 namespace lode::tiles {
 namespace {
 
-/// Largest number of decoded tiles in memory; one has at most 1 MiB.
+/// Largest number of decoded tiles in memory, of at most 1 MiB each.
 constexpr size_t kMostTiles = 32;
 
 uint32_t floorMod(int64_t value, uint32_t size) {
@@ -67,7 +67,7 @@ Image TextureLevels::part(uint32_t texture, uint32_t level, glm::ivec2 first, gl
   if (level >= levelCount(image)) return cutOut(computed(texture, level), first, part_size);
   const glm::uvec2 whole = levelSize(image, level);
   Image result{part_size, std::vector<glm::u8vec4>(size_t{part_size.x} * part_size.y)};
-  // Copies the part in rectangles, each from one tile.
+  // Copy the part in rectangles, each from one tile.
   for (uint32_t y = 0; y < part_size.y;) {
     const uint32_t from_y = floorMod(int64_t{first.y} + y, whole.y);
     const uint32_t row = from_y / kTileInnerPx, within_y = from_y % kTileInnerPx;

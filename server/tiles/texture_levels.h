@@ -14,7 +14,7 @@
 namespace lode::tiles {
 
 /// Reads parts of a store's textures at any level, down to one texel. Computes the levels that are coarser
-/// than the stored ones. Keeps a few decoded tiles. Not thread safe.
+/// than the stored ones. Caches a few decoded tiles. Not thread safe.
 class TextureLevels {
  public:
   /// @param reader  must outlive the object.

@@ -15,7 +15,7 @@ namespace {
 std::array<glm::vec3, 2> boundsOf(const Mesh& mesh, double step) {
   LatticeBox box;
   for (const PositionCode code : mesh.positions) box.add(unpackPosition(code));
-  const auto factor = static_cast<float>(step);  // the products are exact
+  const auto factor = static_cast<float>(step);  // every product with `factor` is exact
   return {glm::vec3(box.min) * factor, glm::vec3(box.max) * factor};
 }
 

@@ -12,15 +12,15 @@
 namespace lode::tiles {
 
 /// Returns the GLB of an LOD without images. The Draco stream is the payload itself, except for LODs with
-/// colours: glTF requires linear colours, so their streams are encoded again (encodeForGltf()). If the
-/// payload leaves the normals out, they follow the stream. The result depends only on the payload.
+/// colours: glTF requires linear colours, so their streams are encoded again (encodeForGltf()). If the stream
+/// has no normals, the GLB stores them after the stream. The result depends only on the payload.
 /// @param lod   an LOD with triangles.
 /// @param step  step of the lattice.
 /// @throws Error kInternal if Draco fails. Thread safe.
 GlbContent plainContent(const store::DecodedLod& lod, double step);
 
-/// Returns the GLB of an LOD with images (textureLod()). All streams are encoded again, because glTF counts
-/// texture coordinates from the top, and the coordinates of an atlas are new.
+/// Returns the GLB of an LOD with images (textureLod()). Encodes all streams again, because atlases change
+/// the texture coordinates, and glTF measures v from the top.
 /// @param uri_of  returns the reference to a shared image, relative to the GLB.
 /// @throws Error kInternal; as TextureLevels::part().
 GlbContent texturedContent(const Mesh& mesh, const TextureSet& textures, double step, double error_model,

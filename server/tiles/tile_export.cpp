@@ -16,8 +16,8 @@
 namespace lode::tiles {
 namespace {
 
-/// Writes the JSON files, from the root down. @return the tiles whose GLB files are to be written; tiles with
-/// equal contents share a file.
+/// Writes the JSON files, from the root down. @return one tile for each GLB file to write; tiles with equal
+/// contents share a file.
 std::vector<store::CutItem> writePages(const TileWriter& writer, AtomicFolder& folder,
                                        TileExportReport& report) {
   std::vector<store::CutItem> items;
@@ -40,7 +40,7 @@ std::vector<store::CutItem> writePages(const TileWriter& writer, AtomicFolder& f
   return items;
 }
 
-/// Runs a function for the numbers below a total, on several threads.
+/// Calls a function for each number below a total, on several threads.
 class SharedWork {
  public:
   SharedWork(size_t total, std::function<void(size_t number)> work) : total_(total), work_(std::move(work)) {}
@@ -94,7 +94,7 @@ class SharedWork {
   std::exception_ptr failure_;  ///< first failure; guarded by mutex_ while threads run
 };
 
-/// Writes GLB files, and then the images that they share.
+/// Writes the GLB files, then the images that several GLB files share.
 class ContentFiles {
  public:
   ContentFiles(const TileWriter& writer, AtomicFolder& folder, unsigned threads)

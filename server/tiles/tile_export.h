@@ -18,7 +18,7 @@ struct TileExportOptions {
 
 /// Sums over the files that were written.
 struct TileExportReport {
-  uint64_t tiles = 0;        ///< tiles that stand for LODs
+  uint64_t tiles = 0;        ///< tiles with content
   uint64_t pages = 0;        ///< JSON files
   uint64_t glbs = 0;         ///< GLB files
   uint64_t images = 0;       ///< image files that GLB files share
@@ -32,7 +32,7 @@ struct TileExportReport {
 using TileExportProgress = std::function<void(uint64_t done, uint64_t total)>;
 
 /// Writes a store as 3D Tiles: all files of a TileWriter. Keeps in memory the store's hierarchy, one page
-/// and, per thread, one payload with its mesh and atlas, or one image. The folder appears when it is
+/// and, per thread, one payload with its mesh and atlas, or one image. The folder gets its name when it is
 /// complete. Calls `progress` on the calling thread.
 /// @throws Error kUsage if the folder exists and is not empty; kIo, kFormat or kLimit, naming file and place.
 TileExportReport exportTiles(const store::Reader& reader, const TileExportOptions& options,

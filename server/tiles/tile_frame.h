@@ -24,9 +24,9 @@ struct ModelBox {
 ModelBox toModelBox(const LatticeBox& box, double step);
 
 /// Returns the transform of a tileset's root: from the model frame to a frame whose z axis is up. Without a
-/// place, the z axis is the model's up axis and coordinates are the file's, turned. With a place, the centre
-/// of the foot of the model's box is at the place, and the model's right is east (Earth-centred coordinates
-/// in metres).
+/// place, rotates the file's coordinates so that the model's up axis becomes z. With a place, returns
+/// Earth-centred coordinates in metres: the centre of the base of the model's box is at the place, and the
+/// model's right points east.
 /// @param up  one of the six axis directions.
 glm::dmat4 rootTransform(const ModelSummary& model, const glm::dvec3& up,
                          const std::optional<GeoPosition>& at);

@@ -23,7 +23,7 @@ TileIndex::TileIndex(const store::Reader& reader, const TileWriter& writer)
   }
 }
 
-/// Adds a node's tiles and pages, and those below. @param above_model  see tileChain().
+/// Adds the tiles and pages of a node and of its descendants. @param above_model  see tileChain().
 void TileIndex::addBelow(const Node& node, double above_model) {
   const auto number = static_cast<uint32_t>(&node - reader_.nodes().data());
   const std::vector<TileLod> chain = tileChain(node, above_model);
@@ -49,7 +49,7 @@ void TileIndex::addImages() {
   }
 }
 
-/// Returns the first 16 digits after the folder of a name, or nothing if the name has other characters there.
+/// Parses the first 16 hexadecimal digits after the folder in a name. Returns nothing for other characters.
 std::optional<uint64_t> TileIndex::startOf(std::string_view name) {
   if (name.size() < kFolderBytes + kStartDigits) return {};
   const std::string_view digits = name.substr(kFolderBytes, kStartDigits);

@@ -9,12 +9,12 @@
 
 namespace lode::tiles {
 
-/// Finds the parts of a store by the names that TileWriter gives their files. Contains the files that
-/// exportTiles() writes, except tileset.json, and images of all levels, of which exportTiles() writes those
-/// that tiles show. Uses 16 bytes per file. Immutable and thread safe.
+/// Finds the parts of a store by the file names of TileWriter. Contains all files that exportTiles() writes
+/// except tileset.json. Also contains images that no tile shows. Uses 16 bytes per file. Immutable and thread
+/// safe.
 class TileIndex {
  public:
-  /// Walks the hierarchy; decodes nothing. @param writer  must outlive the index.
+  /// Reads the hierarchy, but decodes no payload. @param writer  must outlive the index.
   TileIndex(const store::Reader& reader, const TileWriter& writer);
 
   /// Finds the owner of a page by a name such as "p/0123456789abcdef0123456789abcdef.json".

@@ -15,15 +15,15 @@ namespace {
 constexpr uint32_t kNone = static_cast<uint32_t>(-1);
 /// A texture's charts share a whole level if they need at least this share of its texels.
 constexpr double kShareOfWhole = 0.5;
-/// Bits of texture coordinates in an atlas beyond those of its longer edge: an eighth of a texel.
+/// Fractional bits of texture coordinates in an atlas: the precision is 1/8 texel.
 constexpr int kSubtexelBits = 3;
 
 double areaOf(glm::uvec2 size) { return static_cast<double>(size.x) * size.y; }
 
-/// Returns the coarsest level whose texels are at most as large as an error.
+/// Returns the coarsest level with texels no larger than an error.
 uint32_t levelFor(double area_uv, double area_model, double error_model, glm::uvec2 size, uint32_t coarsest) {
   const double texels_per_model = std::sqrt(area_uv * areaOf(size) / area_model);
-  const double texels = texels_per_model * error_model;  // not a number if there is no area
+  const double texels = texels_per_model * error_model;  // NaN if the area is 0
   if (!(texels >= 2)) return 0;
   return static_cast<uint32_t>(std::min(std::floor(std::log2(texels)), static_cast<double>(coarsest)));
 }
@@ -66,8 +66,8 @@ class ImageChoice {
     return extent.x > 1 || extent.y > 1;
   }
 
-  /// Converts texture coordinates to texels of a level. The origin is the top left of that copy of the
-  /// repeated image in which the chart begins.
+  /// Converts texture coordinates to texels of a level. The chart begins in one copy of the repeated image;
+  /// the origin is the top left of this copy.
   glm::dvec2 texelsOf(uint32_t chart, glm::dvec2 uv, uint32_t level) const {
     const Chart& of = charts_.charts[chart];
     const glm::dvec2 whole = glm::floor(of.least), size = glm::dvec2(levels_.size(of.material, level));
@@ -120,7 +120,8 @@ class ImageChoice {
     return level;
   }
 
-  /// Places all other charts in the atlas. @param coarser  number of levels to go up, so that it fits.
+  /// Places all other charts in the atlas.
+  /// @param coarser  number of levels by which to coarsen the charts, so that the atlas fits.
   void placeInAtlas(uint32_t coarser) {
     piece_of_.assign(charts_.charts.size(), kNone);
     pieces_.clear();
@@ -167,7 +168,7 @@ class PartMaker {
     part_.mesh.triangles.push_back(triangle);
   }
 
-  /// Returns the whole mesh's vertex of each vertex.
+  /// Returns for each vertex of the part its index in the whole mesh.
   std::span<const uint32_t> vertices() const noexcept { return vertices_; }
   TexturedPart& part() noexcept { return part_; }
 

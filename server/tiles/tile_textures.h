@@ -24,24 +24,24 @@ struct SharedImage {
 struct TexturedPart {
   enum class Source { kNone, kAtlas, kShared };
 
-  Mesh mesh;  ///< its texture coordinates are codes of `coordinates`
+  Mesh mesh;  ///< mesh whose texture coordinates are codes of `coordinates`
   Source source = Source::kNone;
   GltfCoordinates coordinates;  ///< not set without an image
   SharedImage shared;           ///< set for kShared
 };
 
 /// An LOD, divided by images. A texel is at most as large as the LOD's error, unless the image would exceed
-/// kMostImagePx. So a viewer that draws the LOD with an error of one pixel shows a texel in at most a pixel.
+/// kMostImagePx. At an error of one pixel, a texel therefore covers at most one pixel.
 struct TexturedLod {
   std::vector<TexturedPart> parts;  ///< in the order kNone, kAtlas, kShared by texture; none is empty
   std::optional<Atlas> atlas;
 };
 
-/// Chooses an image for each chart of an LOD and rewrites the texture coordinates to it. The charts of most
-/// textures go into one atlas, which belongs to the LOD alone. If the charts of a texture repeat the image or
-/// need half of it or more, they show a whole level instead, which other LODs share.
-/// @param error_model  larger of the LOD's error and appearance error, in model units; 0 for the texels of
-///                     the input.
+/// Chooses an image for each chart of an LOD and rewrites the texture coordinates for this image. Most charts
+/// go into an atlas of this LOD. If the charts of a texture repeat the image or need at least half of it,
+/// they use a whole level, which LODs share.
+/// @param error_model  the larger of the LOD's error and appearance error, in model units; 0 selects the
+/// texels of the input.
 /// @throws Error as TextureLevels::part(). Deterministic.
 TexturedLod textureLod(const Mesh& mesh, const TextureSet& textures, double step, double error_model,
                        TextureLevels& levels);

@@ -20,8 +20,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Version of the files that TileWriter makes. A change of their bytes requires another version, because
-/// caches keep a file for as long as its name.
+/// Version of the files that TileWriter makes. Increment it when the bytes of a file change, because caches
+/// assume that a name's bytes never change.
 constexpr uint32_t kWriterVersion = 1;
 
 Json boundingVolume(const LatticeBox& lattice_box, double step) {
@@ -41,7 +41,7 @@ void addDigest(LittleEndianRow& row, const Digest& digest) {
   for (const std::byte byte : digest.bytes) row.add(std::to_integer<uint8_t>(byte));
 }
 
-/// Returns a digest of all tiles of a texture, from which the texels of all levels follow.
+/// Returns a digest of all tiles of a texture. The texels of all levels depend only on these tiles.
 Digest digestOfTexels(const Texture& texture) {
   std::vector<std::byte> digests;
   digests.reserve(texture.tiles.size() * sizeof(Digest));
@@ -63,7 +63,7 @@ class TileWriter::PageMaker {
   PageMaker(const TileWriter& writer, const char* folder, TilesetPage& page)
       : writer_(writer), folder_(folder), page_(page) {}
 
-  /// Returns the tile of a node's coarsest LOD, with all tiles below. @param above_model  see tileChain().
+  /// Returns the tile of a node's coarsest LOD with all its descendants. @param above_model  see tileChain().
   Json chainOf(const Node& node, double above_model) {
     const std::vector<TileLod> chain = tileChain(node, above_model);
     Json below = continuesBelow(node, chain) ? childrenOf(node, chain.back().error_model) : Json::array();
@@ -163,7 +163,7 @@ std::string TileWriter::pageName(NodeKey owner) const {
 }
 
 std::string TileWriter::pageName(const Node& owner, double error_model) const {
-  // The name is the digest of all values from which the page's bytes follow.
+  // The name is the digest of all values that determine the page's bytes.
   LittleEndianRow values;
   addDigest(values, owner.child_page.digest);
   values.add(kWriterVersion);

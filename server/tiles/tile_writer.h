@@ -19,7 +19,7 @@ struct TilesetPage {
   std::string json;
   std::vector<store::CutItem> contents;  ///< tiles with triangles, each in a GLB of its own
   std::vector<NodeKey> pages;            ///< owners of the pages below
-  uint64_t tiles = 0;                    ///< number of tiles that stand for LODs
+  uint64_t tiles = 0;                    ///< number of tiles with content
 };
 
 /// A GLB, and the image files to which it refers.
@@ -29,20 +29,20 @@ struct TileGlb {
 };
 
 /// Converts parts of a store to the files of a tileset in the format 3D Tiles 1.1. All functions are pure:
-/// the bytes of a file depend only on the store, the root's transform and the arguments. Names of all files
-/// but tileset.json follow from the contents, so that a file never changes under its name. Thread safe.
+/// the bytes of a file depend only on the store, the root's transform and the arguments. Except for
+/// tileset.json, a file's name is a digest of its contents, so that caches can keep it forever. Thread safe.
 ///
 /// A node's LODs form a chain of tiles from the coarsest to the finest, each the only child of the one before
-/// (tileChain()). The chains of the node's children follow below the finest. Refinement replaces a tile by
-/// its children, so that the tiles that a viewer draws are a cut of the store and fit together without
-/// cracks. Each page of the store's hierarchy is an external tileset.
+/// (tileChain()). The finest tile's children are the chains of the node's children. Refinement replaces a
+/// tile by its children, so a viewer always draws a cut of the store, without cracks. Each page of the
+/// store's hierarchy is an external tileset.
 class TileWriter {
  public:
   /// @param reader  must outlive the writer.
   /// @throws Error kIo or kFormat if a texture of the store cannot be read.
   TileWriter(const store::Reader& reader, const glm::dmat4& root_transform);
 
-  /// Returns the page that the root or another node owns (store::pageOwner()).
+  /// Returns the page of an owner (store::pageOwner()).
   TilesetPage page(NodeKey owner) const;
   /// Returns "tileset.json" for the root's page, else a path like "p/0123456789abcdef0123456789abcdef.json".
   std::string pageName(NodeKey owner) const;
@@ -59,7 +59,7 @@ class TileWriter {
   /// Returns a path like "i/0123456789abcdef0123456789abcdef.1.jpg".
   std::string imageName(SharedImage image) const;
 
-  /// Returns the error of the whole tileset, which is the error above the root's tiles, in model units.
+  /// Returns the geometricError of the tileset, in model units. It is above the error of the root's tile.
   double errorOfTileset() const;
 
  private:

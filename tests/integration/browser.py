@@ -10,7 +10,7 @@ import time
 import urllib.error
 import urllib.request
 
-# Draws by software, so that pictures are alike on all machines.
+# Software rendering makes pictures similar on all machines.
 ARGUMENTS = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader",
              "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--hide-scrollbars"]
 
@@ -88,7 +88,7 @@ class Browser:
         return value
 
     def picture(self, file):
-        """Writes what the window shows as PNG."""
+        """Writes a PNG of the window's contents."""
         pathlib.Path(file).write_bytes(base64.b64decode(self.call("GET", f"{self.session}/screenshot")))
 
     def console(self):

@@ -21,7 +21,7 @@ PAGE = pathlib.Path(__file__).resolve().parents[2] / "client" / "web" / "dist"
 WIDTH, HEIGHT = 960, 540
 CONVERGED = "window.lodestream && window.lodestream.state().converged"
 
-# Counts the open edges of each list of parts that the core gives the page, by the words that the page uploads.
+# Counts the open edges of each list of parts from the core, in the vertex words that the page uploads.
 WATCH_EDGES = """
 const viewer = window.lodestream.viewer(), model = viewer.session.model, frame = model.frame.bind(model);
 window.seen = [];
@@ -46,7 +46,7 @@ function openEdges(parts) {
 """
 
 
-# Returns the PSNR of two pictures in dB, without the borders, where the page has words.
+# Returns the PSNR of two pictures in dB. Ignores the borders, where the page shows text.
 COMPARE = """
 const texels = async (base64) => {
   const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
@@ -78,7 +78,7 @@ def camera_file(folder, camera):
 
 
 def fetched(server, model, camera, folder):
-    """Returns what `lodestream fetch` converges to at the same view."""
+    """Returns the summary of `lodestream fetch` after it has converged at the same view."""
     done = subprocess.run([BIN / "lodestream", "fetch", f"lode://{server.native}/{model}", "--camera",
                            camera_file(folder, camera), "--size", f"{WIDTH}x{HEIGHT}", "--cache", "off", "--json"],
                           capture_output=True, text=True, check=True)
@@ -112,7 +112,7 @@ class Page(unittest.TestCase):
                 self.assertLessEqual(shown["received_bytes"], 1.01 * expected["bytes_received"] + 1000)
 
     def test_has_no_open_edge_while_it_sharpens(self):
-        # The whole model is in the picture: a cut may leave out only what the camera does not see.
+        # Show the whole model, because a cut may leave out parts that the camera does not see.
         self.browser.open("about:blank")
         self.browser.open(link_to(self.server, "painted", VIEWS["far"], px=16))
         self.browser.wait_for("Boolean(window.lodestream && window.lodestream.viewer().session)")

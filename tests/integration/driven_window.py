@@ -74,8 +74,8 @@ class SelectionEvent(ctypes.Structure):
 
 
 class Window:
-    """Runs `lodestream view` on a display, with its files in a folder. The end of the `with` ends the
-    program. Without a target, the window shows the start page."""
+    """Runs `lodestream view` on a display, with its files in a folder. Leaving the `with` block ends the program.
+    Without a target, the window shows the start page."""
 
     def __init__(self, screen, folder, target, *options, **pipes):
         self.folder, self.pipes = pathlib.Path(folder), pipes
@@ -112,7 +112,7 @@ class Window:
 
     @contextlib.contextmanager
     def one_frame(self):
-        """Sends all keys that are pressed inside the `with` together, at its end."""
+        """Collects the keys pressed inside the `with` block, and sends them together at its end."""
         self.process.send_signal(signal.SIGSTOP)
         yield
         self.process.send_signal(signal.SIGCONT)

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Tests that the command lines of docs/embedding.md, as they stand, install the library and build and run the examples.
+"""Runs the command lines of docs/embedding.md unchanged: they must install the library,
+and build and run the examples.
 
     embedding_docs_test.py BUILD_DIR BIN_DIR SOURCE_DIR
 

@@ -90,7 +90,7 @@ class Link(unittest.TestCase):
 
 
 class Names(unittest.TestCase):
-    """Names under which a server answers, since a page's name may be directed to loopback (DNS rebinding)."""
+    """Host names that the server accepts. An attacker's name can resolve to loopback (DNS rebinding)."""
 
     def test_are_those_of_this_machine(self):
         with Served(MODELS / "gyroid.lode") as server:

@@ -12,7 +12,7 @@ BIN, MODELS = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 
 
 class Served:
-    """Runs `lodestreamd serve --http`. The end of the `with` ends the server by SIGTERM and expects exit status 0."""
+    """Runs `lodestreamd serve --http`. Leaving the `with` block sends SIGTERM and expects exit status 0."""
 
     def __init__(self, *arguments):
         command = [BIN / "lodestreamd", "serve", *arguments, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0",

@@ -187,7 +187,7 @@ class Textures(TilesTest):
     """Tiles of models with images."""
 
     def stores(self):
-        """Builds the test data's models with images, and one of our own that repeats an image and has an atlas."""
+        """Builds the test data's models with images, and a generated model that repeats an image and has an atlas."""
         ply = self.folder / "own.ply"
         corners = [(x, y, 0) for y in range(9) for x in range(9)]
         faces = [(i, i + 1, i + 10, i + 9) for i in range(72) if i % 9 != 8]
@@ -264,7 +264,8 @@ class Cuts(TilesTest):
             self.assertGreater(len(sizes), 3)
 
     def test_are_those_of_fetch_at_the_same_camera(self):
-        # At a larger error, a cut of the tileset may be finer, because some LODs do not become tiles.
+        # At larger errors a cut of the tileset can be finer than the store's, because some LODs do not become
+        # tiles.
         for name, distance, pixels in (("painted", 3, 1), ("painted", 2, 1), ("painted", 1.5, 1), ("gyroid", 3, 1),
                                        ("gyroid", 2, 1), ("asteroid2m", 1.3, 0.25)):
             with self.subTest(f"{name} from {distance} diagonals"):
@@ -275,7 +276,7 @@ class Cuts(TilesTest):
                                  self.cut_of_fetch(store, pixels))
 
     def camera(self, store, distance):
-        """Writes a camera at a distance in diagonals of the model, which sees it all. Returns the eye."""
+        """Writes a camera that sees the whole model. The distance is in model diagonals. Returns the eye."""
         box = json.loads(lodestreamd("info", store, "--json").stdout)["box"]
         diagonal = sum((b - a) ** 2 for a, b in zip(box["min"], box["max"])) ** 0.5
         target = [(a + b) / 2 for a, b in zip(box["min"], box["max"])]

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Tests of `lodestreamd serve --http` in viewers: tiles_viewers_test.py BIN MODELS
 
-BIN has the programs, MODELS the stores of make_models.sh. A test needs Chromium, node, and in NODE_PATH what this installs:
+BIN has the programs, MODELS the stores of make_models.sh. Each test needs Chromium,
+node, and in NODE_PATH the packages that this command installs:
   npm install playwright-core@1.65.1 three@0.187 3d-tiles-renderer@0.5.3 cesium@1.145
-Without them it is skipped.
+Without these it is skipped.
 """
 import json
 import pathlib

@@ -90,7 +90,7 @@ class IncompleteScene(WindowTest):
                 eventually(lambda: self.at_right(window) > 2)
 
     def test_connects_to_all_its_servers_at_once(self):
-        """The window waits for all servers that do not answer at the same time."""
+        """The window connects to all unresponsive servers at the same time, so it waits only once."""
         with socket.create_server(("127.0.0.1", 0)) as first, socket.create_server(("127.0.0.1", 0)) as second:
             silent = {f"silent{number}": f"lode://127.0.0.1:{server.getsockname()[1]}/painted"
                       for number, server in enumerate((first, second))}
@@ -121,7 +121,7 @@ class IncompleteScene(WindowTest):
 
 
 class Dropped(WindowTest):
-    """A file that is dropped on the window opens in place of the model."""
+    """Dropping a file on the window replaces the model."""
 
     def test_models_and_scenes_open_one_after_another(self):
         with tempfile.TemporaryDirectory() as folder, self.window() as window:

@@ -155,7 +155,7 @@ class HiddenModels(WindowTest):
 
     @staticmethod
     def picked(window, at):
-        """Returns the name of the model at a place; None beside the models."""
+        """Returns the name of the model at a place, or None where there is no model."""
         window.click(at)
         window.picture()
         subprocess.run(["xclip", "-selection", "clipboard"], env=window.environment, check=True, input=b"", timeout=120)
@@ -222,7 +222,7 @@ class Picks(WindowTest):
 
     @staticmethod
     def keep_distance(window):
-        """Keeps a distance. Returns the text that C copies."""
+        """Measures and keeps a distance. Returns the text that C copies."""
         for place in (MIDDLE, (MIDDLE[0] + 40, MIDDLE[1] + 20)):
             window.click(place)
             window.picture()

@@ -46,9 +46,9 @@ class CameraRig {
   /// 0.09 % of the picture's height from an exact parallel projection.
   void toggleParallel();
   bool isParallel() const noexcept { return view_.fov_y_rad == glm::radians(kParallelFovDeg); }
-  /// Keeps the field of view from now on, or no longer. Meanwhile, a camera with another field of view moves
-  /// along its view to where the picture of the orbited point's plane stays the same, as toggleParallel()
-  /// does. In parallel projection, only the orbiting camera is available.
+  /// Locks or unlocks the field of view. While it is locked, a camera with another field of view moves along
+  /// its view direction, so that the picture of the orbited point's plane stays the same. In parallel
+  /// projection, only the orbiting camera is available.
   void holdFieldOfView(bool held) noexcept {
     held_fov_rad_ = held ? std::optional(view_.fov_y_rad) : std::nullopt;
   }

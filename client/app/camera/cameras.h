@@ -21,7 +21,7 @@ class Heading {
 
   /// Turns left and up, in radians. Limits the pitch, so that the direction is never parallel to the axis.
   void turn(double left_rad, double up_rad) noexcept;
-  glm::dvec3 forward() const noexcept;  ///< view direction; unit length, like the next three vectors
+  glm::dvec3 forward() const noexcept;  ///< view direction; unit length
   glm::dvec3 level() const noexcept;    ///< horizontal part of the view direction
   glm::dvec3 right() const noexcept;
   glm::dvec3 up() const noexcept;

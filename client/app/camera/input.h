@@ -50,7 +50,7 @@ struct Input {
   int finer = 0;      ///< number of steps by which to lower the threshold; negative steps raise it
   bool enter = false;
   bool screenshot = false, copy = false, record = false, quit = false;
-  /// Q was pressed; it quits if the scene failed to open, and otherwise moves the camera down.
+  /// Q was pressed. Q quits if the scene failed to open, and otherwise moves the camera down.
   bool quit_where_idle = false;
 
   std::string dropped;  ///< path of a file that was dropped on the window; empty: none
@@ -67,8 +67,8 @@ struct Input {
   }
 };
 
-/// Returns the input without keys that are typed into a text box: it keeps Enter, Esc, F11, a dropped file,
-/// and what redraws the window. Pure.
+/// Returns the input without keys that are typed into a text box. Keeps Enter, Esc, F11, a dropped file and
+/// `damaged`. Pure.
 Input withoutTyping(const Input& input);
 
 /// Positions of a gamepad's sticks and triggers as GLFW maps them, from -1 to 1. The y of a stick points

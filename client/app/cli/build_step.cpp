@@ -10,8 +10,8 @@ namespace lode::app {
 namespace {
 
 constexpr std::chrono::seconds kLogInterval{5};
-constexpr double kSecondsUntil = 100;  ///< times are in minutes from here
-constexpr double kMinutesUntil = 100;  ///< times are in hours from here
+constexpr double kSecondsUntil = 100;  ///< from this time on, texts show minutes
+constexpr double kMinutesUntil = 100;  ///< from this time on, texts show hours
 
 std::string timeInWords(double seconds) {
   if (seconds < kSecondsUntil) return std::to_string(std::lround(seconds)) + " s";
@@ -40,7 +40,7 @@ std::string scaled(double count, const Scale& scale) {
 
 std::string bytesInWords(double bytes) { return describeBytes(static_cast<uint64_t>(std::min(bytes, 1e18))); }
 
-/// Returns ": 1.2 of 2.0 million triangles, 0.3 million a second", as far as it is known.
+/// Returns ": 1.2 of 2.0 million triangles, 0.3 million a second" without the numbers that are unknown.
 std::string amountInWords(const BuildStep& step) {
   if (step.total <= 0) return "";
   const bool is_bytes = step.unit == "B";

@@ -18,15 +18,15 @@ struct BuildStep {
   std::string unit = {};               ///< name of the items, such as "triangles"; "B": bytes
 };
 
-/// Watches a build. builtStore() calls the functions on the thread of its own caller.
+/// Receives the progress of a build. builtStore() calls the functions on its caller's thread.
 struct BuildWatch {
   std::function<void(const BuildStep&)> on_step;  ///< receives the progress; empty: stderr shows it
   /// Receives a store to show until the build is finished. If empty, the build makes no preview.
   std::function<void(const std::filesystem::path& preview)> on_preview;
 };
 
-/// Describes what a build does, how far and how fast it is, and how long it will take: "simplifying: 1.2 of
-/// 2.0 million triangles, 0.3 million a second; 12 s left".
+/// Describes a build's stage, progress, speed and remaining time: "simplifying: 1.2 of 2.0 million triangles,
+/// 0.3 million a second; 12 s left".
 std::string stepInWords(const BuildStep& step);
 /// Returns a percentage without rounding up: "46 %".
 std::string percentInWords(double fraction);

@@ -134,8 +134,8 @@ struct BuildRecord {
   fs::path textures_folder;  ///< folder that the build searched first for images
   std::vector<Image> images;
 
-  /// Returns true if a build now would find the same images. If an image is missing, textures_folder must be
-  /// the same too, because the build's warnings name this folder.
+  /// Returns true if a build now would find the same images. If an image is missing, compares textures_folder
+  /// too, because the build's warnings name this folder.
   bool isCurrent(const PlyFile& ply) const {
     TextureFinder finder(ply.path, ply.textures_folder);
     return std::ranges::all_of(images, [&](const Image& image) {
@@ -245,7 +245,7 @@ Json build(const PlyFile& source, const fs::path& store, const FolderLock& lock,
   Json result;
   {
     const std::stop_callback end_build(stop, [&builder] { builder.terminate(); });
-    // A resumed build that needs the file no more writes no preview, but the earlier build has written one.
+    // A resumed build may write no preview, because the interrupted build has written one.
     bool has_preview = watch.on_preview && fs::exists(preview);
     if (has_preview) watch.on_preview(preview);
     for (std::string line; !(line = builder.readLine(kLongestSilence)).empty();) {
@@ -308,8 +308,8 @@ BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& 
       record.images.push_back({name, image, versionSince(image, start)});
     }
   } catch (...) {
-    // The builder has kept its work only if the next use can resume it. The folder is then not empty, and
-    // fs::remove() leaves it.
+    // If the next use can resume the build, the folder contains its work, and fs::remove() keeps a folder
+    // that is not empty.
     if (!stop.stop_requested()) fs::remove_all(previewBeside(store).parent_path(), ignored);
     if (ply.preview_only) fs::remove_all(folder, ignored);
     fs::remove(folder, ignored);
@@ -317,13 +317,13 @@ BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& 
     throw;
   }
   const fs::path preview_folder = previewBeside(store).parent_path();
-  fs::remove(preview_folder, ignored);                             // if it is empty, no preview was written
-  if (!watch.on_preview) fs::remove_all(preview_folder, ignored);  // else the caller shows and removes it
+  fs::remove(preview_folder, ignored);                             // unless it has a preview
+  if (!watch.on_preview) fs::remove_all(preview_folder, ignored);  // else the caller removes it
   writeRecord(folder, record);
   if (!ply.preview_only) removeOthers(of_source, folder);
   FileLock in_use = useStore(store);
   trimStores(stores, max_bytes.value_or(storeCacheBytes(stores)));
-  if (!shows_progress) warn(record);  // if the build shows progress, it has printed the warnings itself
+  if (!shows_progress) warn(record);  // a build that shows progress has printed the warnings itself
   return {store, std::move(in_use), std::move(record.warnings), ply.preview_only};
 }
 

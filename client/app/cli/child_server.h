@@ -25,7 +25,7 @@ class ChildServer {
   /// fails, or if `stop` is requested.
   explicit ChildServer(const std::filesystem::path& store, const std::stop_token& stop = {});
 
-  /// Lets the server open the store again if its file has changed. Does not wait for it.
+  /// Makes the server open the store again if its file has changed. Does not wait for the server.
   void reload() const noexcept { process_.signal(SIGHUP); }
   const stream::ServedModel& served() const noexcept { return served_; }
   const std::string& token() const noexcept { return token_; }

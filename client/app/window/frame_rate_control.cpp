@@ -106,8 +106,8 @@ void FrameRateControl::step(double seconds, bool moved) noexcept {
 }
 
 /// Adds a drawn frame. Even a frame that shows coarse stand-ins for missing meshes can prove that the
-/// threshold must rise. Whether the threshold may fall depends on Coarsening::complete. It counts the work
-/// that the missing meshes will add, so it is larger if the frame shows coarse stand-ins.
+/// threshold must rise. The threshold may fall only as far as Coarsening::complete allows, which includes the
+/// work that the missing meshes will add.
 void FrameRateControl::add(double work_ms, const render::Coarsening& coarsening) noexcept {
   if (coarsening.scale != movingScale()) return;
   const double steps = stepsOf(coarsening.drawn), complete_steps = stepsOf(coarsening.complete);

@@ -7,7 +7,7 @@
 namespace lode::app {
 namespace {
 
-/// Least part of an axis across the picture along which a drag can move the plane.
+/// Least length of an axis's projection at which a drag moves the plane along the axis.
 constexpr double kLeastAcross = 0.25;
 
 }  // namespace

@@ -24,8 +24,8 @@ constexpr std::array<CapColour, 4> kCapColours{{{"red", {0.80f, 0.45f, 0.35f}},
                                                 {"blue", {0.35f, 0.55f, 0.80f}},
                                                 {"white", {0.92f, 0.92f, 0.92f}}}};
 
-/// The plane with which the user cuts the model open. It is perpendicular to an axis. Only a drag moves it:
-/// it stays in place if the box changes, because models are hidden, shown or added. Pure.
+/// The plane with which the user cuts the model open, perpendicular to an axis. Only a drag moves the plane:
+/// it stays in place when models are hidden, shown or added. Pure.
 class SectionPlane {
  public:
   /// Steps from no section through the x, y and z axes and back to none. Each section begins in the middle of
@@ -33,8 +33,8 @@ class SectionPlane {
   void step(const core::ModelBox& box) noexcept;
   /// Shows the other half.
   void flip() noexcept { is_flipped_ = !is_flipped_; }
-  /// Moves the plane, so that it follows the pointer: along the axis in the picture, or, if the axis points
-  /// at the viewer, away from the viewer by an upward drag. The plane stops at the sides of the box.
+  /// Moves the plane along its axis, so that it follows the pointer. If the axis points at the viewer, an
+  /// upward drag moves the plane away. The plane stops at the sides of the box.
   /// @param distance_model  distance along the view direction at which the plane follows the pointer.
   void drag(const glm::dvec2& pixels, const core::View& view, double distance_model,
             const core::ModelBox& box) noexcept;

@@ -36,7 +36,7 @@ class Viewer {
  public:
   /// Opens the window and begins to open the target, or shows the start page if there is none. @throws Error.
   explicit Viewer(const ViewOptions& options);
-  ~Viewer() { scene_.reset(); }  // before the window's OpenGL context
+  ~Viewer() { scene_.reset(); }  // destroys the scene before the window's OpenGL context
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
   /// Runs until the user closes the window, or until --screenshot or --laps is done. Then writes the pending
@@ -51,7 +51,7 @@ class Viewer {
  private:
   using Clock = std::chrono::steady_clock;
 
-  // Defined in viewer.cpp: the frame loop and drawing.
+  // The next functions are defined in viewer.cpp: the frame loop and drawing.
   static double secondsSince(Clock::time_point start);
   bool isInteractive() const;
   void frame();
@@ -78,8 +78,8 @@ class Viewer {
   double waitSeconds() const;
   bool settled() const;
 
-  // viewer_opening.cpp: targets.
-  /// Adds the up axis that the user has chosen before, unless the command line names one.
+  // The next functions are defined in viewer_opening.cpp. Adds the up axis that the user has chosen before,
+  // unless the command line names one.
   static CommonOptions withUp(CommonOptions options, const std::string& up);
   ModelChoices keptChoices(const std::string& target) const;
   void fail(const Error& error);
@@ -88,7 +88,7 @@ class Viewer {
   void openChosen(const Input& input);
   void showStartPage(const std::string& message);
 
-  // viewer_input.cpp: keys, mouse, camera and settings.
+  // The next functions are defined in viewer_input.cpp: keys, mouse, camera and settings.
   void scrollPanel(Input& input);
   void obeyKeys(Input& input);
   void endMeasureOrLeave();
@@ -112,7 +112,7 @@ class Viewer {
   void note(const std::string& message);
   void noteSaved(const std::string& file);
 
-  // viewer_files.cpp: pictures and recorded camera paths.
+  // The next functions are defined in viewer_files.cpp: pictures and recorded camera paths.
   void record(const Input& input);
   void saveRecording();
   bool saveMeasures();
@@ -123,14 +123,14 @@ class Viewer {
   ViewOptions options_;
   ModelChoices choices_;
   std::optional<core::CameraPath> wanted_path_;
-  std::unique_ptr<ViewedScene> scene_;  ///< never null; opens its first model while the window is made
+  std::unique_ptr<ViewedScene> scene_;  ///< never null; opens its first model while the window opens
   GlfwWindow window_;
   const bool draws_in_software_ = render::drawsInSoftware();
   const render::OcclusionCulling occlusion_culling_ = render::fastestOcclusionCulling();
   Panel panel_;
   /// Framebuffers: `smooth_` has several samples per pixel, `quick_` has one.
   std::optional<render::Framebuffer> smooth_, quick_;
-  std::optional<render::AmbientOcclusion> occlusion_;  ///< made at its first use, because linking takes time
+  std::optional<render::AmbientOcclusion> occlusion_;  ///< created at the first use: linking is slow
   render::FrameTimer timer_;
   Pacing pacing_;
   double uploads_ms_ = 0;         ///< time spent on uploads since the last drawn frame

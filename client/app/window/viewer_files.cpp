@@ -76,7 +76,7 @@ void Viewer::saveScreenshots() {
     }
   }
   const bool is_at_rest =
-      redraws_.frames() == 0 && (rig_ || failed_);  // not while the target is being opened
+      redraws_.frames() == 0 && (rig_ || failed_);  // no picture is due while the target is being opened
   if (picture_request_.take(is_at_rest || isLeaving(), Clock::now()))
     picture_writer_.write(timedName("png"), window_.readBack());
 }

@@ -52,7 +52,7 @@ void Viewer::obeyKeys(Input& input) {
   pacing_.sharpen(input.finer);
 }
 
-/// Ends the open measurement; without one, leaves.
+/// Ends the current measurement; closes the window if there is none.
 void Viewer::endMeasureOrLeave() {
   if (picks_.current().points.empty()) {
     done_ = true;
@@ -62,7 +62,7 @@ void Viewer::endMeasureOrLeave() {
   }
 }
 
-/// Cuts the model open by a plane, moves the plane and flips it.
+/// Handles the keys and drags of the section plane.
 void Viewer::cut(const Input& input) {
   const ModelSummary& summary = scene_->summary();
   const core::ModelBox box = core::toModelBox(summary.box, summary.lattice.step);
@@ -74,7 +74,7 @@ void Viewer::cut(const Input& input) {
     note(section_.describe(box));
 }
 
-/// Hides or isolates the model under the pointer; beside all models, shows all.
+/// Hides or isolates the model under the pointer; if there is none, shows all models.
 void Viewer::hideModels(const Input& input) {
   if (!input.hide_model && !input.isolate_model) return;
   if (!scene_->hasFixedUp()) return note("only models of a scene can be hidden");
@@ -113,8 +113,8 @@ std::optional<PickedPoint> Viewer::under(const glm::dvec2& pixel_px) {
   return scene_->under(rig_->view(), pixel_px, style_.section);
 }
 
-/// Picks a point, obeys the keys of measurements, then copies the picks if requested. The order matters,
-/// because what happens in the same frame must be copied too.
+/// Picks a point, handles the keys of measurements, then copies the picks if requested. Copies last, so that
+/// the copy includes the input of the same frame.
 void Viewer::pick(const Input& input) {
   if (input.pressed || input.clicked || input.double_clicked || input.wheel != 0) pointAt(input);
   measure(input);
@@ -235,8 +235,8 @@ Settings Viewer::settings() const {
           .unit = unitNumber(choices_.unit)};
 }
 
-/// Applies the settings that the user has changed. Does not touch the others, because the command line may
-/// have set them outside the range of the settings.
+/// Applies the settings that the user has changed. Leaves the others, because the command line may have set
+/// values outside the panel's range.
 void Viewer::apply(const Settings& wanted) {
   const Settings now = settings();
   if (wanted.unlit != now.unlit)
@@ -275,7 +275,7 @@ void Viewer::setMemoryBudget(uint64_t budget_bytes) {
                                   (uint64_t{memory.gpu.staging_bytes} + memory.gpu.texture_staging_bytes);
 }
 
-/// Tells which file was saved; on stderr if the window is about to close.
+/// Names the saved file in the panel, or on stderr if the window is about to close.
 void Viewer::noteSaved(const std::string& file) {
   note("saved " + file);
   if (isLeaving()) printOnOneLine("lodestream", note_);

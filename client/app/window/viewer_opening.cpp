@@ -16,15 +16,16 @@ CommonOptions Viewer::withUp(CommonOptions options, const std::string& up) {
   return options;
 }
 
-/// Returns the user's earlier choices about a model. Scenes have none, because their files set the up axis,
-/// and neither have pictures and flights, which others should be able to repeat.
+/// Returns the user's earlier choices about a model. Returns none for scenes, whose files set the up axis,
+/// and none with --screenshot or --laps, so that other users get the same result.
 ModelChoices Viewer::keptChoices(const std::string& target) const {
   if (!isInteractive() || namesScene(target) || target.empty()) return {};
   return KeptChoices(cacheFolder(), target).read();
 }
 
-/// Shows the error in the window, which stays open because the user may have no terminal; on the start page
-/// if the window began there. With --screenshot or --laps, and on wrong usage, throws the error instead.
+/// Shows the error in the window, which stays open because the user may have no terminal. If the window began
+/// with the start page, shows the error there. With --screenshot or --laps, and on wrong usage, throws the
+/// error instead.
 void Viewer::fail(const Error& error) {
   if (!isInteractive() || error.code() == ErrorCode::kUsage) throw error;
   printOnOneLine("lodestream", messageOf(error));
@@ -63,15 +64,15 @@ void Viewer::openChosen(const Input& input) {
 }
 
 /// Opens a file in place of the scene. If the file is no target, or if kept measurements cannot be saved,
-/// notes the reason and keeps the scene. The options that fit only the former target no longer apply: its
-/// camera path, up axis and offline use.
+/// shows the reason and keeps the scene. Drops the camera path, up axis and offline mode of the previous
+/// target.
 void Viewer::openInstead(const std::string& file) {
   CommonOptions common = options_.common;
   common.target = file;
   common.camera_file.clear();
   common.up_text.clear();
   common.offline = false;
-  common.memory_text = std::to_string(memory_bytes_);  // the settings may have changed it
+  common.memory_text = std::to_string(memory_bytes_);  // the settings may have changed the budget
   const ModelChoices choices = keptChoices(file);
   std::unique_ptr<ViewedScene> scene;
   try {

@@ -21,8 +21,8 @@ constexpr size_t kMaxRememberedMisses = 65536;
 class CacheQueries {
  public:
   /// Returns true if the cache has reported that it lacks the blob. Otherwise returns false and queues a
-  /// query, unless a query for the blob is open or there is no room for another query; in the latter case,
-  /// call again after the next finish().
+  /// query, unless a query for the blob is open. If there is no room for another query, call again after the
+  /// next finish().
   /// @param most_bytes  limit for the total size of the blobs of unanswered queries, because the cache may
   ///                    have them all; a single blob may be larger.
   bool isMissing(const Request& request, uint64_t most_bytes);

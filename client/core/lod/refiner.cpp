@@ -75,7 +75,7 @@ class Run {
     return false;
   }
 
-  /// Returns a node below the wanted cut as a possible stand-in.
+  /// Wraps a node below the wanted cut, which may become a stand-in.
   WantedNode standIn(const KnownNode& node) const {
     WantedNode place = want_.place(node);
     place.resident = &cache_.lodsOf(node.key);
@@ -262,9 +262,9 @@ class Run {
                               : std::max(options_.threshold_px, error_px);
   }
 
-  /// Returns the part for a resident mesh. Its error in pixels uses the distance to the mesh itself. The
-  /// wanted cut uses the distance to the node's box instead, so that it does not depend on which meshes are
-  /// resident.
+  /// Returns the part for a resident mesh. Computes the error in pixels from the distance to the mesh. The
+  /// wanted cut uses the distance to the node's box instead, because it must not depend on the resident
+  /// meshes.
   CutPart partAt(const WantedNode& wanted, uint32_t lod, Fit fit) const {
     const Lod& shown = wanted.node->lods[lod];
     CutPart part;
@@ -298,8 +298,7 @@ class Run {
 
   // ---- the requests
 
-  /// Requests the missing parts of the wanted cut at and below a node in whose place a coarser stand-in is
-  /// shown.
+  /// Requests the missing parts of the wanted cut at and below a node for which a coarser stand-in is shown.
   /// @param shown_px  projected error of the stand-in that is shown until the requests are answered.
   void ask(WantedNode& wanted, float shown_px) {
     const bool begins = !below_hidden_ && isHidden(wanted) && (covered(wanted) || standInIsCheap(wanted));

@@ -51,9 +51,8 @@ struct KnownModel {
 /// the cut and requested in the margin class, largest error first. Their nearest resident ancestor that fits
 /// the fallback budget becomes their fallback, which is drawn as soon as one of them comes into view.
 ///
-/// Refinement requests no LODs between the shown and the wanted LOD, except for one covering step: an LOD of
-/// an ancestor that has at most a twentieth of the bytes of the wanted parts below it, and covers for them
-/// until they arrive.
+/// Refinement requests no LODs between the shown and the wanted LOD, except for one covering step: an
+/// ancestor's LOD that is drawn until the wanted parts below it arrive, and has at most 1/20 of their bytes.
 ///
 /// Occluded nodes belong to the cut like all nodes in the view. The siblings of an occluded node can be shown
 /// as soon as the node's coarsest LOD is resident. The node's finer LODs are requested after all visible

@@ -217,8 +217,8 @@ bool ViewGroup::refine(Model& model) {
   return true;
 }
 
-/// Returns true if the shown cuts, of a build that the model's server has replaced, are for the current views
-/// and sharper than the new ones, which are still being refined.
+/// Returns true if cuts of a replaced build stay: they are for the current views, and sharper than the new
+/// cuts, which are still being refined.
 bool ViewGroup::keepsReplaced(const Model& model, const Cut& all) const {
   if (!view_cuts_ || cut_build_ == model.build() || settled_ || view_cuts_->cuts.size() != views_.size())
     return false;

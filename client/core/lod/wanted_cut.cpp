@@ -195,9 +195,9 @@ void WantedCut::stopAt(const Candidate& candidate) {
   limited_ |= candidate.error_px > options_.threshold_px;
 }
 
-/// Chooses the covering step (see refine()). On each path from the root, the step contains the deepest
-/// expanded node with an LOD whose payload is small compared with the wanted payloads below, and the finest
-/// such LOD. The choice ignores which meshes are resident, so that requests do not oscillate.
+/// Chooses the covering step (see refine()). On each path from the root, selects the deepest expanded node
+/// that has an LOD with a payload much smaller than the wanted payloads below. Of this node, selects the
+/// finest such LOD. The choice ignores which meshes are resident, so that requests do not oscillate.
 WantedCut::Below WantedCut::chooseCovers(WantedNode& wanted) {
   const KnownNode& node = *wanted.node;
   if (wanted.role == Role::kPart) {

@@ -52,8 +52,8 @@ struct WantedMesh {
 /// not exceed the error of the replaced part, because a child's far LODs (Node::far_lods) may have larger
 /// errors. If an LOD is lost, the next finer LOD replaces it. A part stays if its children cannot be loaded.
 /// Node keys break ties between equal errors. Parts outside the view are not refined. The order of the
-/// replacements matters only if a budget stops refinement. So the first attempt uses no priority queue; only
-/// if a budget stops it, a second attempt uses one.
+/// replacements matters only if a budget stops refinement. The first attempt therefore uses no priority
+/// queue; if a budget stops it, a second attempt does.
 class WantedCut {
  public:
   /// @param held  result of held() after the previous refinement; used only with hysteresis.

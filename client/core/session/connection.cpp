@@ -30,7 +30,7 @@ void Connection::drop(std::optional<Session>& session) noexcept {
   session.reset();
 }
 
-/// Returns `now` plus a random wait between half of `longest` and `longest`.
+/// Returns `now` plus a random wait from longest / 2 to `longest`.
 TimePoint Connection::withJitter(TimePoint now, std::chrono::milliseconds longest) {
   std::uniform_int_distribution<int64_t> wait_ms(longest.count() / 2, longest.count());
   return now + std::chrono::milliseconds(wait_ms(random_));

@@ -12,8 +12,8 @@ namespace {
 
 constexpr uint32_t kHelloCall = 1, kSecondCall = 2;
 constexpr size_t kCompactBytes = 64u << 10;
-// Each credit grant adds at least 1/8 of the window: so grants are few, but early enough that the server need
-// not wait.
+// Each credit grant adds at least 1/8 of the window: large enough to keep grants few, small enough that the
+// server need not wait.
 constexpr uint64_t kGrantsPerWindow = 8;
 
 void require(bool allowed, const std::string& what) {

@@ -23,7 +23,7 @@ struct TouchedTile {
   bool operator==(const TouchedTile&) const = default;
 };
 
-/// A texture that a mesh uses as a whole: all its level 0 tiles, with one density.
+/// A texture of which a mesh uses all level 0 tiles, with one density.
 struct WornTexture {
   uint32_t texture = 0;
   float texels_per_model = 0;  ///< density: see TouchedTile

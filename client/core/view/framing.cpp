@@ -86,9 +86,8 @@ glm::dvec3 directionTo(Side side, const Stand& stand) {
   return -stand.up;
 }
 
-/// The nearest eye position from which all points lie between two opposite sides of the picture: left and
-/// right, or bottom and top. `across` is the eye's coordinate in the direction from the first of these sides
-/// to the second, and `out` its coordinate towards the viewer.
+/// The nearest eye position from which all points lie between two opposite sides of the picture. `across` is
+/// the eye's coordinate to the right or upwards, `out` its coordinate towards the viewer.
 struct Fit {
   double across, out;
 };
@@ -112,8 +111,8 @@ Fit fit(const Shape& shape, const glm::dvec3& side, const glm::dvec3& to_eye, do
   return {reach.middle(), reach.size() / (2 * slope)};
 }
 
-/// Returns the eye's coordinate along `side` from which the points appear centred in the picture, if `out` is
-/// its coordinate along `to_eye`. @param across  first guess.
+/// Returns the eye's coordinate along `side` at which the points appear centred. @param out  the eye's
+/// coordinate along `to_eye`. @param across  first guess.
 double centred(const std::vector<glm::dvec3>& points, const glm::dvec3& side, const glm::dvec3& to_eye,
                double across, double out) {
   constexpr int kTurns = 8;  // number of iterations; each improves the result
@@ -152,7 +151,7 @@ CameraPath framingCamera(const ModelSummary& model, const Framing& framing) {
   const glm::dvec3 above = glm::cross(to_eye, right);
   const double slope = std::tan(glm::radians(path.fov_y_deg) / 2) / kMargin;
   // Slope of the direction through the middle of the uncovered part of the picture. `beside` is `right`,
-  // sheared so that points in that direction have coordinate 0.
+  // sheared so that this direction has coordinate 0.
   const double middle_slope = framing.covered * kMargin * slope * framing.aspect;
   const glm::dvec3 beside = right + middle_slope * to_eye;
   const Fit horizontal = fit(shape, beside, to_eye, slope * framing.aspect * (1 - framing.covered));

@@ -28,8 +28,8 @@ enum class ColorMode : uint8_t {
   kLods,       ///< LOD of each part
   kErrors,     ///< projected error of each part in the view for which the cut was made
   kAges,       ///< time since each part entered the picture
-  kClay,       ///< the surface in its light, mid-grey instead of its colours
-  kMatcap,     ///< the surface in the light of a studio that turns with the camera, without its colours
+  kClay,       ///< the lit surface in mid-grey, without its colours
+  kMatcap,     ///< the surface without its colours, lit by a studio that turns with the camera
 };
 constexpr float kOldS = 16;  ///< age in seconds after which a part's colour no longer changes
 

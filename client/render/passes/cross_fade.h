@@ -56,8 +56,8 @@ class CrossFade {
   /// Returns the number of items() that belong to the cover.
   size_t coverCount() const noexcept { return live_.size(); }
   bool fading() const noexcept { return !leaving_.empty(); }
-  /// Each part that is fading out has the serial of the last cut that contained it. Returns the smallest of
-  /// these serials, or the largest uint64_t if no part fades out.
+  /// Returns the smallest serial of a part that fades out, or the largest uint64_t if no part fades out. The
+  /// serial of a part is that of the last cut that contained the part.
   uint64_t oldestSerial() const noexcept;
 
  private:

@@ -25,12 +25,11 @@ class MeshPrograms {
     kCutOut = 4,    ///< discards transparent pixels, for targets without multisampling
     kViews = 8,     ///< draws colour modes other than kSurface
     kWire = 16,     ///< draws triangle edges, with a geometry shader
-    kSection = 32,  ///< leaves out what is beyond a plane, and draws the cut
+    kSection = 32,  ///< removes the half beyond a section plane, and draws the cut surface
   };
 
-  /// Links the programs for kSurface without textures, and with the others waits until they are needed,
-  /// because linking takes time before the first picture. @throws Error kInternal if the driver rejects a
-  /// shader.
+  /// Links only the programs for kSurface without textures, because linking delays the first picture. The
+  /// others are linked when needed. @throws Error kInternal if the driver rejects a shader.
   MeshPrograms();
 
   /// Returns a program, and links it at the first use. @param parts  bits of Part.

@@ -4,9 +4,9 @@
 
 namespace lode::render {
 
-/// A plane that cuts a model open. The half where dot(normal, position) > offset_model is not drawn. Where
-/// the plane cuts through a solid, the cut is drawn in one colour: there, the nearest surface behind the
-/// plane is seen from its back. So the faces of the model must be counter-clockwise as seen from outside.
+/// A plane that cuts a model open. The half where dot(normal, position) > offset_model is not drawn. The cut
+/// surface of a solid is drawn in one colour, wherever the nearest surface behind the plane shows its back
+/// face. The faces of the model must therefore be counter-clockwise as seen from outside.
 struct Section {
   glm::dvec3 normal{1, 0, 0};               ///< unit length, in the model frame
   double offset_model = 0;                  ///< distance of the plane from the origin of the model frame

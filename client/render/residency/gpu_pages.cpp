@@ -8,9 +8,9 @@ namespace lode::render {
 namespace {
 
 constexpr uint64_t kMostPageBytes = 1u << 31;
-/// A new page has room for kMeshesOfPage meshes as large as the first one, so that less than an eighth of the
-/// page remains unused at its end. This rule makes a page no larger than kMostBytesForThem, because drivers
-/// take long to create larger buffers.
+/// A new page has room for kMeshesOfPage meshes as large as its first mesh, so that less than 1/8 of the page
+/// remains unused at its end. For this purpose, a page grows to at most kMostBytesForThem, because drivers
+/// need long to create larger buffers.
 constexpr uint64_t kMeshesOfPage = 8, kMostBytesForThem = 32u << 20;
 
 }  // namespace

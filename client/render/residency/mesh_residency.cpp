@@ -202,9 +202,9 @@ bool MeshResidency::advanceStep(const ExchangeStep& step, Allowance& allowance) 
   return true;
 }
 
-/// Makes room for the target. Draws the resident regions of the target, so that the meshes that they replace
-/// can be evicted. If no further region is resident, evicts all other meshes; if even this does not make
-/// enough room, rejects the target.
+/// Makes room for the target. Draws the target's resident regions, so that the meshes of the older parts can
+/// be evicted. If no further region is resident, evicts all other meshes. If there is still not enough room,
+/// rejects the target.
 void MeshResidency::makeRoom(Allowance& allowance) {
   if (steps_done_ > steps_drawn_) {
     switchToResidentSteps();

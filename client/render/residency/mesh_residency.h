@@ -70,7 +70,7 @@ class MeshResidency {
   /// drawn cuts.
   const std::shared_ptr<const core::ViewCuts>& before() const noexcept { return before_; }
   /// Returns the drawn cut: a cut passed to show(), or a mixture of two (see CutExchange). Returns null
-  /// before the first cut is drawn, and while a cut is uploaded for which all other meshes had to be evicted.
+  /// before the first cut is drawn, and during the upload of a cut that left no room for other meshes.
   const std::shared_ptr<const core::Cut>& drawnCut(size_t instance = 0) const noexcept;
   /// Returns parts and fallbacks of the drawn cut, indexed as in core::partOf().
   std::span<const DrawItem> drawn(size_t instance = 0) const noexcept;

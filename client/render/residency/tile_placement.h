@@ -32,8 +32,8 @@ class TilePlacement {
   /// Selects the tiles to place and to keep.
   /// @param newest  cut whose tiles are placed.
   /// @param drawn   cut that is drawn until the meshes of `newest` are resident, or null. If the tiles of
-  /// both cuts fit, the tiles of `drawn` stay until then. If the two cuts have different texture sets, the
-  /// tiles of `newest` wait until then.
+  /// both cuts fit, the tiles of `drawn` stay as long as it is drawn. If the two cuts have different texture
+  /// sets, the tiles of `newest` wait as long.
   void show(const std::shared_ptr<const core::Cut>& newest, const std::shared_ptr<const core::Cut>& drawn);
 
   /// Returns the next tile to place, coarse levels first; null if all tiles are placed or do not fit.
@@ -53,10 +53,10 @@ class TilePlacement {
   /// Returns the number of layers that the array needs.
   uint32_t layers() const noexcept { return cells_.layers(); }
 
-  /// Returns the table: a header per texture (width, height, number of levels including the tail, see
-  /// client/core/textures/tile.h, and index of the texture's level list), then the level lists and entries of
-  /// all textures. A level list has the index of each level's first entry. Each tile and each tail level has
-  /// an entry with the layer and corner of its cell, or 0. Empty without a texture set.
+  /// Returns the table; empty without a texture set. The table begins with a header per texture: width,
+  /// height, number of levels including the tail (client/core/textures/tile.h), and index of the level list.
+  /// The level lists and entries of all textures follow. A level list has the index of each level's first
+  /// entry. Each tile and each tail level has an entry: layer and corner of its cell, or 0.
   const std::vector<uint32_t>& table() const noexcept { return table_; }
   /// Returns the indices of the words of the table that have changed since the last call.
   std::vector<size_t> takeChangedWords() { return std::exchange(changed_words_, {}); }

@@ -6,8 +6,8 @@
 #include "common/error.h"
 #include "common/image/tile_image.h"
 
-/// Functions that use OpenSSL, libjpeg and libwebp in other programs. Only the WebAssembly module contains
-/// this file.
+/// Implements without OpenSSL, libjpeg and libwebp the functions that use these libraries in other programs.
+/// Only the WebAssembly module contains this file.
 namespace lode {
 
 Digest digestOf(std::span<const std::byte> blob) {

@@ -80,7 +80,7 @@ void removeLayouts(std::string& text) {
     text.erase(at, text.find(") ", at) + 2 - at);
 }
 
-/// Turns "table[index]" into "tableAt(index)". An index may contain more of them.
+/// Turns "table[index]" into "tableAt(index)", also inside an index.
 void replaceTable(std::string& text) {
   constexpr std::string_view kStart = "table[";
   for (size_t at = 0; (at = text.find(kStart, at)) != std::string::npos;) {

@@ -9,7 +9,7 @@ struct ShaderParts {
   bool textured = false;  ///< TEXTURED
   bool cut_out = false;   ///< CUT_OUT
   bool views = false;     ///< VIEWS
-  bool wire = false;      ///< WIRE; the page draws each triangle with vertices of its own
+  bool wire = false;      ///< WIRE; no two triangles may share a vertex
 };
 
 /// GLSL ES 3.00 sources without their #version line.

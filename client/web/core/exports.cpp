@@ -17,9 +17,9 @@
 #include "client/web/core/web_model.h"
 #include "common/codec/texture_set.h"
 
-/// The functions of the WebAssembly module. Texts and bytes enter as pointer and length. Results that are no
-/// number are answers: bytes that lode_answer() points to until the next call. docs/browser.md describes
-/// the functions.
+/// The functions of the WebAssembly module (docs/browser.md). A text or byte array is passed as pointer and
+/// length. A function stores a result that is no number as the answer, which lode_answer() returns until the
+/// next call.
 namespace {
 
 using namespace lode;
@@ -35,7 +35,7 @@ int last_handle = 0;
 web::Bytes answer;
 
 core::TimePoint at(double now_ms) {
-  // The epoch lies after the zero of TimePoint, so that no time is 0.
+  // Adds a second, so that no time is 0: the page's clock starts at 0.
   const std::chrono::duration<double, std::milli> since_zero(now_ms + 1000);
   return core::TimePoint{} + std::chrono::duration_cast<core::TimePoint::duration>(since_zero);
 }
@@ -258,8 +258,8 @@ EMSCRIPTEN_KEEPALIVE int lode_mesh_indices(int handle, unsigned id) {
   return answerWith(web::Bytes(bytes.begin(), bytes.end()));
 }
 
-/// Answers with the number of layers of the texture array and the size of the table in words. A change of
-/// "serial" means that the array is new and empty. @return 0 without textures.
+/// Answers with the number of layers of the texture array and the size of the table of tiles in words. When
+/// "serial" changes, the array is new and empty. @return 0 without textures.
 EMSCRIPTEN_KEEPALIVE int lode_textures(int handle) {
   web::WebModel& model = opened(handle).model;
   if (!model.tiles().set()) return 0;
@@ -269,7 +269,7 @@ EMSCRIPTEN_KEEPALIVE int lode_textures(int handle) {
                     ",\"has_clear\":" + (model.tiles().hasClear() ? "true" : "false") + "}");
 }
 
-/// Answers with the words of the table. @return 0 if no word has changed since the last call.
+/// Answers with the words of the table of tiles. @return 0 if no word has changed since the last call.
 EMSCRIPTEN_KEEPALIVE int lode_texture_table(int handle) {
   render::TilePlacement& tiles = opened(handle).model.tiles();
   if (tiles.takeChangedWords().empty()) return 0;
@@ -277,7 +277,7 @@ EMSCRIPTEN_KEEPALIVE int lode_texture_table(int handle) {
   return answerWith(web::Bytes(bytes.begin(), bytes.end()));
 }
 
-/// Answers with the texels of the next image to copy: the place {layer, x, y, width, height} as words, then
+/// Answers with the next image to copy to the texture array: layer, x, y, width and height as words, then
 /// rows of RGBA texels.
 EMSCRIPTEN_KEEPALIVE int lode_take_texture_upload(int handle) {
   const std::optional<web::WebModel::TileUpload> upload = opened(handle).model.takeTileUpload();

@@ -36,7 +36,7 @@ Bytes encodeResult(uint32_t number, const core::DecodeResult& result);
 
 struct ResultMessage {
   uint32_t number = 0;
-  core::DecodeResult result;  ///< without blob and use
+  core::DecodeResult result;  ///< the blob reference and the use are empty
 };
 
 /// @throws Error kFormat if the message is damaged.

@@ -14,7 +14,7 @@ CameraStart parseCameraStart(std::string_view json);
 FrameInput parseFrame(std::string_view json);
 
 std::string summaryJson(const ModelSummary& summary);
-/// Returns the state after WebModel::frame().
+/// Returns the state of a model after WebModel::frame().
 /// @param with_parts  true if the page does not know the current list of parts.
 std::string frameJson(WebModel& model, const FrameInput& frame, bool with_parts);
 std::string pickJson(const WebPick& pick);

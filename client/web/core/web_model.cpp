@@ -16,10 +16,10 @@ namespace {
 
 /// The near plane is at this fraction of the distance to the nearest surface.
 constexpr double kNearShare = 0.5;
-/// A threshold that the coarsest mesh meets.
+/// Threshold at which the cut is the coarsest mesh.
 constexpr float kCoarsestPx = 1e9f;
 
-/// The texture array may take this part of the memory, which is the engine's budget for tiles.
+/// Divisor: the texture array may use this part of the memory. The engine's budget for tiles is the same.
 constexpr uint64_t kTextureShare = 8;
 /// Largest number of layers that every WebGL 2 context has.
 constexpr uint64_t kMostLayers = 256;
@@ -251,7 +251,7 @@ void WebModel::placeTiles() {
   if (cut->textures && cut->textures != tile_set_) {
     tile_set_ = cut->textures;
     uploads_.clear();
-    // One more layer, because cells of different sizes leave gaps.
+    // One spare layer, because cells of different sizes leave gaps.
     tile_layers_ =
         static_cast<uint32_t>(std::min<uint64_t>(layersOf(texture_bytes_), layersOf(*tile_set_) + 1));
     tiles_ = render::TilePlacement(tile_layers_);

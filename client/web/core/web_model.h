@@ -20,7 +20,7 @@ namespace lode::web {
 
 struct WebModelOptions {
   std::string model, token;
-  uint64_t memory_bytes = 1'000'000'000;  ///< for the engine and for the meshes on the GPU, half each
+  uint64_t memory_bytes = 1'000'000'000;  ///< half for the engine, half for the meshes on the GPU
   uint32_t seed = 0;                      ///< seed of the random waits between connection attempts
   bool has_cache = false;                 ///< the page answers cache queries
 };
@@ -31,7 +31,7 @@ struct CameraStart {
   std::optional<core::CameraPath> path;  ///< the first key is the camera; without it, the model is framed
 };
 
-/// What the user did since the last frame, and the state of the page.
+/// User input since the last frame, and the state of the page.
 struct FrameInput {
   uint32_t width_px = 1, height_px = 1;
   float threshold_px = 1;
@@ -40,7 +40,7 @@ struct FrameInput {
   app::Input input;
 };
 
-/// A mesh to draw. The fields are those of the draw call's state in the desktop client.
+/// A mesh to draw, with the same state as a draw call of the desktop client.
 struct DrawnPart {
   uint32_t id = 0;
   uint32_t flags = 0, tint = 0;
@@ -89,7 +89,7 @@ class WebModel {
   /// Returns a number that changes with parts().
   uint64_t serial() const noexcept { return serial_; }
   float shownErrorPx() const noexcept { return shown_error_px_; }
-  /// Returns a near distance in front of everything that is drawn.
+  /// Returns a near distance at which no drawn mesh is clipped.
   double nearModel() const noexcept { return near_model_; }
 
   /// Returns a mesh of parts(); null for other ids.
@@ -128,7 +128,7 @@ class WebModel {
   std::deque<BlobRef> queries_;        // queries that takeCacheQuery() has not returned
   std::map<uint32_t, BlobRef> asked_;  // queries without an answer, by number
   std::deque<core::Engine::Arrival> arrivals_;
-  ModelSummary framed_;  // the rig refers to it
+  ModelSummary framed_;  // model that the camera rig refers to
   std::optional<app::CameraRig> rig_;
   std::optional<core::CutProbe> probe_;
   std::vector<uint32_t> shown_;  // see core::shownParts()
@@ -139,7 +139,7 @@ class WebModel {
   uint32_t next_id_ = 1;
   render::TilePlacement tiles_;
   uint32_t tile_layers_ = 0;
-  std::shared_ptr<const TextureSet> tile_set_;  // set of tile_layers_
+  std::shared_ptr<const TextureSet> tile_set_;  // texture set for which tile_layers_ was computed
   std::deque<TileUpload> uploads_;
   uint64_t serial_ = 0;
   float shown_error_px_ = 0;

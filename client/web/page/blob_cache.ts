@@ -11,15 +11,15 @@ interface Generation {
 }
 
 /**
- * A cache in two generations. Blobs are written to the newer one; a hit in the older one copies the blob to
- * the newer one. When the newer one is full, the older one is deleted: blobs that were not used for long go
+ * A cache of two generations. New blobs go to the newer one; a hit in the older one copies the blob to the
+ * newer one. When the newer one is full, the older one is deleted: blobs that were not used for long go
  * first, without a list of all blobs. Blobs are named by their digests, and the core checks these.
  */
 export class BlobCache {
   private readonly isAvailable = typeof caches !== "undefined";
   private opened = new Map<number, Promise<Cache>>();
 
-  /** True if blobs can be kept. Browsers have no caches on plain HTTP beyond the own machine. */
+  /** True if blobs can be cached. Over plain HTTP, browsers provide caches only for localhost. */
   get canKeep(): boolean {
     return this.isAvailable;
   }
@@ -73,7 +73,7 @@ export class BlobCache {
     }
   }
 
-  /** Adds to the bytes of the newer generation, and begins another if it is full. */
+  /** Adds bytes to the newer generation, and begins another generation if it is full. */
   private count(bytes: number): void {
     const { number, bytes: before } = this.generation();
     if (before + bytes < kGenerationBytes) {

@@ -127,7 +127,7 @@ export interface FrameAnswer {
   uniforms: Record<string, number | number[]>;
   units_per_px: number;
   parallel: boolean;
-  /** Changes with `parts`, which only answers with a new serial have. The legend belongs to the parts. */
+  /** Changes with the list of parts. Only answers with a new serial contain `parts` and `legend`. */
   serial: number;
   parts?: Part[];
   status: Status;
@@ -139,7 +139,7 @@ export interface Pick {
   off_model: number;
 }
 
-/** A new serial means that the array of layers is new and empty. */
+/** State of the texture array. When the serial changes, the array is new and empty. */
 export interface TextureState {
   serial: number;
   layers: number;
@@ -148,7 +148,7 @@ export interface TextureState {
   has_clear: boolean;
 }
 
-/** Texels of an image for a place in the array of layers. */
+/** An image and the place in the texture array to copy it to. */
 export interface TextureUpload {
   layer: number;
   x: number;
@@ -158,7 +158,7 @@ export interface TextureUpload {
   texels: Uint8Array;
 }
 
-/** Features of the shaders; sums select a program. */
+/** Features of the mesh shader; a sum of these selects a program. */
 export const kTextured = 1;
 export const kCutOut = 2;
 export const kColourMode = 4; // any mode but "surface"

@@ -1,4 +1,4 @@
-/** The wasm core: loading, and passing bytes and texts in and out. Shared by the page and its workers. */
+/** Loads the wasm core, and passes bytes and texts in and out. The page and its workers use this file. */
 
 import { HttpError } from "./http_error";
 
@@ -115,7 +115,7 @@ export class Core {
     return kDecoder.decode(this.answerView());
   }
 
-  /** Returns the answer, parsed. The core is trusted: it and the page come from one build. */
+  /** Returns the answer, parsed without checks, because the core and the page come from one build. */
   answerJson<T>(): T {
     return JSON.parse(this.answerText()) as T;
   }

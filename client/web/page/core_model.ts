@@ -11,13 +11,13 @@ import type {
 } from "./contract";
 import { Core } from "./core";
 
-/** A query of the core for a blob that may be cached. */
+/** A blob that the core asks the cache for. */
 export interface CacheQuery {
   number: number;
   digest: string;
 }
 
-/** A blob that arrived and is worth caching. */
+/** A received blob to write to the cache. */
 export interface Arrival {
   digest: string;
   bytes: Uint8Array<ArrayBuffer>;
@@ -30,7 +30,7 @@ const kUploadHeadBytes = 20; // length of layer, x, y, width and height in front
 export class CoreModel {
   private handle: number;
 
-  /** @throws Error with the core's words if it refuses the options. */
+  /** @throws Error with the core's message if the core refuses the options. */
   constructor(
     readonly core: Core,
     options: OpenOptions,
@@ -69,8 +69,9 @@ export class CoreModel {
   }
 
   /**
-   * Passes received bytes; none let the core go on after takesInput() was false. After an error of the
-   * connection, isConnected() is false. Returns the error if the stream has ended for good, else null.
+   * Passes received bytes. Call with no bytes to let the core continue after takesInput() was false. After an
+   * error of the connection, isConnected() is false. Returns the error if the stream has ended for good, else
+   * null.
    */
   receive(bytes: Uint8Array, now_ms: number): string | null {
     const failed = this.core.withBytes(bytes, (pointer, size) =>
@@ -191,7 +192,7 @@ export class CoreModel {
     return this.core.module._lode_texture_table(this.handle) ? this.answerWords() : null;
   }
 
-  /** Takes the next image for the array of layers. Use its texels at once: they are in the core's memory. */
+  /** Takes the next image for the texture array. The texels are valid until the next call of the core. */
   takeTextureUpload(): TextureUpload | null {
     if (!this.core.module._lode_take_texture_upload(this.handle)) return null;
     const answer = this.core.answerView();

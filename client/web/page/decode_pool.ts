@@ -6,7 +6,7 @@ export interface WorkerSetup {
 export interface WorkerJob {
   job: Uint8Array;
 }
-/** `result` is null if the worker could not decode the job. */
+/** Message of a worker. `result` is null if the worker could not decode the job. */
 export interface WorkerResult {
   result: Uint8Array<ArrayBuffer> | null;
 }
@@ -19,7 +19,7 @@ interface PooledJob {
 }
 
 interface DecodeWorker {
-  thread: Worker | null; // null after a failure without a job: the next job starts another
+  thread: Worker | null; // null if the last thread failed; the next job starts a new thread
   running: PooledJob | null;
 }
 

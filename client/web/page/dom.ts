@@ -24,7 +24,7 @@ export async function copyText(text: string): Promise<boolean> {
     await navigator.clipboard.writeText(text);
     return true;
   } catch {
-    // Plain HTTP has no clipboard; the old way works there.
+    // Over plain HTTP browsers have no Clipboard API, but still run the "copy" command.
     const area = element("textarea", { class: "offscreen", readonly: "" });
     area.value = text;
     document.body.append(area);

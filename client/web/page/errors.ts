@@ -1,4 +1,4 @@
-/** Errors of the page, for tests, and in the words of users. */
+/** Keeps errors of the page for tests, and explains them to users. */
 
 import { HttpError } from "./http_error";
 

@@ -1,11 +1,11 @@
-/** Frames per second below which a moving picture is drawn coarser, and above which it gets finer again. */
+/** Mean frame times above which a moving picture gets coarser, and below which it gets finer again. */
 const kSlowMs = 1000 / 24;
 const kQuickMs = 1000 / 45;
 const kCoarser = 1.25;
 const kFiner = 1 / 1.1;
-/** Largest factor on the error. */
+/** Largest factor on the error threshold. */
 const kMostFactor = 12;
-/** Time without motion after which the picture gets as fine as asked for. */
+/** Time without motion after which the factor returns to 1. */
 const kRestMs = 500;
 /** Weight of a frame in the mean of frame times. */
 const kWeight = 0.25;
@@ -29,7 +29,7 @@ export class FramePacing {
     this.mean_ms = 0;
   }
 
-  /** Takes the time into account that the browser needed for a drawn frame. */
+  /** Adds the time that the browser needed for a frame to the mean. */
   measure(now_ms: number, frame_ms: number): void {
     if (now_ms - this.last_moved_ms > kRestMs) return;
     this.mean_ms = this.mean_ms === 0 ? frame_ms : this.mean_ms + (frame_ms - this.mean_ms) * kWeight;

@@ -7,7 +7,7 @@ import { fetchModels, keepToken, type ListedModel } from "./server";
 import { forgetPictures, Thumbnails } from "./thumbnails";
 import { formatBytes, formatTriangles } from "./words";
 
-/** Number of models from which a search box helps. */
+/** Smallest number of models for which the gallery shows a search box. */
 const kManyModels = 9;
 
 /** The page of all models of the server. */
@@ -19,7 +19,7 @@ export class Gallery {
   private thumbnails: Thumbnails | null = null;
   private observer: IntersectionObserver | null = null;
 
-  /** @param entered  called when the server has accepted a token, to show what the address names. */
+  /** @param entered  called when the server has accepted a token, to show the page that the address names. */
   constructor(private readonly entered: () => void) {
     this.search.addEventListener("input", () => this.filter());
     find<HTMLFormElement>("#token_form").addEventListener("submit", (event) => {
@@ -124,7 +124,7 @@ function makeCard(model: ListedModel): { card: HTMLElement; frame: HTMLElement }
   return { card: element("li", {}, [link]), frame };
 }
 
-/** Puts a picture into its frame when it is made. */
+/** Waits for a picture and puts it into its frame. */
 async function fill(frame: HTMLElement, picture: Promise<string | null>): Promise<void> {
   frame.classList.add("loading");
   const url = await picture;

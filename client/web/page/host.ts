@@ -2,7 +2,7 @@ import { BlobCache } from "./blob_cache";
 import { compileCore, Core } from "./core";
 import { DecodePool } from "./decode_pool";
 
-/** What all models of the page share. */
+/** Objects that all models of the page share. */
 export interface Host {
   core: Core;
   pool: DecodePool;
@@ -11,7 +11,7 @@ export interface Host {
 
 let host: Promise<Host> | null = null;
 
-/** Returns the host, which the first call starts. @throws the reason if the browser cannot run the core. */
+/** Returns the host; the first call creates it. @throws the reason if the browser cannot run the core. */
 export function startHost(): Promise<Host> {
   host ??= start();
   return host;

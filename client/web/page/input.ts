@@ -3,7 +3,7 @@ import { HeldKeys, commandOf, isTyping, type Command } from "./keys";
 
 /** Movement below which a press is a click, in CSS pixels. */
 const kClickPx = 4;
-/** Movement by which a finger must move before it turns the model, in CSS pixels. */
+/** Distance that a finger must move before it turns the model, in CSS pixels. */
 const kTouchSlopPx = 6;
 const kDoubleClickMs = 350;
 const kDoubleClickPx = 30;
@@ -66,7 +66,7 @@ export class Input {
     this.removers.abort();
   }
 
-  /** Adds a request of a button to the next frame. */
+  /** Adds input of a button on the page to the next frame. */
   add(input: FrameInput): void {
     Object.assign(this.pending, input);
   }
@@ -140,7 +140,7 @@ export class Input {
     finger.y = y;
   }
 
-  /** Two fingers shift the picture by their middle, and move towards it by their distance. */
+  /** The midpoint of two fingers pans the picture, and the distance between them zooms. */
   private pinch(finger: Finger, x: number, y: number): void {
     const [from_x, from_y] = this.middle();
     const before_px = this.spread();
@@ -159,7 +159,7 @@ export class Input {
     if (!finger) return;
     this.fingers.delete(event.pointerId);
     for (const other of this.fingers.values()) {
-      // The finger that stays goes on from its place.
+      // The remaining finger starts a drag from its current place.
       this.pending.pressed_px = [other.x, other.y];
     }
     if (!is_up || finger.shifts) return;
@@ -169,7 +169,7 @@ export class Input {
     if (!is_touch || !finger.is_drag) this.click(x, y, event.timeStamp, is_touch);
   }
 
-  /** Browsers report double clicks of a mouse, but double taps not everywhere. */
+  /** Detects double taps, because not all browsers report these; they report all double clicks of a mouse. */
   private click(x: number, y: number, at_ms: number, is_touch: boolean): void {
     const last = this.last_click;
     const is_near = Math.hypot(x - last.x, y - last.y) < kDoubleClickPx;
@@ -216,7 +216,7 @@ export class Input {
   }
 }
 
-/** Returns true for input that moves the camera as long as it lasts. */
+/** Returns true if the input moves the camera continuously: a drag, the wheel or a movement key. */
 export function movesCamera({ turned_px, shifted_px, wheel, fly }: FrameInput): boolean {
   return turned_px !== undefined || shifted_px !== undefined || wheel !== undefined || fly !== undefined;
 }

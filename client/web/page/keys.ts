@@ -7,7 +7,7 @@ export type Command =
   | { name: "show"; steps: number }
   | { name: "side"; side: Side };
 
-/** Keys as `lodestream view` has them, as far as browsers leave them to pages. */
+/** The keys of `lodestream view`, except those that browsers use themselves. */
 const kCommands: Record<string, Command> = {
   c: { name: "camera" },
   r: { name: "reset" },
@@ -29,7 +29,7 @@ const kCommands: Record<string, Command> = {
   escape: { name: "escape" },
 };
 
-/** Keys by their places, so that they form the same block on all keyboards. */
+/** Movement keys by their position, so that they form the same block on all keyboard layouts. */
 const kMoves: Record<string, [axis: "right" | "up" | "forward", amount: number]> = {
   KeyW: ["forward", 1],
   KeyS: ["forward", -1],
@@ -89,7 +89,7 @@ export class HeldKeys {
     this.held.delete(event.code);
   }
 
-  /** Releases all keys: a window without focus hears no releases. */
+  /** Releases all keys, because a window without focus receives no key releases. */
   clear(): void {
     this.held.clear();
   }

@@ -10,9 +10,9 @@ export interface PageLink {
 }
 
 const kMostThresholdPx = 64;
-const kDigits = 12; // of coordinates: micrometres in a map projection
+const kDigits = 12; // significant digits of a coordinate: micrometres in a map projection
 
-/** Parses a fragment. Ignores values that are not valid: a link may have been cut by a mail program. */
+/** Parses a fragment. Ignores invalid values, because a mail program may have cut the link. */
 export function parseLink(fragment: string): PageLink {
   const fields = new URLSearchParams(fragment.replace(/^#/, ""));
   const eye = vectorOf(fields.get("eye"));
@@ -36,7 +36,7 @@ export function modelLink(model: string): string {
   return `#model=${encodeURIComponent(model)}`;
 }
 
-/** Returns the fragment that shows the same picture again. It never contains the token. */
+/** Returns the fragment that reproduces the current picture. It never contains the token. */
 export function formatLink(model: string, camera: CameraView, threshold_px: number, show: ShowMode): string {
   const fields = [
     modelLink(model),

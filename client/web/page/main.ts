@@ -5,7 +5,7 @@ import { parseLink, withoutToken } from "./link";
 import { keepToken } from "./server";
 import { Viewer, type ViewerState } from "./viewer";
 
-/** The page: a gallery of models without a fragment, and the viewer of one model with it. */
+/** The page: without a fragment the gallery of models, with a fragment the viewer of one model. */
 
 declare global {
   interface Window {
@@ -20,7 +20,7 @@ declare global {
 const gallery = new Gallery(() => route());
 let viewer: Viewer | null = null;
 
-/** Shows what the address names. */
+/** Shows the gallery or the model that the address names. */
 function route(): void {
   const link = parseLink(location.hash);
   if (link.token) {
@@ -38,7 +38,7 @@ function route(): void {
   else viewer = new Viewer(link.model, link, askForToken);
 }
 
-/** Shows the gallery, which asks for a token, and then what the address names. */
+/** Shows the gallery, which asks for a token, and then the page that the address names. */
 function askForToken(): void {
   viewer?.close();
   viewer = null;

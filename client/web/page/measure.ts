@@ -4,7 +4,7 @@ import { copyText, element, find } from "./dom";
 import { formatLength, formatUncertainty } from "./words";
 
 const kSvg = "http://www.w3.org/2000/svg";
-const kRadiusPx = 5; // of the marks of points
+const kRadiusPx = 5; // radius of a point's mark
 
 /** Points that the user has clicked, the distances between them, and lines over the picture. */
 export class Measure {
@@ -80,7 +80,7 @@ export class Measure {
     });
   }
 
-  /** Returns the distance from the point before. Its uncertainty is the sum of those of its points. */
+  /** Returns the distance from the previous point. Its uncertainty is the sum of the points'. */
   private distance(index: number): { text: string; value: number; uncertainty: number } {
     const from = this.points[index - 1];
     const to = this.points[index];

@@ -19,7 +19,7 @@ export class MeshPrograms {
 
   /**
    * Returns the features for a picture. @param has_clear  true if textures have transparent texels.
-   * With samples, alpha to coverage draws these; without, the shader cuts them out.
+   * With multisampling, alpha to coverage draws these; without, the shader discards them.
    */
   featuresOf(show: ShowMode, has_textures: boolean, has_clear: boolean): number {
     let features = has_textures ? kTextured : 0;
@@ -44,7 +44,7 @@ export class MeshPrograms {
     return material;
   }
 
-  /** Makes the next picture take all uniforms. */
+  /** Makes three.js upload all uniforms for the next picture. */
   setChanged(): void {
     for (const material of this.materials.values()) material.uniformsNeedUpdate = true;
   }

@@ -11,19 +11,19 @@ import { kTextured, kWireframe, type Part } from "./contract";
 import type { CoreModel } from "./core_model";
 import type { MeshPrograms } from "./mesh_programs";
 
-/** Bytes that a frame uploads, so that frames stay short. */
+/** Largest number of bytes that a frame uploads, so that frames stay short. */
 const kUploadBytes = 8e6;
-/** Age of a waiting list at which the rest is uploaded at once, so that a moving camera cannot starve it. */
+/** Age at which a waiting list is uploaded at once, because a moving camera keeps replacing the list. */
 const kLongestWaitMs = 400;
 /** Bytes of meshes that are in no list: those of a turning camera often come back. */
 const kSpareBytes = 32e6;
 const kTexturedStride = 6; // words per vertex
 
-/** A mesh on the GPU. Its draw range is empty while it is in no shown list. */
+/** A mesh on the GPU. Its draw range is empty while the shown list does not contain it. */
 interface Resident {
   mesh: Mesh<BufferGeometry, RawShaderMaterial>;
   bytes: number;
-  count: number; // of indices, or of vertices without indices
+  count: number; // number of indices, or of vertices without indices
   has_texture: boolean;
   flags: number;
   tint: number;
@@ -124,7 +124,7 @@ export class MeshSet {
     const has_texture = stride >= kTexturedStride;
     geometry.setAttribute("vertex_words", new InterleavedBufferAttribute(buffer, 4, 0));
     if (has_texture) geometry.setAttribute("texture_words", new InterleavedBufferAttribute(buffer, 2, 4));
-    // The core keeps the data: the page's copy is freed once it is on the GPU.
+    // Frees the page's copy after the upload, because the core keeps the data.
     buffer.onUpload(() => (buffer.array = new Uint32Array()));
     if (!has_wires) {
       const index = new BufferAttribute(indices, 1);
@@ -145,7 +145,7 @@ export class MeshSet {
     return bytes;
   }
 
-  /** Sets the uniforms of a draw call. three.js passes those of a material only once a picture otherwise. */
+  /** Sets the uniforms of a draw call. Otherwise three.js uploads them once per picture. */
   private setUniforms({ mesh, flags, tint }: Resident): void {
     const { draw_flags, draw_tint } = mesh.material.uniforms;
     if (!draw_flags || !draw_tint || (draw_flags.value === flags && draw_tint.value === tint)) return;
@@ -176,12 +176,12 @@ export class MeshSet {
   }
 }
 
-/** Returns the key of a mesh in the form that a list needs: with indices, or without for edges. */
+/** Returns the key of a mesh for a list: lists that show edges need meshes without indices. */
 function keyOf(id: number, { features }: PartList): string {
   return (features & kWireframe) !== 0 ? `wires ${id}` : String(id);
 }
 
-/** Returns the vertices of each triangle in turn: the shader of edges numbers the corners by the vertex. */
+/** Returns three vertices per triangle, because the edge shader derives the corner from the vertex number. */
 function withoutIndices(vertices: Uint32Array, indices: Uint32Array, stride: number): Uint32Array {
   const words = new Uint32Array(indices.length * stride);
   indices.forEach((index, corner) => {

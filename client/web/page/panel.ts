@@ -74,7 +74,7 @@ export class Panel {
     this.listener.changed();
   }
 
-  /** Shows what a frame has said. */
+  /** Updates the controls from a frame's answer. */
   show(answer: FrameAnswer, summary: Summary | null): void {
     if (summary && summary !== this.summary) {
       this.summary = summary;
@@ -139,7 +139,7 @@ export class Panel {
   }
 
   private listen(): void {
-    // A list that keeps the focus after a click would take the keys that move the camera.
+    // Release the focus after a choice, because a focused list would receive the keys that move the camera.
     for (const list of [this.show_, this.memory]) {
       let has_keys = false;
       list.addEventListener("keydown", () => (has_keys = true), { signal: this.removers.signal });

@@ -19,7 +19,7 @@ export function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer {
   return renderer;
 }
 
-/** What draws a model. It depends on the names of the uniforms, which the first frame tells. */
+/** Objects that draw a model. The first frame's answer contains the names of the uniforms. */
 interface Drawing {
   programs: MeshPrograms;
   meshes: MeshSet;
@@ -28,7 +28,7 @@ interface Drawing {
 /** Draws a model as the core describes it. */
 export class Picture {
   private readonly scene = new Scene();
-  private readonly camera = new Camera(); // three.js wants one; the core's uniforms are the camera
+  private readonly camera = new Camera(); // unused, but required by three.js
   private readonly background = makeBackground();
   private readonly textures: TileTextures;
   private drawing: Drawing | null = null;

@@ -1,4 +1,4 @@
-/** The server of this page: its addresses, its token and its list of models. */
+/** The server of this page: its addresses, token and list of models. */
 
 import { HttpError } from "./http_error";
 
@@ -17,7 +17,7 @@ export interface ModelList {
 }
 
 const kTokenKey = "lodestream-token";
-/** A token in the page's path: `/t/TOKEN/`. The WebSocket is beside `t`, and takes the token in a message. */
+/** A token in the page's path: `/t/TOKEN/`. The WebSocket's path has no token: a message carries it. */
 const kTokenPath = /t\/([^/]+)\/$/;
 
 /** Returns the token for this server, or "". */
@@ -37,7 +37,7 @@ export function keepToken(value: string): void {
   try {
     sessionStorage.setItem(kTokenKey, value);
   } catch {
-    // The token then lasts until the page is loaded again, in the path only.
+    // Without storage, the token is lost when the page is reloaded, unless the path contains it.
   }
 }
 
@@ -59,7 +59,7 @@ export async function fetchModels(): Promise<ModelList> {
   return (await response.json()) as ModelList;
 }
 
-/** Returns the link that opens a model in the desktop client, or null if this cannot reach the server. */
+/** Returns the link that opens a model in the desktop client, or null if the server is unreachable. */
 export function nativeLink(list: ModelList, model: string): string | null {
   if (!list.native) return null;
   const { port, tls } = list.native;

@@ -8,7 +8,7 @@ import { token } from "./server";
 import type { Settings } from "./settings";
 import { Stream } from "./stream";
 
-/** Pixels of the picture per CSS pixel, at most: more cost time and are hardly seen. */
+/** Largest number of picture pixels per CSS pixel, because more cost time and are hardly visible. */
 const kMostPxPerCss = 2;
 
 export interface SessionListener {
@@ -16,7 +16,7 @@ export interface SessionListener {
   contextRestored(): void;
 }
 
-/** One opening of a model: its stream, its canvas and its picture. A lost context needs a new session. */
+/** One view of a model: stream, canvas and picture. After a lost WebGL context, a new session is needed. */
 export class Session {
   readonly model: CoreModel;
   readonly stream: Stream;
@@ -40,7 +40,7 @@ export class Session {
       event.preventDefault();
       if (!this.model.isOpen) return;
       this.is_lost = true;
-      this.release(); // a restored context refuses objects of the lost one
+      this.release(); // objects of a lost context are invalid in the restored one
       listener.contextLost();
     });
     this.canvas.addEventListener("webglcontextrestored", () => {
@@ -67,7 +67,7 @@ export class Session {
     return this.picture.partCount;
   }
 
-  /** True if the picture is not complete yet: frames follow each other without a pause. */
+  /** True if the picture is not complete yet, so that frames follow each other without a pause. */
   get isBusy(): boolean {
     return !this.is_started || this.picture.isWaiting;
   }
@@ -110,7 +110,7 @@ export class Session {
     return { ...answer, status: this.statusOfPicture(answer.status), drawn };
   }
 
-  /** Returns the meshes in the picture, for tests; null for those that the core does not need any more. */
+  /** Returns the meshes in the picture, for tests; null for meshes that are no longer resident. */
   meshes(): ({ stride: number; vertices: Uint32Array; indices: Uint32Array } | null)[] {
     return this.picture.ids.map((id) => {
       const vertices = this.model.meshVertices(id);
@@ -129,7 +129,7 @@ export class Session {
     this.canvas.remove();
   }
 
-  /** While the picture shows an earlier list of parts, its error is that of the coarser list. */
+  /** Returns the status with the error of the shown parts, which may be an earlier and coarser list. */
   private statusOfPicture(status: Status): Status {
     if (!this.picture.isWaiting) {
       this.shown_error_px = status.error_px;

@@ -2,9 +2,9 @@ import type { Status } from "./contract";
 import { find } from "./dom";
 import { activity, explain, progress, statusLine } from "./words";
 
-/** Time that a note stays. */
+/** Time for which a note is visible. */
 const kNoteMs = 4000;
-/** Width at which the scale bar is not longer, in CSS pixels. */
+/** Largest width of the scale bar, in CSS pixels. */
 const kScalePx = 140;
 
 /** The corner with the certified error, the scale bar, and messages over the picture. */
@@ -38,7 +38,7 @@ export class StatusView {
     this.say("");
   }
 
-  /** A new session has begun: its first error is the start of the progress. */
+  /** Starts the progress again: the first error of the new session counts as 0 %. */
   restarted(): void {
     this.failed = false;
     this.first_error_px = 0;
@@ -74,7 +74,7 @@ export class StatusView {
     if (scale.textContent !== text) scale.textContent = text;
   }
 
-  /** Shows what is wrong above the picture, or nothing if the text is empty. */
+  /** Shows a problem above the picture, or nothing if the text is empty. */
   trouble(text: string): void {
     find("#banner").hidden = text === "";
     find("#banner_retry").hidden = true;
@@ -101,7 +101,7 @@ export class StatusView {
     this.note_timer = window.setTimeout(() => (note.hidden = true), kNoteMs);
   }
 
-  /** Says what the viewer does. Screen readers read it aloud, so it changes only when the words do. */
+  /** Shows the viewer's activity. Skips equal texts, because screen readers read every change. */
   private say(text: string): void {
     if (text === this.said) return;
     this.said = text;
@@ -109,7 +109,7 @@ export class StatusView {
   }
 }
 
-/** Returns the trouble of a stream in a sentence, or "". */
+/** Returns a sentence about a stream's problem, or "". */
 function describe(status: Status): string {
   if (status.failure) return sentence(status.failure);
   if (status.trouble) return troubleWords(status.trouble);

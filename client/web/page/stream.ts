@@ -3,19 +3,19 @@ import type { CoreModel } from "./core_model";
 import type { DecodePool } from "./decode_pool";
 import { socketUrl } from "./server";
 
-/** Time after which a connection attempt is given up, and the core tries again. */
+/** Time after which a connection attempt fails, and the stream tries again. */
 const kConnectDeadlineMs = 15_000;
 /** Wait after a failed attempt, at first and at most. It doubles with each. */
 const kFirstWaitMs = 500;
 const kLongestWaitMs = 15_000;
-/** Cache queries that are open at a time. */
+/** Largest number of open cache queries. */
 const kMostQueries = 16;
 const kDecoderStopped =
   "a part of the model cannot be decoded, maybe because memory ran out; close other tabs, or choose a smaller memory limit";
 
 /**
  * Connects a model of the core to its server, the decode workers and the cache. Call pump() once per frame;
- * it also runs when something arrives.
+ * it also runs when a message or result arrives.
  */
 export class Stream {
   private socket: WebSocket | null = null;
@@ -94,7 +94,7 @@ export class Stream {
     this.pump();
   }
 
-  /** Passes received bytes to the core, which takes no more while its own bytes are not sent. */
+  /** Passes received bytes to the core, which accepts none while its own bytes wait to be sent. */
   private passInput(): void {
     let is_blocked = !this.model.takesInput();
     while (this.socket && this.ended === null && (is_blocked || this.waiting.length > 0)) {
@@ -108,7 +108,7 @@ export class Stream {
     this.send();
   }
 
-  /** Closes the socket if the core has ended the connection, or wants another because the server leaves. */
+  /** Closes the socket if the core has ended the connection, or must reconnect because the server shuts down. */
   private check(): void {
     const socket = this.socket;
     if (this.ended !== null || socket?.readyState !== WebSocket.OPEN) return;
@@ -116,7 +116,7 @@ export class Stream {
     else if (this.model.wantsConnection(performance.now())) this.lose(socket, "the server asks to connect again");
   }
 
-  /** Tells the core that a connection is lost. It knows nothing of attempts that failed: these are repeated. */
+  /** Reports a lost connection to the core. Failed attempts are repeated and not reported. */
   private lose(socket: WebSocket, reason: string): void {
     if (this.socket !== socket) return;
     this.drop();
@@ -128,7 +128,7 @@ export class Stream {
       return;
     }
     this.trouble_ = reason || "the server does not answer";
-    this.next_attempt_ms = now + this.wait_ms * (1 + Math.random() / 2); // so that not all pages come at once
+    this.next_attempt_ms = now + this.wait_ms * (1 + Math.random() / 2); // spreads reconnections
     this.wait_ms = Math.min(kLongestWaitMs, this.wait_ms * 2);
   }
 

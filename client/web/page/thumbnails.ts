@@ -10,8 +10,8 @@ const kCacheName = "lodestream-pictures";
 const kWidthPx = 320;
 const kHeightPx = 200;
 const kThresholdPx = 2;
-const kMemoryBytes = 192e6; // with less, the array of tiles has no room for a level of each of 20 images
-/** Time after which a picture is taken as it is, or given up if nothing has arrived. */
+const kMemoryBytes = 192e6; // smaller texture arrays cannot hold one level of each of 20 images
+/** Time after which the current picture is kept, or the attempt fails if no mesh has arrived. */
 const kDeadlineMs = 12_000;
 
 /** Makes pictures of models for the gallery, one at a time, and keeps them by build. */

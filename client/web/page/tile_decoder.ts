@@ -9,8 +9,8 @@ const kFailed: DecodedImage = { rgba: new Uint8Array(), width: 0, height: 0 };
 
 /**
  * Decodes JPEG and WebP with the browser, and reads the texels back unchanged. Opaque images go through a 2D
- * canvas in main memory. It would premultiply alpha and so lose the colours of transparent texels: images with
- * alpha go through a WebGL texture.
+ * canvas in main memory. A canvas would premultiply alpha and lose the colours of transparent texels: images
+ * with alpha use a WebGL texture.
  */
 export class TileDecoder {
   private gl: WebGL2RenderingContext | null = null;

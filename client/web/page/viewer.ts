@@ -14,12 +14,12 @@ import { Session } from "./session";
 import { defaultSettings, keepMemoryBytes, type Settings } from "./settings";
 import { StatusView, troubleWords } from "./status_view";
 
-/** Time between frames while nothing changes, and between looks at the server in a hidden tab. */
+/** Time between frames while nothing changes, and between polls of the stream in a hidden tab. */
 const kIdleMs = 250;
 const kHiddenMs = 5000;
 /** Longest step of time between two frames for the motion of the camera. */
 const kMostSeconds = 0.1;
-/** Time that a driver gets to restore its context before the page tries anew. */
+/** Time for the driver to restore a lost WebGL context before the page creates a new session. */
 const kRestoreMs = 3000;
 
 /** State that tests read. */
@@ -96,7 +96,7 @@ export class Viewer {
     find("#viewer").hidden = true;
   }
 
-  /** Shows another link to the same model. */
+  /** Applies another link to the same model. */
   follow(link: PageLink): void {
     this.link = link;
     this.settings.threshold_px = link.threshold_px ?? this.settings.threshold_px;
@@ -145,7 +145,7 @@ export class Viewer {
     }
   }
 
-  /** Opens the model anew, with the camera of now unless another is given. */
+  /** Starts a new session for the model, with the current camera unless another is given. */
   private restart(camera = this.answer?.camera ?? this.link.camera): void {
     if (!this.host || this.is_closed) return;
     this.session?.close();

@@ -18,8 +18,8 @@ class MemoryReserve {
   MemoryReserve(const MemoryReserve&) = delete;
   MemoryReserve& operator=(const MemoryReserve&) = delete;
 
-  /// Keeps its thread from the reserve as long as the object exists, for work that may fail and that could
-  /// otherwise use up the reserve.
+  /// While this object exists, its thread cannot use the reserve. For work that is allowed to fail and could
+  /// use up the reserve.
   class Abstention {
    public:
     Abstention() noexcept;
@@ -33,7 +33,7 @@ class MemoryReserve {
   static void* take(size_t bytes) noexcept;
 
   /// Replaces the blocks that take() returned.
-  /// @return false if the system still refuses memory for a block. True if no reserve exists.
+  /// @return false if the system still refuses memory for a block. Without a reserve, returns true.
   static bool refill() noexcept;
 
   /// Returns the number of blocks that take() has returned since the process began.

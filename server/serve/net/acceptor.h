@@ -62,8 +62,8 @@ class Acceptor {
   Acceptor(asio::ip::tcp::acceptor acceptor, AcceptorOptions options, Admission& admission,
            MemoryBudget& budget, ThreadCounters& counters, Log& log, Handler handler);
 
-  /// Starts accepting connections; close() ends this. An error of one connection does not stop the acceptor.
-  /// Call open() again if the context's run() has thrown an exception.
+  /// Accepts connections until close() is called. An error of one connection does not stop the acceptor. Call
+  /// open() again if the context's run() has thrown an exception.
   void open();
   void close();
   /// Sets the TLS context that encrypts refusals; null for connections without TLS.

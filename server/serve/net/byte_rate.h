@@ -7,8 +7,8 @@
 namespace lode::serve {
 
 /// Limits the bytes per second of one connection or of all connections. A sender calls take(), waits until
-/// the returned time, sends, and returns unsent bytes with give(). Several senders get their times in the
-/// order of their calls, so that they share the rate fairly. Thread safe.
+/// the returned time, sends, and returns unsent bytes with give(). take() serves senders in the order of
+/// their calls, so that they share the rate fairly. Thread safe.
 class ByteRate {
  public:
   using Clock = std::chrono::steady_clock;

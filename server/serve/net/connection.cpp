@@ -153,8 +153,8 @@ asio::awaitable<void> Connection::read() {
   wakeWriter();
 }
 
-/// Refuses a client that has not sent a successful Hello, if WrongTokens blocks its address. @return true if
-/// the client is refused.
+/// Refuses a client without a successful Hello if WrongTokens blocks its address. @return true if the client
+/// is refused.
 bool Connection::refuseUnheard() {
   if (session_.greeted() || !host_.served.tokens) return false;
   asio::error_code ignored;

@@ -11,7 +11,7 @@
 #include "server/http/content_type.h"
 #include "server/serve/net/http_connection.h"
 
-/// The answers of HttpConnection: selects resources, checks tokens, and obtains contents.
+/// HttpConnection's part that answers: selects resources, checks tokens, and obtains contents.
 namespace lode::serve {
 
 namespace {
@@ -90,9 +90,9 @@ asio::awaitable<bool> HttpConnection::answer(const http::RequestHead& head) {
   co_return co_await answerAllowed(head, route, served, grant);
 }
 
-/// Returns true if a request may be answered by the host that it names. A server without tokens that is not
-/// public listens on loopback only, so a browser on this machine must not let pages of other hosts read it:
-/// such a page has a name whose address became 127.0.0.1 (DNS rebinding), and its origin equals Host.
+/// Returns true if this server may answer requests to a host. A server that is neither public nor protected
+/// by tokens answers only requests to this machine. Otherwise a page of another host could read the models
+/// after its name resolves to 127.0.0.1 (DNS rebinding).
 bool HttpConnection::isForThisServer(std::string_view host) const noexcept {
   return host_.is_public || host_.served.tokens || http::isLoopbackHost(host);
 }
@@ -122,8 +122,8 @@ asio::awaitable<bool> HttpConnection::answerAllowed(const http::RequestHead& hea
   }
 }
 
-/// Opens a WebSocket for the native protocol, whose Hello carries the token. Unless the server is public,
-/// refuses pages of other hosts: browsers let any page open a WebSocket to any server.
+/// Opens a WebSocket for the native protocol. Does not check the token, which the protocol's Hello carries.
+/// Unless the server is public, refuses pages of other hosts, because browsers do not.
 asio::awaitable<bool> HttpConnection::answerWebSocket(const http::RequestHead& head) {
   if (!head.websocket) co_return co_await refuse(head, 426, "open a WebSocket here");
   const http::WebSocketRequest& request = *head.websocket;
@@ -141,7 +141,7 @@ asio::awaitable<bool> HttpConnection::answerWebSocket(const http::RequestHead& h
   stream_.startWebSocket();
   is_websocket_ = true;
   ConnectionLimits limits = limits_;
-  limits.proxy_protocol = false;  // the header has been read
+  limits.proxy_protocol = false;  // the balancer's header has been read
   const auto connection = std::make_shared<Connection>(std::move(stream_), std::move(slot_),
                                                        std::move(memory_), host_, limits, client_);
   connection->start();
@@ -200,7 +200,7 @@ asio::awaitable<bool> HttpConnection::sendContent(const http::RequestHead& head,
   co_return !closes_;
 }
 
-/// Refuses a file that cannot be made, and counts the reason if the store is to blame.
+/// Refuses a file that cannot be made. Counts errors of the store in the metrics.
 asio::awaitable<bool> HttpConnection::refuseFile(const http::RequestHead& head, int status,
                                                  const std::string& model) {
   if (status == kDamagedStatus) {
@@ -248,7 +248,7 @@ asio::awaitable<bool> HttpConnection::refuse(const http::RequestHead& head, int 
   co_return !closes_;
 }
 
-/// Returns a content from the cache, or waits until a thread has made it.
+/// Returns a cached content, or waits until a thread has made the content.
 template <typename Kind>
 asio::awaitable<HttpConnection::Obtained<Kind>> HttpConnection::obtain(HttpContent wanted) {
   http::ContentMakers& makers = host_.http->makers();

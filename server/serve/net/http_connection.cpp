@@ -44,7 +44,7 @@ HttpConnection::HttpConnection(proto::ByteStream stream, Slot slot, MemoryAccoun
 
 HttpConnection::~HttpConnection() {
   host_.connections.erase(this);
-  if (is_websocket_) return;  // the Connection counts its end
+  if (is_websocket_) return;  // the WebSocket's Connection counts its end
   const EndReason reason = end_.value_or(EndReason::kStopping);
   host_.counters->ended[static_cast<size_t>(reason)].add();
   const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
@@ -95,7 +95,7 @@ asio::awaitable<void> HttpConnection::run() {
   try {
     if (co_await greet()) co_await serveRequests();
     end(EndReason::kClient);
-  } catch (const Error&) {  // the connection broke; greet() has noted its reasons
+  } catch (const Error&) {  // the connection broke; greet() has recorded the reason
     end(EndReason::kBroken);
   } catch (const std::exception&) {  // memory ran out: end this connection only
     end(EndReason::kMemory);
@@ -232,8 +232,8 @@ asio::awaitable<size_t> HttpConnection::waitForTurn(size_t bytes) {
   co_return bytes;
 }
 
-/// Waits until the client has closed the connection, because closing with unread bytes would reset the
-/// connection, and the client could lose the response.
+/// Waits until the client has closed the connection. If the server closed it with unread bytes, TCP would
+/// reset the connection, and the client could lose the response.
 asio::awaitable<void> HttpConnection::linger() {
   linger_until_ = Clock::now() + kHttpLinger;
   stream_.shutdownSend();

@@ -77,11 +77,11 @@ class HttpConnection : public ClientConnection, public std::enable_shared_from_t
   ConnectionLimits limits_;
   proto::ByteStream stream_;
   ByteRate rate_;
-  std::string received_;  ///< bytes of the next requests; its size is that of the buffer
+  std::string received_;  ///< received bytes of the next requests; size() is the size of the buffer
   size_t received_bytes_ = 0;
   bool draining_ = false;
   bool is_idle_ = true;        ///< no byte of the next request has arrived
-  bool is_websocket_ = false;  ///< a Connection has taken over the stream
+  bool is_websocket_ = false;  ///< the stream was moved to a Connection
   bool is_too_many_ = false;   ///< the address that the balancer's header names has too many connections
   bool closes_ = false;        ///< the connection ends after the current response
   /// Time by which the head of the next request must be complete, or its first byte must arrive.

@@ -31,7 +31,7 @@ std::string withoutPath(std::string message, const store::Reader& store) {
   return message;
 }
 
-/// Returns `make`, which also logs its errors. Decoding does not use the memory reserve.
+/// Wraps a function so that its errors are logged, and so that it does not use the memory reserve.
 http::ContentMakers::Make reporting(std::shared_ptr<Log> log, std::shared_ptr<const Model> model,
                                     http::ContentMakers::Make make) {
   return [log = std::move(log), model = std::move(model), make = std::move(make)] {
@@ -69,7 +69,7 @@ HttpContent HttpFiles::tileset(std::shared_ptr<const Model> model) const {
 
 HttpContent HttpFiles::file(std::shared_ptr<const Model> model, std::shared_ptr<const http::Tileset> tileset,
                             const std::string& file) const {
-  // All other names follow from the contents of the files, so that models can share them.
+  // All other names are derived from the files' contents, so that models can share cached files.
   const bool is_root = file == "tileset.json";
   std::string tag = is_root ? toHex(model->summary.build_id) : stemOf(file);
   std::string key = "file " + (is_root ? tag : file);

@@ -23,15 +23,15 @@ struct HttpContent {
   http::ContentMakers::Make make;
 };
 
-/// Parts of a server that responses describe.
+/// Parts of the server that responses mention.
 struct HttpSite {
-  std::span<const page::PageFile> page;    ///< the page, or nothing for a list of the models in its place
+  std::span<const page::PageFile> page;    ///< if empty, the server shows a list of the models instead
   std::optional<http::NativePort> native;  ///< the native port, if clients can connect to it directly
   bool is_native_local = true;             ///< only this machine reaches the native port
 };
 
-/// The contents that all HTTP connections of a server share. Contents are named by what they follow from, so
-/// that a reload keeps those that stay valid. Thread safe.
+/// The contents that all HTTP connections of a server share. The key of a content names its source, so that
+/// contents of unchanged models stay cached after a reload. Thread safe.
 class HttpFiles {
  public:
   /// @param log  shared with threads that may outlive this object: see ContentMakers::join().
@@ -43,15 +43,15 @@ class HttpFiles {
   HttpContent file(std::shared_ptr<const Model> model, std::shared_ptr<const http::Tileset> tileset,
                    const std::string& file) const;
   /// Returns the list of models as Resource::kIndex or kModels.
-  /// @param grant  rights of the client; null allows all models. @param is_local  the client uses a name of
-  /// this machine that other machines cannot use.
+  /// @param grant  rights of the client; null allows all models. @param is_local  true if the request names
+  /// this machine by a loopback name.
   HttpContent list(const Catalog& catalog, const TokenGrant* grant, http::Resource resource,
                    bool is_local) const;
   /// Returns the file of the page that a route names, or null.
   const page::PageFile* findPage(const http::Route& route) const noexcept;
   HttpContent page(const page::PageFile& file) const;
 
-  /// Drops the tilesets of models that are no longer served, which would keep their stores open.
+  /// Evicts the tilesets of models that are no longer served, because a cached tileset keeps its store open.
   void retain(const Catalog& catalog);
   http::ContentMakers& makers() noexcept { return makers_; }
 

@@ -27,7 +27,7 @@ bool drop(tcp::socket& socket) {
 void say(tcp::socket& socket, std::span<const std::byte> last_word) {
   asio::error_code ignored;
   socket.non_blocking(true, ignored);
-  // The frame fits the send buffer of a new socket.
+  // Does not block: the frame fits the send buffer of a new socket.
   socket.write_some(asio::buffer(last_word.data(), last_word.size()), ignored);
   socket.shutdown(tcp::socket::shutdown_send, ignored);
 }

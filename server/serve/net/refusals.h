@@ -13,9 +13,9 @@
 
 namespace lode::serve {
 
-/// Refused connections that stay open until their clients have read the reason. They stay open for at most
-/// kLinger: closing a socket with unread bytes would reset the connection, and the client would lose the
-/// reason. Each refused connection needs a descriptor and little memory. Not thread safe.
+/// Refused connections that stay open, for at most kLinger, until their clients have read the reason. Closing
+/// a socket with unread bytes would reset the connection, and the client would lose the reason. Each refused
+/// connection needs a descriptor and little memory. Not thread safe.
 class Refusals {
  public:
   using Clock = std::chrono::steady_clock;

@@ -40,8 +40,8 @@ class LogLimit {
 
   /// Returns true if a line of this kind can be written now. Otherwise counts the line as left out.
   bool admit(LogKind kind, TimePoint now) noexcept;
-  /// Returns and resets the number of left-out lines of this kind if a line of this kind can be written
-  /// again, else returns 0.
+  /// If a line of this kind can be written again, returns and resets the number of its left-out lines.
+  /// Otherwise returns 0.
   uint64_t takeLeftOut(LogKind kind, TimePoint now) noexcept;
 
  private:

@@ -45,8 +45,8 @@ struct stat statusOf(int descriptor) {
 }
 
 /// Returns the flags for preadv2() that avoid waiting for the disk. File systems in memory reject RWF_NOWAIT,
-/// but reads from them never wait. Any call, even fstat(), may wait on other file systems that reject
-/// RWF_NOWAIT, such as network and FUSE file systems; for these, returns nothing.
+/// but reads from them never wait. Returns nothing for other file systems that reject RWF_NOWAIT, such as
+/// network and FUSE file systems, because any call on them may wait, even fstat().
 std::optional<int> flagsForHot(int descriptor) noexcept {
   struct statfs system {};
   const bool in_memory =

@@ -18,8 +18,8 @@ namespace lode::serve {
 class BlobReader;
 struct ModelCounters;
 
-/// A served model: its summary, the sizes of its blobs, and their reader. Immutable, except that the reader
-/// notes which blobs it has verified. A replaced model exists until the last connection closes the model.
+/// A served model: its summary, the sizes of its blobs, and the reader of the blobs. Immutable, except that
+/// the reader records the verified blobs. A replaced model exists until the last connection closes it.
 struct Model {
   ModelSummary summary;
   /// Size of each blob, indexed by the blob's number; 0 if there is no blob with this number.

@@ -26,8 +26,8 @@ struct DiskReaderOptions {
 
 /// Threads for reads that wait for the disk. Stores take turns. If a read blocks its thread for long, another
 /// thread replaces the blocked thread. For the caller, a late read ends with kUnreadable. While all reads of
-/// a store are late, its other reads end with kUnreadable at once. So a store whose storage hangs blocks at
-/// most reads_per_store threads, and delays other stores by replace_after at most. Thread safe.
+/// a store are late, its other reads end with kUnreadable at once. A store with hanging storage therefore
+/// blocks at most reads_per_store threads, and delays other stores by at most replace_after. Thread safe.
 class DiskReaders {
  public:
   using TimePoint = DiskReaderOptions::TimePoint;

@@ -11,8 +11,8 @@ using proto::WireError;
 
 namespace {
 
-/// If the memory is used up, the session refuses requests one by one while its queued answers are smaller
-/// than this. Above this size, a refusal that exceeds the memory limits closes the connection.
+/// Size of queued answers up to which a session without free memory refuses single requests. Above this size,
+/// a refusal that exceeds the memory limits closes the connection.
 constexpr size_t kRefusedAnswerBytes = 4u << 10;
 
 /// Exception that the handler of a frame throws. The session then sends an Error that closes the connection.

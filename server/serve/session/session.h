@@ -98,9 +98,9 @@ class Session {
   void receive(const proto::FrameHeader& header, std::span<const std::byte> body, Clock::time_point now);
   /// Queues an Error that closes the connection, for input that is not a frame.
   void refuse(proto::WireError code, const std::string& why, uint32_t call = 0);
-  /// Queues GoAway and a Ping; before Hello, queues only GoAway. The session is finished when no request is
-  /// open and either the Pong has arrived or stopWaitingForPong() has returned true. Requests that the client
-  /// sent before the Pong are still served.
+  /// Queues GoAway and a Ping; before Hello, queues only GoAway. Serves the requests that arrive before the
+  /// Pong. The session is finished when no request is open and either the Pong has arrived or
+  /// stopWaitingForPong() has returned true.
   void drain(const std::string& reason, Clock::time_point now);
   /// Stops waiting for the Pong if kHearDeadline has passed. @return true if this call stopped the wait.
   bool stopWaitingForPong(Clock::time_point now) noexcept;

@@ -75,7 +75,7 @@ class CheckeredSheet : public testing::Test {
             "--size",   std::to_string(kWidthPx) + "x" + std::to_string(kHeightPx)};
   }
 
-  /// Number of pixels well inside a square of the image, and how many of them show another colour.
+  /// Numbers of all pixels well inside a square of the image, and of those with another colour.
   struct Comparison {
     int pixels = 0, wrong = 0;
   };
@@ -166,7 +166,7 @@ class DamagedSheet : public CheckeredSheet {
     writeBytes(file, bytes);
   }
 
-  /// Expects success, with a warning that tells how much is missing and why.
+  /// Expects success with a warning that names the missing part and the reason.
   static nlohmann::json expectNotConverged(const Outcome& outcome) {
     EXPECT_EQ(outcome.status, 1);
     EXPECT_NE(outcome.err.find("did not converge"), std::string::npos) << outcome.err;

@@ -1,5 +1,4 @@
-// Tests of videos that cannot be made, because a signal interrupts the drawing or the video would replace its
-// model.
+// Tests of videos that fail: a signal interrupts the drawing, or the video would overwrite its model.
 
 #include <csignal>
 #include <filesystem>

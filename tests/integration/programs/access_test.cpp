@@ -1,4 +1,4 @@
-// Tests of the options for tokens and TLS, of client and server.
+// Tests of the client's and the server's options for tokens and TLS.
 
 #include <string>
 #include <vector>

@@ -76,9 +76,9 @@ class KilledClient : public testing::Test {
     return Program("prlimit", limited).wait().status == 128 + SIGXFSZ;
   }
 
-  /// Kills clients, by turns at a random moment and within a random file of their cache. After every third
-  /// kill, a client shows the whole model, then shows it again without the server. @return number of killed
-  /// clients, and how many of them left a partial file.
+  /// Kills clients, alternately at a random moment and while they write a random file of their cache. After
+  /// every third kill, a client shows the whole model, then shows it again without the server. @return number
+  /// of killed clients, and how many of them left a partial file.
   Kills killMany(int kills, uint32_t seed) const {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> part(0, 1);

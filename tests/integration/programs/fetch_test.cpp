@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// The triangles of a cut's file, as numbers of positions. Vertices at one position have one number.
+/// The triangles of a cut's file, as position indices. Vertices at the same position share an index.
 struct CutFile {
   std::vector<std::array<uint32_t, 3>> triangles;
 

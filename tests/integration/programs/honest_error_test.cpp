@@ -83,9 +83,8 @@ TEST_P(HonestError, isAtLeastWhatDenseSamplingFinds) {
 
 INSTANTIATE_TEST_SUITE_P(Of, HonestError, testing::ValuesIn(models()), nameOf);
 
-// In this sample, the LOD of 8,689 triangles deviates most at the place where its source deviates most. This
-// place is inside a triangle of a leaf. Without a sample at this place, the stored error would be 0.91 times
-// the true error.
+// In this sample, the LOD of 8,689 triangles and its source deviate most at the same point, inside a triangle
+// of a leaf. Without a sample at this point, the stored error would be 0.91 times the true error.
 TEST(HonestErrorOfSample, coversAWorstPlaceThatIsNoVertexOfCoarserLods) {
   const WorkFolder folder;
   const std::string model = folder / "a.ply", store = folder / "a.lode";

@@ -71,7 +71,7 @@ TEST_F(InterruptedCommand, leavesNoTemporaryFolderOfADoctor) {
   expectNothingLeft({"doctor", model, "--tmp", folder_.path()}, SIGHUP);
 }
 
-/// Builds of one node, which compute for many seconds without a look at signals.
+/// Builds of a single node, which take many seconds without checking for signals.
 class InterruptedBuild : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -81,7 +81,7 @@ class InterruptedBuild : public testing::Test {
   static void TearDownTestSuite() { models.reset(); }
   static std::string model() { return *models / "a.ply"; }
 
-  /// Sends a signal to a build that has begun to simplify. Expects that the build ends at once by it.
+  /// Sends a signal to a build that has begun to simplify. Expects that the signal ends the build at once.
   Outcome interrupt(const Strings& more, int signal) const {
     Strings command{"build",   model(),          "-o", folder_ / "a.lode", "--triangles-per-node",
                     "1000000", "--json-progress"};
@@ -99,7 +99,7 @@ class InterruptedBuild : public testing::Test {
     return outcome;
   }
 
-  /// A second, and time for a busy machine to notice it.
+  /// One second, plus tolerance for a busy machine.
   static constexpr std::chrono::milliseconds kAtOnce{2500};
   static inline std::unique_ptr<WorkFolder> models;
   WorkFolder folder_;

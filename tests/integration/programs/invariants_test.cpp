@@ -173,7 +173,7 @@ std::unordered_map<uint64_t, std::set<uint16_t>> originalNormals(const store::Re
   return normals;
 }
 
-/// Two nodes may each have one side of a crease. Then each has one of the original normals at the crease.
+/// If two nodes each contain one side of a crease, each has one of the original normals there.
 TEST_P(Invariants, I5PartsOfACutHaveTheSameAttributesAtSharedVertices) {
   std::unordered_map<uint64_t, std::set<uint16_t>> original;
   if (reader_->summary().attributes.has(AttributeSet::kComputedNormal)) original = originalNormals(*reader_);

@@ -1,4 +1,4 @@
-// Tests of the reports of loadtest, about a server that answers and about a server that does not.
+// Tests of the reports of loadtest, with a server that answers and with a server that does not.
 
 #include <chrono>
 #include <csignal>

@@ -8,8 +8,8 @@
 namespace lode::test {
 namespace {
 
-// A change that is meant to change stores must change this line; the failing test prints the new value. Any
-// other failure is a defect. To find the difference, compare `lodestreamd info --nodes` of two stores.
+// Update this value only with an intended change of the store's bytes; the failing test prints the new value.
+// Any other failure is a defect: compare `lodestreamd info --nodes` of two stores.
 constexpr const char* kSha256 = "d5242e6414f1cf28537279ec8f44774f763d3714754acc0af9ea10d069ed639e";
 
 TEST(SameBytes, storesOfSamplesHaveTheirRecordedHashes) {

@@ -1,4 +1,5 @@
-// Files of other users: the programs neither follow their links nor open files to them.
+// Tests of folders that other users can write: the programs follow no links of other users and give them no
+// access.
 
 #include "tests/support/strangers.h"
 

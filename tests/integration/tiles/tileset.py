@@ -39,7 +39,7 @@ def parse_glb(data):
 
 
 class Tile:
-    """A tile that stands for an LOD; references to pages are followed."""
+    """A tile with the content of an LOD. References to pages are resolved."""
 
     def __init__(self, tileset, description, page):
         self.description, self.page, self._tileset = description, page, tileset
@@ -77,7 +77,7 @@ class Tileset:
         return str((self.folder / page).parent.joinpath(uri).resolve().relative_to(self.folder.resolve()))
 
     def tiles_of(self, description, page):
-        """The tile of a description; those of the page that it refers to, if it does."""
+        """Returns the tile that a JSON object describes, or the tiles of the page that it refers to."""
         uri = description.get("content", {}).get("uri", "")
         if not uri.endswith(".json"):
             return [Tile(self, description, page)]
@@ -85,7 +85,7 @@ class Tileset:
         return [tile for child in self.page(name)["root"]["children"] for tile in self.tiles_of(child, name)]
 
     def tiles(self):
-        """All tiles with the tile above, from the root down."""
+        """All tiles with their parents, from the root down."""
         todo = [(self.root, None)]
         while todo:
             tile, above = todo.pop()
@@ -124,7 +124,7 @@ TILE_KEYS = ROOT_KEYS - {"transform", "refine"}
 
 
 def violations(tileset, step):
-    """Sentences on what breaks the rules of 3D Tiles 1.1, of REPLACE and of our own."""
+    """Returns a sentence for each violation of 3D Tiles 1.1, of refinement by REPLACE, or of docs/tiles.md."""
     above = {}  # tiles above each page's root
     for name in sorted(str(path.relative_to(tileset.folder)) for path in tileset.folder.rglob("*.json")):
         page = tileset.page(name)

@@ -42,7 +42,7 @@ std::string frameName(size_t frame) {
 }
 
 void makeFilmFolder(const fs::path& folder) {
-  followLinks(folder);  // throws for a link that another user owns
+  followLinks(folder);  // followLinks() throws for a link that another user owns
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed)

@@ -65,7 +65,7 @@ Difference differenceOf(PanelContent now, const PanelContent& drawn) {
     now.counts.round_trip_ms = drawn.counts.round_trip_ms;
   }
   const bool has_progress = alignProgress(now, drawn);
-  // Compare only the counts that are shown, because others change in each step of a stream.
+  // Compare only the shown counts, because the others change in each step of a stream.
   const bool shows_counts = now.waiting.empty();
   if (shows_counts && (figuresOf(now) != figuresOf(drawn) || now.counts.requests != drawn.counts.requests))
     return Difference::kPicture;

@@ -49,7 +49,7 @@ struct PanelContent {
   uint64_t gpu_tiles = 0;  ///< number of texture tiles on the GPU
   float threshold_px = 1, error_px = 0;
   float final_threshold_px = 1;  ///< threshold of a camera at rest; the first pictures may have a larger one
-  /// Target frame time that the threshold is raised for; 0: not raised, or the camera does not move.
+  /// Target frame time for which the threshold is raised; 0 if it is not raised or the camera is at rest.
   double target_ms = 0;
   double aimed_ms = 0;  ///< target frame time for a moving camera; 0: none
   double scale = 1;     ///< scale of the picture's width and height; thresholds are in scaled pixels

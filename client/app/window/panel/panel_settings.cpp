@@ -24,7 +24,7 @@ void drawMemory(uint64_t& memory_bytes) {
   ImGui::TextDisabled("half of it on the GPU");
 }
 
-/// Draws a slider that chooses one of some names.
+/// Draws a slider that chooses a name from a list.
 template <typename Names, typename NameOf>
 void drawChoice(const char* label, const Names& names, const NameOf& name_of, size_t& number) {
   auto chosen = static_cast<int>(number);

@@ -7,7 +7,7 @@ namespace lode::app {
 namespace {
 
 // Least depth of the projected part of a segment, relative to the depth of the segment's far end. Nearer
-// points are cut off, because they would be projected very far outside the picture.
+// points are clipped, because they would be projected very far outside the picture.
 constexpr double kNearest = 1e-3;
 
 double depthOf(const core::View& view, const glm::dvec3& point_model) noexcept {

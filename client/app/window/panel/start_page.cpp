@@ -17,7 +17,7 @@ constexpr ImGuiWindowFlags kPageWindow = ImGuiWindowFlags_NoTitleBar | ImGuiWind
                                          ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
                                          ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings;
 
-/// Draws the path box and its button. @return the typed target once the user opens it.
+/// Draws the path box and its button. @return the typed target when the user presses the button or Enter.
 std::string drawPathBox(PathText& path, bool enter, float width_px) {
   const float button_px = kButtonEm * ImGui::GetFontSize();
   ImGui::SetNextItemWidth(width_px - button_px - ImGui::GetStyle().ItemSpacing.x);

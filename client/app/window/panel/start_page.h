@@ -23,7 +23,7 @@ struct StartPage {
   bool operator==(const StartPage&) const = default;
 };
 
-/// Text of the start page's path box, with an end of 0.
+/// Text of the start page's path box, terminated by 0.
 using PathText = std::array<char, 4096>;
 
 /// Draws the start page in the middle of the window, within an ImGui frame.

@@ -46,7 +46,7 @@ void ViewedScene::setHidden(const std::function<bool(const InstancedModel&)>& is
   setUp();
 }
 
-/// Lets the stream of a hidden model rest: it then needs the coarsest mesh only.
+/// Reduces a hidden model's stream to the coarsest mesh.
 void ViewedScene::rest(const InstancedModel& model) {
   const ModelSummary& summary = *model.opened.model;
   const core::CameraPath path = core::framingCamera(summary);

@@ -41,11 +41,11 @@ MeasuredValue angleOf(const std::vector<PickedPoint>& points) {
   return angle;
 }
 
-/// The vector area is half the sum of the cross products of neighbouring corners. If the corners are off by
-/// u, it is off by at most half the sum of u_i |p_(i+1) - p_(i-1)| + u_i u_(i+1).
+/// The vector area is half the sum of the cross products of neighbouring corners p_i. If each corner is off
+/// by at most u_i, the area is off by at most half the sum of u_i |p_(i+1) - p_(i-1)| + u_i u_(i+1).
 MeasuredValue areaOf(const std::vector<PickedPoint>& points) {
   const size_t count = points.size();
-  const glm::dvec3& origin = points.front().position;  // coordinates relative to it keep their precision
+  const glm::dvec3& origin = points.front().position;  // keeps the coordinates' precision
   glm::dvec3 area(0);
   MeasuredValue measured{.power = 2};
   for (size_t i = 0; i < count; ++i) {

@@ -33,18 +33,18 @@ std::string_view nameOf(MeasureKind kind) noexcept;
 /// Returns the largest number of points of a kind.
 size_t mostPoints(MeasureKind kind) noexcept;
 
-/// Measures; nothing while points are missing. The bound follows from uncertaintyOf() of the points. A
-/// distance is between two points, a polyline goes through all points, an angle is at the second of three
-/// points, an area is that of the polygon's vector area, and a height is the second point's height above the
-/// first. Pure.
+/// Returns the measured value; nothing while points are missing. The error bound follows from uncertaintyOf()
+/// of each point. A distance is between two points, a polyline goes through all points, and an angle is at
+/// the second of three points. An area is the length of the polygon's vector area. A height is that of the
+/// second point above the first. Pure.
 /// @param up  up axis, unit length.
 std::optional<MeasuredValue> valueOf(const Measure& measure, const glm::dvec3& up);
 
-/// Returns the value with its uncertainty and unit; empty if valueOf() has none. Has two significant digits
-/// of the uncertainty, but no more decimals than the lattice resolves. Pure.
+/// Formats the value with its uncertainty and unit; empty if valueOf() returns nothing. Shows two significant
+/// digits of the uncertainty, but no more decimals than the lattice resolves. Pure.
 std::string valueText(const Measure& measure, const glm::dvec3& up, std::string_view unit);
 
-/// Returns the measurements as a table of comma-separated values with a heading, a line each. Pure.
+/// Returns the measurements as comma-separated values: a heading, then a line per measurement. Pure.
 std::string measuresAsCsv(const std::vector<Measure>& measures, const glm::dvec3& up, std::string_view unit);
 /// Returns the measurements as one JSON object. Pure.
 std::string measuresAsJson(const std::vector<Measure>& measures, const glm::dvec3& up, std::string_view unit);

@@ -61,7 +61,7 @@ void ModelOpener::report(std::string phase, double part) {
   progress_.part = part;
 }
 
-/// A target with its stream, and its summaries: that of the preview, and then that of the store.
+/// A target with its stream, the summary of its preview and the summary of its store.
 struct ModelOpener::Opened {
   ResolvedTarget target;
   stream::Streamer streamer;
@@ -86,7 +86,7 @@ void ModelOpener::run() {
   progress_ = {};
 }
 
-/// Reports that the target cannot be opened. A preview stays, with a warning.
+/// Reports that the target cannot be opened. If a preview is shown, keeps it and adds a warning.
 void ModelOpener::fail(const Error& error) {
   const std::lock_guard lock(mutex_);
   if (progress_.streamer == nullptr) {
@@ -112,7 +112,7 @@ void ModelOpener::buildAndOpen(const PlyFile& ply, std::optional<Opened>& opened
       try {
         opened.emplace(serveStore({preview, {}}, ply.path, options_, stopping_.get_token()));
         show(*opened, true);
-      } catch (const Error&) {  // the store will be shown instead
+      } catch (const Error&) {  // without a preview, the window shows the store later
         opened.reset();
         if (stopping_.stop_requested()) throw;
       }
@@ -123,7 +123,7 @@ void ModelOpener::buildAndOpen(const PlyFile& ply, std::optional<Opened>& opened
   show(*opened, false);
 }
 
-/// Waits until the model is open, and makes it known.
+/// Waits until the model is open, and publishes it in the progress.
 void ModelOpener::show(Opened& opened, bool is_preview) {
   if (!is_preview) report("Connecting to " + net::toString(opened.target.served.address));
   const ModelSummary& model = opened.summaries.emplace_back(
@@ -139,8 +139,8 @@ void ModelOpener::show(Opened& opened, bool is_preview) {
   progress_.warnings = opened.target.warnings;
 }
 
-/// Lets the server of the preview serve the store under the same name. Clients of the server go over to the
-/// store and keep their pictures meanwhile.
+/// Makes the preview's server serve the store under the same name. Clients switch to the store, and show the
+/// preview meanwhile.
 void ModelOpener::replacePreview(Opened& opened, BuiltStore store) {
   const std::filesystem::path served = previewBeside(store.path);
   const std::filesystem::path link = served.parent_path() / "store";
@@ -166,8 +166,8 @@ void ModelOpener::replacePreview(Opened& opened, BuiltStore store) {
   progress_.warnings = std::move(store.warnings);
 }
 
-/// Waits until the stream of a preview has opened the store. @return nothing if the stream ends, if the store
-/// does not come in time, or at a stop request.
+/// Waits until the stream of a preview has opened the store. @return nothing if the stream ends, the time is
+/// over or a stop is requested.
 std::optional<ModelSummary> ModelOpener::waitForStore(Opened& opened) {
   const Digest preview = opened.summaries.back().build_id;
   const auto deadline = std::chrono::steady_clock::now() + timeout_;

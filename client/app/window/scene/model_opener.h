@@ -38,8 +38,8 @@ class ModelOpener {
     double part = -1;                      ///< finished fraction of the phase, 0 to 1; negative: unknown
     stream::Streamer* streamer = nullptr;  ///< null until the model is open; lives as long as the opener
     const ModelSummary* model = nullptr;   ///< null until the model is open; lives as long as the opener
-    /// True while the model is a preview, whose phase and part are those of the build. The finished store
-    /// replaces the preview in the same stream, with another `model`.
+    /// True while the model is a preview; `phase` and `part` then describe the build. The finished store
+    /// replaces the preview in the same stream, and `model` changes.
     bool is_preview = false;
     core::Framing framing;              ///< framing of the first camera, with the coarsest mesh
     std::vector<std::string> warnings;  ///< warnings of the build

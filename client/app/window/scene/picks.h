@@ -14,7 +14,7 @@ namespace lode::app {
 /// The points that the user has clicked, as a measurement, and the measurements that the user has kept.
 class Picks {
  public:
-  /// Adds a point. Beyond the largest number of points of the kind, the oldest point goes.
+  /// Adds a point. Removes the oldest point if there are more than the kind of measurement allows.
   void add(PickedPoint point);
   /// Removes the points, but not the kept measurements.
   void clear() noexcept;
@@ -24,7 +24,7 @@ class Picks {
   /// Switches to the next kind of measurement. Keeps the points that fit.
   void nextKind() noexcept;
   MeasureKind kind() const noexcept { return current_.kind; }
-  /// Keeps the measurement and begins another of its kind. @return false if points are missing.
+  /// Keeps the current measurement and begins another of the same kind. @return false if points are missing.
   bool keep();
   /// Removes the measurement that was kept last. @return false if there is none.
   bool dropLast() noexcept;

@@ -75,7 +75,7 @@ void RenderedScene::drawInstance(Model& model, const Placement& placement, const
 RenderedScene::Picture RenderedScene::draw(double t, const render::Framebuffer& target,
                                            render::DrawStyle style) {
   style.up = up_;
-  const ModelSummary at_origin;  // has its origin at 0, because the view is in true coordinates
+  const ModelSummary at_origin;  // summary with origin 0, because the view is in true coordinates
   core::View view =
       core::toView(core::cameraAt(path_, t), path_.fov_y_deg, size_.width_px, size_.height_px, at_origin);
   view.near_model = stage_->nearest();

@@ -29,8 +29,8 @@ std::optional<PickedPoint> ViewedScene::groundUnder(const core::Ray& ray, double
   return point;
 }
 
-/// The ground is never cut. Behind the cut of a solid, the nearest surface is seen from its back: the pointer
-/// is on the cut, and the picked point is in the plane of the section.
+/// A section never cuts the ground. If the nearest surface behind the section shows its back, the pointer is
+/// on the cut of a solid, and the picked point is in the section's plane.
 std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm::dvec2& pixel_px,
                                               const std::optional<render::Section>& section) {
   const core::View scene_view = withNear(view);
@@ -65,7 +65,8 @@ std::optional<PickedPoint> ViewedScene::under(const core::View& view, const glm:
   return is_on_cut ? onCut(*nearest, shown_ray.origin_model) : nearest;
 }
 
-/// Returns the point of a section through the solid whose back a ray has hit.
+/// Returns the point where a ray enters a solid at the section. @param behind  point where the ray has hit
+/// the solid's back.
 PickedPoint ViewedScene::onCut(const PickedPoint& behind, const glm::dvec3& point_model) const {
   PickedPoint point;
   point.position_model = point_model;

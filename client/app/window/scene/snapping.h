@@ -9,13 +9,13 @@ namespace lode::app {
 
 // A point that was picked on a coarse surface is picked anew once the surface is finer.
 
-/// Returns the rays along which a point is picked anew, in the frame of position_model: the ray of the click,
-/// which keeps the point at its place in the picture, then rays from both sides along the picked triangle's
-/// normal, for a surface that the click would now miss. Pure.
+/// Returns the rays along which to pick a point anew, in the frame of position_model. The first ray is that
+/// of the click, which keeps the point at its place in the picture. The others follow the picked triangle's
+/// normal from both sides, in case the click would miss the finer surface. Pure.
 std::array<core::Ray, 3> snappingRays(const PickedPoint& point) noexcept;
 
-/// Returns true if a point of a finer surface may be the place that the user has picked: both surfaces are
-/// within their errors of the original. A ray that meets them at a slant finds points farther apart. Pure.
+/// Returns true if a point of a finer surface may be the place that the user has picked. Allows for the
+/// errors of both surfaces, and for a ray that meets them at a slant. Pure.
 /// @param along  one of snappingRays().
 bool isSamePlace(const PickedPoint& point, const core::Ray& along, const PickedPoint& finer) noexcept;
 

@@ -28,7 +28,7 @@
 
 namespace lode::app {
 
-/// Handling of a scene's models that cannot be opened.
+/// Selects how to handle models that cannot be opened.
 enum class MissingModels : uint8_t {
   kRefused,  ///< opening the scene fails
   kAllowed   ///< the scene is shown without these models
@@ -109,11 +109,9 @@ class ViewedScene {
   double drawnThresholdRad() const;
   /// Returns a number that grows whenever the drawn cuts change.
   uint64_t drawnSerial() const;
-  // If one of the next two functions returns true, the next picture differs from the last even without a new
-  // cut.
-  /// Returns true while parts fade.
+  // Returns true while parts fade, so that the next picture differs from the last even without a new cut.
   bool fading() const;
-  /// Returns true while colours that depend on the age of parts change.
+  /// Returns true while colours that depend on the age of parts change, which also changes the next picture.
   bool ageing() const;
 
   struct GpuUse {
