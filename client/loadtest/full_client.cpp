@@ -53,9 +53,8 @@ void FullClient::noteLatency(const RequestClock::Request& request, core::TimePoi
   counts_.latency[static_cast<size_t>(request.request_class)].add(now - request.sent);
 }
 
-/// Counts a broken connection. If the server has announced its shutdown, counts the connection only if
-/// requests were open.
-/// @param is_last  true if the failure ends the client; guarded() then counts the error.
+/// Counts a broken connection, unless the server has announced its shutdown and no requests were open. @param
+/// is_last  true if the failure ends the client; guarded() then counts the error.
 void FullClient::noteBroken(core::SessionRole role, const Error& why, bool is_last) {
   const uint64_t open = engine_.openRequests(role);
   if ((role == core::SessionRole::kActive && engine_.staysConnected()) || open > 0) {
@@ -102,8 +101,8 @@ void FullClient::keepConnected(core::TimePoint now) {
   if (!engine_.wantsConnection(now)) return;
   auto& [newest, leaving] = transports_;
   if (engine_.connected()) {
-    // The active connection becomes the draining one. If there still is an older draining connection, because
-    // two servers shut down in short succession, give it up.
+    // The active connection becomes the draining one. Drop an older draining connection, which exists if two
+    // servers shut down in short succession.
     counts_.failed_requests += engine_.openRequests(core::SessionRole::kDraining);
     lose(core::SessionRole::kDraining);
     leaving = std::move(newest);
@@ -114,8 +113,8 @@ void FullClient::keepConnected(core::TimePoint now) {
   engine_.connect(now);
 }
 
-/// One connection of the client's engine, for net::exchange(). Notes the requests that are sent, and counts
-/// moves to other servers.
+/// One connection of the client's engine, for net::exchange(). Records the sent requests, and counts moves to
+/// other servers.
 class FullClient::End : public net::EngineEnd {
  public:
   End(FullClient& client, core::SessionRole role, core::TimePoint now) noexcept
@@ -148,7 +147,7 @@ void FullClient::receive() {
       if (!transport) continue;
       try {
         End end(*this, role, now);
-        // The loop ends, because this thread receives no bytes meanwhile.
+        // The loop ends, because exchange() runs on the thread that receives bytes.
         while (net::exchange(*transport, end)) continue;
       } catch (const Error& failed) {
         engine_.disconnect(failed, now, role);
@@ -200,7 +199,7 @@ void FullClient::work(core::TimePoint now) {
   const uint64_t received = engine_.counts().received_bytes;
   counts_.bytes += received - std::exchange(received_bytes_, received);
   const core::Cut* const cut = engine_.cut().get();
-  // Time since the start, decoding included.
+  // Returns the time since the start, including decoding.
   const auto sinceStart = [&] { return std::chrono::steady_clock::now() - start_; };
   if (cut != nullptr && !std::exchange(image_seen_, true)) counts_.first_image.add(sinceStart());
   const bool has_all = cut != nullptr && cut->converged;

@@ -26,8 +26,7 @@ struct LoadCounts {
   uint64_t moved = 0;
   uint64_t turned_away = 0;  ///< connections that a full or stopping server refused; the clients retried
   uint64_t lost = 0;         ///< broken or failed connections; each also counts as an error
-  /// Number of refused requests and of requests that were open when a connection broke. Clients repeat the
-  /// requests of broken connections.
+  /// Requests that were refused, or open when a connection broke. Clients repeat the latter.
   uint64_t failed_requests = 0;
   uint64_t gave_up = 0;  ///< clients that ended with an error
   /// Number of errors by code: errors that ended a client or a connection, and refused blobs.

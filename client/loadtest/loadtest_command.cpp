@@ -33,7 +33,7 @@ namespace {
 
 /// Added to a signal's number to get the exit status after the signal, as in shells.
 constexpr int kSignalled = 128;
-constexpr uint64_t kTracesOfPlaces = 4;  ///< number of traces per target, if paths depend on seeds
+constexpr uint64_t kTracesOfPlaces = 4;  ///< number of traces per target if paths depend on seeds
 
 const std::map<std::string, MadePath> kMadePaths{
     {"orbit", MadePath::kOrbit}, {"fly", MadePath::kFly}, {"walk", MadePath::kWalk}};
@@ -207,7 +207,7 @@ void declareLoadtest(CLI::App& program, int& exit_status) {
       "loadtest", "Runs many clients on camera paths and measures the latency of their requests");
   const auto options = std::make_shared<LoadtestOptions>();
   addCommonOptions(*command, options->common);
-  command->remove_option(command->get_option("--up"));  // paths that the program makes go around the y axis
+  command->remove_option(command->get_option("--up"));  // generated paths go around the y axis
   command->remove_option(command->get_option("--offline"));
   auto* camera = command->get_option("--camera");
   command->add_option("--clients", options->load.clients, "number of independent clients")

@@ -44,8 +44,8 @@ class RequestClock {
   using Requests = std::map<uint32_t, Request>;
 
   /// Notes the requests and cancellations in a sequence of complete frames.
-  /// @param lost  requests of broken connections. If one of them is sent again, it leaves `lost` and keeps
-  /// the time at which it was first sent.
+  /// @param lost  requests of broken connections. A request that is sent again is removed from `lost` and
+  /// keeps the time at which it was first sent.
   void sent(std::span<const std::byte> frames, core::TimePoint now, Requests& lost);
   /// Ends and returns the request of a blob that arrived. Returns nothing if the blob was not requested.
   std::optional<Request> arrived(uint32_t blob);
@@ -62,8 +62,8 @@ class RequestClock {
 /// Largest number of requests of broken connections that a client remembers.
 constexpr size_t kMaxLostRequests = 4096;
 
-/// Adds the requests of a broken connection to `lost`, which holds those of earlier ones and grows to at most
-/// kMaxLostRequests. @return the requests for which there is no room.
+/// Adds the requests of a broken connection to `lost`, up to kMaxLostRequests in total. @return the requests
+/// for which there is no room.
 RequestClock::Requests addLost(RequestClock::Requests& lost, RequestClock::Requests more);
 
 /// Observes both directions of a client's connection and reports each request when its blob is complete.

@@ -115,8 +115,7 @@ std::optional<std::vector<std::byte>> BlobCache::find(const BlobRef& blob) {
 }
 
 void BlobCache::store(const fs::path& file, std::span<const std::byte> bytes) const {
-  if (makeFoldersOf(file, folder_))
-    writeOwnFile(file, bytes);  // needs no sync, because reads detect a file damaged by a crash
+  if (makeFoldersOf(file, folder_)) writeOwnFile(file, bytes);  // no sync: reads detect damage by a crash
 }
 
 void BlobCache::keep(const BlobRef& blob, std::span<const std::byte> bytes) {

@@ -93,8 +93,7 @@ bool writeOwnFile(const std::filesystem::path& path, std::span<const std::byte> 
       path.parent_path() / (kNewFile + std::to_string(::getpid()) + "-" + std::to_string(++serial));
   constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
   int file = ::open(temporary.c_str(), kFlags, S_IRUSR | S_IWUSR);
-  if (file < 0 && errno == EEXIST &&
-      ::unlink(temporary.c_str()) == 0)  // removes the file of a killed process
+  if (file < 0 && errno == EEXIST && ::unlink(temporary.c_str()) == 0)  // left by a killed process
     file = ::open(temporary.c_str(), kFlags, S_IRUSR | S_IWUSR);
   if (file < 0) return false;
   bool is_written = append(file, bytes);

@@ -33,7 +33,8 @@ store::Cut chooseCut(const ExportArguments& arguments, const store::Reader& read
   const store::NodeTree tree(reader.nodes());
   if (arguments.error) {
     store::Cut cut = store::cutByError(tree, *arguments.error * boxDiagonal(reader.summary()));
-    cut.converged = cut.converged || *arguments.error == 0;  // an error of 0 requests the finest cut
+    cut.converged =
+        cut.converged || *arguments.error == 0;  // --error 0 requests the finest cut, which no cut can miss
     return cut;
   }
   if (arguments.triangles) return store::cutByTriangles(tree, *arguments.triangles);

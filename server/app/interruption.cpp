@@ -48,7 +48,7 @@ Interruption::Interruption(const char* message, const char* hint)
   try {
     watcher_ = std::jthread([this] { endAfterGrace(); });
   } catch (const std::system_error&) {
-    // Without the watching thread, a signal still ends the work at its next check().
+    // Ignore a failure: without this thread, a signal still ends the work at its next check().
   }
   struct sigaction action {};
   action.sa_handler = note;

@@ -14,9 +14,9 @@ namespace lode::app {
 
 /// Prints the progress of stages to a stream, with rate and time left. kBar redraws a bar on a terminal: one
 /// for the whole build, or one per stage if there is no estimate of a build. kLines prints a line every five
-/// seconds, for files and the logs of containers. kJson prints JSON lines for programs: the stage and its
-/// finished fraction, and what the estimate says of the build. The start of a stage ends the previous stage.
-/// Not thread safe.
+/// seconds, for files and the logs of containers. kJson prints JSON lines for programs: the stage, its
+/// finished fraction, and the estimate for the build. The start of a stage ends the previous stage. Not
+/// thread safe.
 class ProgressBar {
  public:
   enum class Mode { kQuiet, kLines, kBar, kJson };
@@ -26,7 +26,7 @@ class ProgressBar {
   /// Returns kQuiet if quiet, kBar for a terminal, else kLines.
   static Mode modeFor(std::FILE* stream, bool quiet);
 
-  /// @param build  estimate of the build whose stages are reported; empty: the stages stand alone.
+  /// @param build  estimate of the build that the stages belong to; empty if there is no such build.
   /// @param now    clock; tests pass their own.
   ProgressBar(std::FILE* stream, Mode mode, const std::optional<ingest::BuildEstimate>& build = {},
               Now now = &Clock::now);

@@ -11,9 +11,8 @@ namespace lode::ingest {
 
 /// Folder `.OUT.lode.building` beside the output. It holds a lock, the journal and the incomplete store, from
 /// which a later build can resume. It also holds the temporary files, unless the caller names another parent
-/// for them; the temporary files are then in a subfolder of that parent, named after a hash of the output's
-/// path. After keep(false), the destructor removes everything, the journal and the lock last; otherwise it
-/// keeps the folder.
+/// folder for them, where they get a subfolder named after a hash of the output's path. After keep(false),
+/// the destructor removes everything, the journal and the lock last. Otherwise it keeps the folder.
 class BuildFolder {
  public:
   /// Creates and locks the folder. @throws Error kIo if the folder cannot be created or locked, or if another

@@ -27,11 +27,11 @@ constexpr uint64_t kTrialTriangles = 400000;
 /// cheaper than a mountain. But if the file lists its faces in long rows, short stretches are thin strips
 /// with too many border vertices, and one long stretch is better.
 constexpr std::array<uint64_t, 2> kStretches{4, 1};
-/// Largest ratio of the trial model's vertices per face to the whole model's. Border vertices make the ratio
-/// larger than 1. Above the limit, consecutive faces of the file are not neighbours on the surface.
+/// Largest ratio of the trial model's vertices per face to those of the whole model. Border vertices make the
+/// ratio larger than 1. Above the limit, consecutive faces of the file are not neighbours on the surface.
 constexpr double kMostVerticesOfPart = 1.5;
-/// Time and bytes per triangle of a model much larger than the trial model, relative to the trial model. A
-/// large model needs less, because the upper levels are a smaller share of its tree.
+/// Time and bytes per triangle of a much larger model, relative to the trial model. A large model needs less
+/// per triangle, because the upper levels are a smaller share of its tree.
 constexpr double kLargeModelShare = 0.85;
 
 /// Cost per triangle, measured by building a trial model.

@@ -64,9 +64,9 @@ class LodCheck {
   /// Compares the LOD with a leaf. Thread safe.
   void add(const LeafSurface& leaf);
   /// Returns the farthest point; call after adding the last leaf. The returned distance is at least 3/4 of
-  /// the stored error, even if no point is that far away. Distances above that are exact, because they are
-  /// measured in double precision, except for a point of the LOD that is farther away than 1.25 times the
-  /// stored error: the returned distance is then between 1.25 and 1.3 times the stored error.
+  /// the stored error, even if no point is that far away. Larger distances are exact. Exception: if a point
+  /// of the LOD is farther away than 1.25 times the stored error, the result is between 1.25 and 1.3 times
+  /// the stored error.
   FarPoint farthest() const;
   double found() const { return farthest().steps; }
 

@@ -33,7 +33,7 @@ void PieceCounter::join(uint32_t a, uint32_t b) {
   if (a != b) handDown(a, b);
 }
 
-/// Passes a join to the range that contains its larger index: the current range or one still to come.
+/// Passes a join to the range that contains its larger index: the current range or a later one.
 void PieceCounter::handDown(uint32_t a, uint32_t b) {
   const Join join{std::max(a, b), std::min(a, b)};
   const auto range = static_cast<size_t>(join.high / range_vertices_);
@@ -62,7 +62,7 @@ void PieceCounter::joinInRange(Join join) {
   if (anchor == kNone || other == kNone) {
     ++joins_;
   } else if (anchor != other) {
-    handDown(anchor, other);  // a range still to come counts this join
+    handDown(anchor, other);  // a later range counts this join
   }
 }
 

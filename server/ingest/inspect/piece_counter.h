@@ -12,10 +12,10 @@ namespace lode::ingest {
 
 /// Counts how many joins of two vertices merge two pieces (connected sets of vertices), for any number of
 /// vertices in bounded memory. Processes ranges of vertex indices one after another, from the largest indices
-/// to the smallest. The first time a group of joined vertices in the current range is joined to a vertex in a
-/// range still to come, that vertex becomes the group's anchor. Each further such join becomes a join of the
-/// anchor to the other vertex, and waits for the range that contains the larger of the two indices. Not
-/// thread safe. All functions throw Error kIo.
+/// to the smallest. If a group of joined vertices in the current range is joined to a vertex in a later
+/// range, this vertex becomes the group's anchor. Each further join of the group to a later range is replaced
+/// by a join of the anchor, which waits for the range that contains its larger index. Not thread safe. All
+/// functions throw Error kIo.
 class PieceCounter {
  public:
   /// @param folder  folder for the joins that wait for later ranges. @param memory_bytes  limit; the counter

@@ -36,7 +36,7 @@ struct Topology {
   uint64_t lost_triangles = 0;
   double lattice_step = 0;  ///< step of the lattice that a build chooses; 0 if there is no suitable lattice
   std::string_view lattice_problem;  ///< reason why there is no suitable lattice, and a remedy
-  /// Box of the vertices that faces use; zero if there are no such vertices.
+  /// Box of the vertices that faces use; zero if there are none.
   glm::dvec3 used_min{0}, used_max{0};
 };
 

@@ -26,11 +26,11 @@ struct MeasuredPoint {
 
 /// Measures the largest distance from a triangle's points to a surface, to 2 %. Divides the triangle into
 /// parts, near points where the nearest triangle of the surface changes. Stops dividing a part after
-/// kMostCuts cuts, or if the whole part is known to be within limit(). That is known if one triangle of the
-/// surface is within limit() of all corners of the part, because the distance from a triangle is convex; if a
-/// chain of triangles covers the part, see isBoundedByChains(); or if the part is so small that no point is
-/// much farther away than a corner. Source: Tang, Lee & Kim, Interactive Hausdorff Distance Computation for
-/// General Polygonal Models, 2009, for the bounds of a part.
+/// kMostCuts cuts, or if the whole part is known to be within limit(). Three conditions show this: one
+/// triangle of the surface is within limit() of all corners of the part, because the distance from a triangle
+/// is convex; a chain of triangles covers the part (isBoundedByChains()); or the part is so small that no
+/// point is much farther away than a corner. Source: Tang, Lee & Kim, Interactive Hausdorff Distance
+/// Computation for General Polygonal Models, 2009, for the bounds of a part.
 /// @tparam Surface  has `PackedTriangle triangle(uint32_t)`, SurfaceWalk's `chainAlong()`, and `MeasuredPoint
 /// measure(glm::vec3, uint32_t hint, float tolerance)`, whose distance is exact unless it is at most
 /// `tolerance`.
@@ -287,8 +287,8 @@ class FarthestInTriangle {
     return most;
   }
 
-  /// Returns where to cut edge k, as a share of its length: at the point that is equally far from the
-  /// triangles nearest to its two ends, assuming that distances change linearly.
+  /// Returns where to cut edge k, as a share of its length. Cuts at equal distance from the triangles nearest
+  /// to its two ends, assuming that distances change linearly.
   static float whereToCut(const Distances& from, size_t k) {
     const size_t to = (k + 1) % 3;
     const float of_from = from[k][to] - from[k][k], of_to = from[to][k] - from[to][to];

@@ -13,7 +13,7 @@ namespace lode::ingest {
 struct FarthestOfInput {
   float steps = 0;
   /// The farthest point, unless it is a position of the input. Its `near` is a corner of the triangle that
-  /// contains it.
+  /// contains the point.
   std::optional<SurfaceSample> inside;
 };
 

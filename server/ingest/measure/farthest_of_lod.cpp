@@ -156,8 +156,8 @@ class Measurement {
   }
 
   /// Calls visit(point, is_inside, near) for the grid points of a triangle except its corners, row by row.
-  /// Each call receives `near` as the call for the previous point of the row left it; the first call of a row
-  /// receives it as the first call of the previous row left it.
+  /// visit() may change `near`, which the call for the next point of the row receives. The first call of a
+  /// row receives the `near` of the previous row's first call.
   template <typename Visit>
   void forEachPoint(const glm::u32vec3& corners, uint32_t steps, Visit&& visit) {
     const glm::vec3 a = pointOf(corners.x), b = pointOf(corners.y), c = pointOf(corners.z);

@@ -35,10 +35,10 @@ LodDeviation lodDeviation(const SimplifiedMesh& lod, const LodInput& input, cons
                           float farthest_sample);
 
 /// Returns the deviation from the original of an LOD whose input is not the original. Combines `from_input`
-/// and `off` as independent errors, by the root of the sum of their squares, because their plain sum would be
-/// 2 to 5 times too large. Over many levels, the root also becomes too large, because an LOD cancels some of
-/// its input's deviation. For a large LOD, the function therefore relies on samples of the original: a large
-/// LOD has many places that deviate nearly as much as its worst place, and some samples are near one of them.
+/// and `off` as independent errors: the root of the sum of squares. The plain sum would be 2 to 5 times too
+/// large. Over many levels the root also becomes too large, because an LOD cancels some of its input's
+/// deviation. Large LODs therefore rely on samples of the original: many places of a large LOD deviate nearly
+/// as much as the worst place, and some samples are near one of them.
 /// @param from_input  distance between the LOD and its input. @param off  deviation of the input from the
 /// original.
 /// @param triangles  number of triangles in the LOD. @return at least each of the three distances.

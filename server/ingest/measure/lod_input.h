@@ -79,7 +79,7 @@ glm::u32vec2 imageOf(glm::u32vec2 ends, std::span<const uint32_t> remap) noexcep
 
 /// Returns the references for an LOD that is itself the input of coarser LODs: the references of the mesh
 /// from which the LOD was made, without those whose two ends have vanished. If more than `most` remain,
-/// returns none. Then the LOD's boundary edges are their own references.
+/// returns none, and the LOD's boundary edges are their own references.
 /// @param input               mesh from which the LOD was made.
 /// @param remap               position in the LOD, or kVanished, for each position in `input`.
 /// @param boundary_gap_steps  distance of the LOD's boundary edges from the original boundary; see

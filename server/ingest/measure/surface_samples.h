@@ -24,7 +24,7 @@ struct SurfaceSample {
 
 /// Thins out samples to `capacity`, without changing their order. Of all samples with the same `near`, always
 /// keeps the one with the largest deviation, so that every piece of the mesh has a sample. Fills the
-/// remaining capacity with those of the other samples that deviate most.
+/// remaining capacity with the samples that deviate most.
 /// @param positions  number of positions in the mesh.
 void selectSamples(std::vector<SurfaceSample>& samples, size_t positions, size_t capacity);
 

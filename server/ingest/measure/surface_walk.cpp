@@ -14,8 +14,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Largest number of triangles around a position for which a walk visits all of them. Around a position with
-/// more (a hub), a walk visits only some; otherwise n walks on n triangles around one position would take
+/// Largest number of triangles around a position of which a walk visits all. Around a hub, a position with
+/// more triangles, a walk visits only some. Otherwise n walks on n triangles around one position would take
 /// time proportional to n * n.
 constexpr uint32_t kMostAround = 256;
 /// Triangles count as being on one side of a position if the mean direction to them has a squared length
@@ -53,9 +53,8 @@ class TriangleOutline {
 
   Four corner(size_t k) const noexcept { return corners_[k % 3]; }
 
-  /// Returns the edge that the point lies beyond or, if it lies beyond several, the one farthest from it; -1
-  /// if it lies beyond none. Avoids a branch, which the processor could not predict, in the usual case of a
-  /// point beyond at most one edge.
+  /// Returns the edge that the point lies beyond; the farthest one if there are several, -1 if there is none.
+  /// In the usual case of at most one such edge, avoids a branch that the processor could not predict.
   /// @param passed_over  edge to ignore, or -1
   int edgeTowards(glm::vec3 point, int passed_over) const noexcept {
     const Four heights = dot(outwards_, FourVectors(point) - starts_);
@@ -180,7 +179,7 @@ SurfaceWalk::Place SurfaceWalk::placeAt(uint32_t position) const noexcept {
 /// Projects a point into the triangles around a position, and returns the nearest projection. Most points
 /// project into one of these triangles, which then is usually the nearest triangle of all. Returns nothing if
 /// the point projects into none of them, if the position is a hub, or if the triangles face in opposite
-/// directions, as at the edge of a thin plate: another triangle may then be nearer.
+/// directions, as at the edge of a thin plate, where another triangle may be nearer.
 std::optional<SurfaceWalk::Place> SurfaceWalk::placeAround(glm::vec3 point,
                                                            uint32_t position) const noexcept {
   float nearest = std::numeric_limits<float>::infinity();

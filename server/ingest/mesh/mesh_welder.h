@@ -33,8 +33,7 @@ class MeshWelder {
   WedgeFinder wedges_;
 };
 
-/// Welds the meshes of several nodes into one. A position with different lca_depths in several meshes gets
-/// the smallest.
+/// Welds the meshes of several nodes into one. If a position has several lca_depths, it gets the smallest.
 /// @param remap  receives one list per mesh, with the number in the result of each position. @pre every
 /// position has a wedge.
 NodeMesh mergeMeshes(std::span<const NodeMesh> meshes, std::vector<std::vector<uint32_t>>& remap);

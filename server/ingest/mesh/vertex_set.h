@@ -9,8 +9,8 @@ namespace lode::ingest {
 
 /// Set of vertex numbers, stored as a bitmap, with at most 2^32 - 1 members. A member's rank is the number of
 /// smaller members. A caller that reads the data of all members in one sweep can index the data by rank,
-/// without sorting. The set stores the rank of the first member of each word, so rank() has to count the bits
-/// of only one word.
+/// without sorting. rank() counts the bits of only one word, because the set stores the rank of each word's
+/// first member.
 class VertexSet {
  public:
   explicit VertexSet(uint64_t vertices) : words_((vertices + 63) / 64) {}

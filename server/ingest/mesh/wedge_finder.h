@@ -44,7 +44,7 @@ class WedgeFinder {
     if (before_.size() <= wedge) before_.resize(wedge + 1, kNone);
     before_[wedge] = newest_[position];
     newest_[position] = wedge;
-    uint32_t older = wedge;  // the wedge that leaves the list
+    uint32_t older = wedge;  // the wedge that moves from the list to the hash table
     for (size_t i = 0; i < kListed && older != kNone; ++i) older = before_[older];
     if (older != kNone) older_.emplace(Key{position, attributes_of[older]}, older);
   }

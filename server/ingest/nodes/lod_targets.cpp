@@ -19,7 +19,7 @@ constexpr size_t kTrianglesPerLockedBelowRoot = 12;
 // most for the root: its input takes the most memory.
 constexpr size_t kLargeNodes = 8;
 constexpr size_t kLargeTriangles = 1 << 17;
-/// Smallest value of that limit for nodes that are not children of the root, in triangles.
+/// Smallest value of the limit above for nodes that are not children of the root, in triangles.
 constexpr size_t kLeastLargeTriangles = 1 << 14;
 constexpr size_t kTrianglesPerLockedOfLarge = 4;
 /// A step that reduces by a factor f keeps at least the triangles at locked vertices plus f * kInnerFactor of
@@ -28,7 +28,7 @@ constexpr double kInnerFactor = 2.0 / 3;
 /// A node gets far LODs if the leaves below it have at least this many times triangles_per_node triangles.
 constexpr uint64_t kFarLodNodes = 8;
 constexpr size_t kFarLodShare = 4;  ///< far LODs end at triangles_per_node / kFarLodShare triangles
-/// Far LODs end earlier, at this number of triangles per locked vertex, if that is more.
+/// Far LODs also end at this number of triangles per locked vertex, if it is larger.
 constexpr size_t kFarLodTrianglesPerLocked = 2;
 
 bool hasMuchBelow(const LodRule& rule) {

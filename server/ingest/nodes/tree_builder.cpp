@@ -246,10 +246,10 @@ class Scheduler {
     throw Error(ErrorCode::kFormat, "the build journal belongs to another tree; build without --resume");
   }
 
-  /// Logs the finished nodes that a resumed build can use: each node with a logged parent, and each inner
-  /// node with a parent that is not built yet, together with the data that the parent needs. A leaf is logged
-  /// only after its parent; until then, a resumed build rebuilds it. Workers wait for the disk only if they
-  /// need the node that is being written.
+  /// Logs the finished nodes that a resumed build can use. These are nodes with a logged parent, and inner
+  /// nodes whose parent is not built yet, together with the data that the parent needs. Logs a leaf only
+  /// after its parent, so a resumed build may rebuild leaves. Workers wait for the disk only if they need the
+  /// node that is being written.
   void writeLog() {
     std::vector<Finished> finished;
     {

@@ -24,12 +24,12 @@ struct TreeFiles {
   NodeSpool& nodes;               ///< receives the nodes
 };
 
-/// Builds and encodes all nodes on several threads, children before parents, and adds them to files.nodes.
-/// A built node keeps its coarsest LOD in memory until its parent is built. So an inner node is built as soon
-/// as its children are built. Memory then holds the coarsest LODs of few nodes: about those beside one path
-/// from a leaf to the root. A node waits if it does not fit into memory beside the nodes being built. The
-/// calling thread reports progress and writes finished nodes to the log. Nodes that the log has from an
-/// interrupted build are not built again. Throws the first error of any thread.
+/// Builds and encodes all nodes on several threads, children before parents, and adds them to files.nodes. A
+/// built node keeps its coarsest LOD in memory until its parent is built. To hold few such LODs, an inner
+/// node is built as soon as its children are built: about the nodes beside one path from a leaf to the root
+/// are then in memory. A node waits if it does not fit into memory beside the nodes being built. The calling
+/// thread reports progress and writes finished nodes to the log. Nodes that the log has from an interrupted
+/// build are not built again. Throws the first error of any thread.
 void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, const TreeFiles& files,
                const TreeResources& resources, const BuildProgress& progress);
 

@@ -60,7 +60,7 @@ void BorderTable::join(std::span<const NodeKey> leaves, const CreaseAngle& creas
       uint32_t fans = 0;  // number of the leaf's fans so far
       for (size_t i = 0; i < sharing.size(); ++i) {
         if (i > 0 && sharing[i].leaf != sharing[i - 1].leaf) fans = 0;
-        if (sharing[i].fan != fans) continue;  // a further entry of an earlier fan, see ListedFan
+        if (sharing[i].fan != fans) continue;  // another entry of an earlier fan, see ListedFan
         vertex.normal = normals[i];
         vertex.fan = static_cast<uint16_t>(fans++);
         by_leaf_->push(sharing[i].leaf, std::as_bytes(std::span(&vertex, 1)));

@@ -33,8 +33,8 @@ void LeafCutter::finish() {
   while (begin_ < codes_.size()) cutOne();
 }
 
-/// Cuts off the leaf at begin_. The leaf is the largest cell that excludes two triangles: the triangle before
-/// begin_, which belongs to the previous leaf, and the first triangle that would exceed the maximum.
+/// Cuts off the leaf at begin_: the largest cell that contains neither the last triangle of the previous leaf
+/// nor the first triangle that would exceed the maximum.
 void LeafCutter::cutOne() {
   const uint64_t first = codes_[begin_];
   int depth = any_cut_ ? commonDepth(last_cut_, first) + 1 : 0;

@@ -15,7 +15,7 @@ enum class Items : uint8_t {
 
 struct StageTraits {
   std::string_view name, doing;
-  /// CPU seconds per million triangles (docs/benchmarks.md), and the share of them that is spent on one
+  /// CPU seconds per million triangles (docs/benchmarks.md), and the share of these that is spent on one
   /// thread, as in the forecasts of `doctor`. The cost of images does not depend on triangles.
   double cpu_seconds, serial_share;
   Items items;
@@ -33,7 +33,7 @@ constexpr std::array<StageTraits, BuildEstimate::kStages> kTraits{{
     {"pack", "writing the store", 0.004, 1, Items::kUncounted, ""},
 }};
 constexpr size_t kScan = 0;
-constexpr double kShortestRateS = 0.1;  ///< a rate of a shorter time says little
+constexpr double kShortestRateS = 0.1;  ///< rates measured over a shorter time are unreliable
 
 double unitOrZero(double fraction) { return std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0; }
 
@@ -89,8 +89,8 @@ void BuildEstimate::update(std::string_view stage, double fraction, uint64_t don
   if (finished_s + *left_s > 0) reached_ = std::max(reached_, finished_s / (finished_s + *left_s));
 }
 
-/// Returns the time per unit of cost, from the finished stages if possible. The scan counts only if no other
-/// stage tells more, because its time depends on the file's encoding and on the disk.
+/// Returns the time per unit of cost, from the finished stages if possible. Uses the scan only if no other
+/// stage has run, because its time depends on the file's encoding and on the disk.
 std::optional<double> BuildEstimate::secondsPerCost() const {
   double cost = 0, spent_s = 0;
   for (size_t i = 0; i < kStages; ++i) {

@@ -19,8 +19,8 @@ struct BuildStatus {
 };
 
 /// Estimates the progress of a whole build from the progress of its stages. The estimate starts from the
-/// usual shares of the stages. Finished stages correct the estimate of later ones, and the current stage is
-/// extrapolated from its own rate, the further it is. Pure: no clock.
+/// usual shares of the stages. Finished stages correct the estimate of later ones. The current stage's own
+/// rate gains weight as the stage advances. Pure: no clock.
 class BuildEstimate {
  public:
   static constexpr size_t kStages = 8;

@@ -14,11 +14,10 @@ namespace lode::ingest {
 void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spool* tiles,
                   store::Writer& writer);
 
-/// Removes redundant far LODs of a node (extra coarse LODs that its parent is not built from), but never the
-/// coarsest one. A far LOD is redundant if its error exceeds the error of the parent's finest LOD, because a
-/// client that accepts this error draws the parent instead, unless a sibling nearer to the eye needs more
-/// detail. If the parent's finest LOD is large, the limit is twice its error, because even views of the whole
-/// model then include siblings at different distances.
+/// Removes redundant far LODs of a node, but never the coarsest one. A far LOD is redundant if its error
+/// exceeds the error of the parent's finest LOD: a client that accepts this error draws the parent instead,
+/// unless a sibling nearer to the eye needs more detail. If the parent's finest LOD is large, the limit is
+/// twice its error, because even views of the whole model then include siblings at different distances.
 void removeRedundantFarLods(FinishedNode& finished, const Node& parent);
 
 /// Writes the payloads and the hierarchy to a store: coarse nodes first, siblings together, and the coarse

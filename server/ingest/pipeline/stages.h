@@ -35,8 +35,8 @@ class ScanStage final : public Stage {
   const std::vector<std::string>& textureFiles() const noexcept { return texture_files_; }
   /// Moves out the images that run() found for textureFiles(). Returns an empty list after load().
   std::vector<TextureImage> takeImages() { return std::move(images_); }
-  /// Writes the preview that the options name. Writes none if a resumed build needs the input no more, and
-  /// warns if the preview needs more than half of the memory.
+  /// Writes the preview that the options name. Writes none if a resumed build no longer needs the input.
+  /// Warns if the preview needs more than half of the memory.
   void writePreview() const;
   std::unique_ptr<PackedInput> takeInput() { return std::move(input_); }
 

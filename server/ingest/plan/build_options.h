@@ -32,8 +32,8 @@ struct ResultOptions {
   /// Crease angle. Computed normals are smooth across an edge if the normals of its two faces differ by less
   /// than this angle. With the default, chamfers of 45 degrees stay sharp, and nine-sided bores look round.
   float crease_angle_deg = 44;
-  /// If set, the build drops faces and vertices with bad indices or coordinates, sets bad attributes to zero,
-  /// and counts both. If not set, the build fails.
+  /// If true, drops faces and vertices with bad indices or coordinates, sets bad attributes to zero, and
+  /// counts both. If false, such input fails the build.
   bool skip_bad = false;
   bool strict = false;  ///< true treats warnings as errors
 };

@@ -11,7 +11,7 @@ namespace {
 constexpr uint64_t kProgramBytes = 24 << 20;  ///< memory of code and file buffers
 constexpr uint64_t kMarginBytes = 24 << 20;   ///< freed memory that the allocator keeps from earlier stages
 /// Memory of all finished nodes that wait for their parents to be built, in bytes per triangle of the node
-/// capacity. Most builds need only half of it.
+/// capacity. Most builds need only half of this.
 constexpr uint64_t kFrontierBytes = 5 << 10;
 constexpr uint64_t kWorkerBytes = 2816;  ///< bytes per thread and triangle of the node capacity
 /// Memory per triangle of a large node, that is, a node whose LODs are written to disk.

@@ -64,7 +64,7 @@ class HeaderLines {
   uint64_t number() const noexcept { return number_; }  ///< number of the line last returned, from 1
   size_t position() const noexcept { return position_; }
 
-  /// Returns true if the line last returned, or its line end, is cut off by the limit kMaxPlyHeaderBytes.
+  /// Returns true if kMaxPlyHeaderBytes cuts off the line last returned or its line end.
   bool isCut() const noexcept { return !whole_file_ && is_last_; }
 
   std::optional<std::string_view> next() {
