@@ -147,7 +147,7 @@ void FullClient::receive() {
       if (!transport) continue;
       try {
         End end(*this, role, now);
-        // The loop ends, because exchange() runs on the thread that receives bytes.
+        // Terminates: this thread receives no bytes while the loop runs.
         while (net::exchange(*transport, end)) continue;
       } catch (const Error& failed) {
         engine_.disconnect(failed, now, role);

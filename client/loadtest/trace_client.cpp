@@ -187,7 +187,7 @@ void TraceClient::receive() {
     for (const core::SessionRole role : core::kSessionRoles)
       onSession(role, now, [&](core::Session& session) {
         End end(*this, session, role, now);
-        // The loop ends, because exchange() runs on the thread that receives bytes.
+        // Terminates: this thread receives no bytes while the loop runs.
         while (net::exchange(*transport(role), end)) continue;
       });
     if (requests_wait_) sendRequests();

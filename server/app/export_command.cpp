@@ -33,8 +33,7 @@ store::Cut chooseCut(const ExportArguments& arguments, const store::Reader& read
   const store::NodeTree tree(reader.nodes());
   if (arguments.error) {
     store::Cut cut = store::cutByError(tree, *arguments.error * boxDiagonal(reader.summary()));
-    cut.converged =
-        cut.converged || *arguments.error == 0;  // --error 0 requests the finest cut, which no cut can miss
+    cut.converged = cut.converged || *arguments.error == 0;  // --error 0 means the finest cut
     return cut;
   }
   if (arguments.triangles) return store::cutByTriangles(tree, *arguments.triangles);

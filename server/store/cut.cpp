@@ -38,8 +38,8 @@ Cut finishCut(const NodeTree& tree, std::vector<CutItem> items) {
   return cut;
 }
 
-/// Walks down from the root. At each node `choose` returns the LOD for the cut, or a negative number to
-/// continue with the children. At a leaf it must return an LOD.
+/// Visits nodes from the root down. At each node `choose` returns the LOD for the cut, or a negative number
+/// to continue with the children. At a leaf it must return an LOD.
 template <typename Choose>
 Cut walk(const NodeTree& tree, Choose&& choose) {
   std::vector<CutItem> items;

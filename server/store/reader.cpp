@@ -86,7 +86,7 @@ struct Reader::State {
 
 namespace {
 
-/// Runs an action. Adds the file name to its errors, and a remedy if the content is damaged.
+/// Runs an action. Adds the file name to the action's errors, and a remedy if the content is damaged.
 template <typename Action>
 auto namingFile(const std::filesystem::path& path, Action&& action) {
   try {

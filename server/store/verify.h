@@ -28,10 +28,10 @@ struct VerifyReport {
 
 /// Checks all properties of a store that can be checked without its input. Opens the store, which checks its
 /// structure. Checks the checksum and digest of every blob. Decodes every texture tile and checks its size.
-/// Decodes every payload and checks that its vertices lie inside the node's box (decoded positions are on the
-/// lattice, I5) and that it has no more locked vertices (vertices shared with other nodes) than positions. In
-/// some random cuts, checks that the distance of each open edge from the leaves' open edges is at most the
-/// stored error (I2). Keeps one payload, the open edges and the hierarchy in memory.
+/// Decodes every payload and checks that its vertices lie inside the node's box and on the lattice (I5), and
+/// that it has no more locked vertices than positions. In some random cuts, checks that the distance of each
+/// open edge from the leaves' open edges is at most the stored error (I2). Keeps one payload, the open edges
+/// and the hierarchy in memory.
 /// @throws Error at the first fault, naming file, place and remedy.
 VerifyReport verifyStore(const std::filesystem::path& path, const VerifyOptions& options = {});
 

@@ -84,8 +84,8 @@ struct PlyReadOptions {
 };
 
 /// Streams the body of a PLY file. Its memory use does not depend on the counts in the header. Passes all
-/// vertices and then all faces to the sinks, in batches and in file order. The vertices come first even if
-/// the faces precede them in the file.
+/// vertices and then all faces to the sinks, in batches and in file order, even if the faces come first in
+/// the file.
 class PlyReader {
  public:
   /// Opens a file and reads its header. @throws Error as readPlyHeader() does; kInput also if the file has no

@@ -7,8 +7,8 @@
 namespace lode::ingest {
 namespace {
 
-/// Weight of the cell's mean vertex, relative to the trace of the planes' quadric. It makes the minimum
-/// unique on flat surfaces.
+/// Weight of the cell's mean vertex, relative to the trace of the planes' quadric. The mean vertex makes the
+/// minimum unique on flat surfaces.
 constexpr double kMeanWeight = 1e-3;
 
 AttributeSet withoutTextures(AttributeSet attributes, bool has_images) noexcept {

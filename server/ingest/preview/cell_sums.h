@@ -14,7 +14,8 @@
 
 namespace lode::ingest {
 
-/// Sums over the vertices and triangles of each cell of a grid, from which the cell's vertex follows.
+/// Sums over the vertices and triangles of each cell of a grid. These determine the cell's vertex in the
+/// clustered mesh.
 class CellSums {
  public:
   /// Memory per vertex of a textured input.
@@ -24,8 +25,8 @@ class CellSums {
   /// object.
   CellSums(const PackedInput& input, const ClusterGrid& grid, const TextureColours& textures);
 
-  /// Returns the attributes of the cells' vertices: those of the input, with colours in place of textures,
-  /// and normals.
+  /// Returns the attributes of the cells' vertices: the input's attributes and normals, with colours in place
+  /// of textures.
   AttributeSet attributes() const noexcept { return attributes_; }
   /// Adds a triangle to the cells of its corners, unless it has no area. @param place  place in `block`.
   void addTriangle(const ClusterGrid& grid, glm::u32vec3 vertices, glm::u32vec3 cells,

@@ -29,7 +29,7 @@ ClusterGrid::ClusterGrid(const PackedInput& input, const Lattice& lattice, glm::
 
 void ClusterGrid::coarsen() {
   ++shift_;
-  assign(cellCount());  // wider cells are never more
+  assign(cellCount());  // coarsening never adds cells
 }
 
 /// Assigns each vertex to its cell. @return false if there are more than `max_cells` cells.
@@ -37,7 +37,7 @@ bool ClusterGrid::assign(uint32_t max_cells) {
   corners_.clear();
   NumberTable numbers;
   numbers.reset(std::min<size_t>(positions_.size(), max_cells));
-  uint64_t last_key = UINT64_MAX;  // neighbours in the file often lie in the same cell
+  uint64_t last_key = UINT64_MAX;  // skips the search for vertices in the cell of the previous vertex
   uint32_t last_cell = 0;
   for (size_t vertex = 0; vertex < positions_.size(); ++vertex) {
     const glm::uvec3 cell = unpackPosition(positions_[vertex]) >> shift_;

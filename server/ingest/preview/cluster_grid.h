@@ -17,7 +17,8 @@ class ClusterGrid {
   /// Memory per vertex of the input.
   static constexpr uint64_t kVertexBytes = sizeof(PositionCode) + sizeof(uint32_t);
 
-  /// Snaps all vertices, and chooses the smallest cells of which at most `max_cells` contain vertices.
+  /// Snaps all vertices, and chooses the smallest cell width at which at most `max_cells` cells contain
+  /// vertices.
   /// @param extent  largest lattice coordinates. @param input  must be flushed.
   ClusterGrid(const PackedInput& input, const Lattice& lattice, glm::uvec3 extent, uint32_t max_cells);
 

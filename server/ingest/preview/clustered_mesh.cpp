@@ -24,7 +24,7 @@ glm::u32vec3 rotated(glm::u32vec3 t) noexcept {
 
 uint64_t edgeKey(uint32_t a, uint32_t b) noexcept { return uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
 
-/// Triangles between three cells, without duplicates. Cells are their vertices.
+/// Triangles with corners in three cells, without duplicates. The indices are those of the cells.
 class CellTriangles {
  public:
   void add(glm::u32vec3 cells) {
@@ -47,7 +47,7 @@ class CellTriangles {
   size_t next_check_ = kFirstCheck, unique_ = 0;
 };
 
-/// First triangle of each pair of cells, and of each cell, whose corners lie only there.
+/// For each pair of cells and each single cell, the first triangle whose corners lie only there.
 class FlatTriangles {
  public:
   struct Flat {

@@ -26,9 +26,9 @@ struct ClusteredMesh {
 
 /// Simplifies a whole model by clustering: all vertices of a grid cell become one vertex, at the minimum of
 /// the quadrics of the triangles that touch the cell. Reads vertices and faces sequentially, and keeps
-/// ClusterGrid::kVertexBytes per vertex in memory. A triangle with corners in two cells, or in one cell,
-/// stays as it is unless other triangles cover its cells, so that thin and small pieces remain. The mesh has
-/// no texture coordinates and no materials; its colours include those of the textures. Deterministic.
+/// ClusterGrid::kVertexBytes per vertex in memory. Keeps a triangle with corners in only one or two cells
+/// unless other triangles cover these cells, so that thin and small pieces remain. The mesh has no texture
+/// coordinates and no materials; its colours include those of the textures. Deterministic.
 /// @param input    must be flushed and have its grid for texture coordinates.
 /// @param extent   largest lattice coordinates.
 /// Source: Lindstrom, Out-of-Core Simplification of Large Polygonal Models, 2000.

@@ -32,7 +32,7 @@ TextureColours::TextureColours(std::span<const TextureImage> images, const UvGri
       while (std::max(coarse.size.x, coarse.size.y) > kMostEdgePx) coarse = halved(coarse);
       images_.resize(number + 1);
       images_[number] = std::move(coarse);
-    } catch (const Error&) {  // the build warns of it
+    } catch (const Error&) {  // ignored: the build warns about the image
     }
   }
 }

@@ -17,8 +17,8 @@ class TextureColours {
  public:
   /// Largest edge of an image that is kept.
   static constexpr uint32_t kMostEdgePx = 256;
-  /// Largest number of pixels of all images together that are decoded. Further images are left out, because a
-  /// preview that waits for them comes late. A JPEG counts with the pixels that its decoder computes.
+  /// Largest number of decoded pixels of all images together. Further images are left out, because decoding
+  /// them would delay the preview. For a JPEG, only the pixels that its decoder computes count.
   static constexpr uint64_t kMostPixels = 48u << 20;
 
   TextureColours() = default;  ///< no images

@@ -20,7 +20,7 @@ constexpr uint32_t kNone = ClusterTree::kNone;
 constexpr double kStay = 1e-4;  // weight of a point at the cell's mean position, relative to the quadric's
                                 // trace; makes the optimum unique on flat surfaces
 
-/// State of an octree cell (see ClusterTree). When the cell merges, its positions become one position.
+/// State of an octree cell (see ClusterTree). Merging a cell turns its positions into one position.
 struct CellState {
   Quadric quadric;    // sum of the positions' quadrics, minus the error that optimal attributes avoid
   glm::dvec3 sum{0};  // sum of the positions

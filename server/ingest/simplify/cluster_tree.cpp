@@ -43,8 +43,8 @@ ClusterTree::ClusterTree(const CollapseMesh& mesh)
 }
 
 // Builds the cells in one pass over the positions in Morton order. `open` is a stack of nested cells that can
-// still receive positions. The common level of two consecutive positions tells which of these cells do not
-// contain the second position and therefore end.
+// still receive positions. The common level of two consecutive positions tells which of these cells end,
+// because they do not contain the second position.
 void ClusterTree::build(const std::vector<Entry>& entries) {
   std::vector<uint32_t> open;
   for (size_t i = 0; i < entries.size(); ++i) {

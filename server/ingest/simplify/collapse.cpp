@@ -38,8 +38,8 @@ constexpr size_t kProgress = 32;
 // Around a hub (a vertex with very many triangles), the cost of merging a neighbour into the hub grows by
 // this fraction for each trailing zero bit of the neighbour's index; see drop().
 constexpr double kSpread = 0.25;
-// Factor on the key of a changed edge at a hub when it is queued again. The cost of such an edge grows with
-// each collapse at the hub, and a key above the present cost saves evaluations.
+// Factor on the key of a changed edge at a hub when the edge is queued again. The cost of such an edge grows
+// with each collapse at the hub, so a key above the present cost saves evaluations.
 constexpr double kAhead = 1.5;
 /// Returns the kind that a merged position has until the next round reclassifies all positions.
 PositionKind joined(PositionKind a, PositionKind b) {
@@ -209,9 +209,9 @@ bool Collapser::alreadyQueued(uint32_t u, uint32_t v, uint32_t changed_at) {
   return false;
 }
 
-// Processes the next edge of the queue; returns false if the queue is empty. An edge whose surroundings have
-// changed is not evaluated again before it leaves the queue. Until then its old key is nearly always a lower
-// bound, because adding quadrics rarely lowers a cost.
+// Processes the next edge of the queue; returns false if the queue is empty. Evaluates an edge with changed
+// surroundings only when it leaves the queue. Until then, its old key is nearly always a lower bound, because
+// adding quadrics rarely lowers a cost.
 bool Collapser::collapseNext() {
   Record record;
   if (!queue_.pop(record, [this](Record& soon) { prefetch(soon); })) return false;
@@ -239,9 +239,9 @@ bool Collapser::collapseNext() {
   return true;
 }
 
-// Returns true if the position `gone`, which has few triangles, can merge into the hub `keep`, which has very
-// many triangles, without a check of the hub's triangles. This is so if all triangles at `gone` also have
-// `keep` as a corner, because then they vanish and no other triangle changes.
+// Returns true if the position `gone` can merge into the hub `keep` without a check of the hub's many
+// triangles. This holds if all triangles at `gone` also have `keep` as a corner: they vanish, and no other
+// triangle changes.
 bool Collapser::canDrop(uint32_t gone, uint32_t keep) const {
   const CollapsePosition& position = mesh_.positions[gone];
   const bool is_free = position.kind == PositionKind::kSmooth || position.kind == PositionKind::kBoundary;

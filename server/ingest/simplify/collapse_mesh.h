@@ -130,9 +130,8 @@ struct CollapseMesh {
 
   AttributeSet attributes;
   glm::dvec3 origin{0};  ///< origin of `points`, in whole lattice steps
-  /// Points of the positions, in whole lattice steps from `origin`. The points have an array of their own,
-  /// because a check of a triangle reads three points and nothing else of the positions. The fourth component
-  /// is unused.
+  /// Points of the positions, in whole lattice steps from `origin`; the fourth component is unused. Separate
+  /// from the other data of positions, because a check of a triangle reads only three points.
   std::vector<glm::ivec4> points;
   std::vector<CollapsePosition> positions;
   std::vector<Quadric> quadrics;  ///< quadric of each position

@@ -109,9 +109,8 @@ void EdgeCost::reduceWedges(Quadric& q, uint32_t u, uint32_t v) {
   });
 }
 
-// The limit exists
-// because a vertex with n triangles has about n edges, and checking n triangles for each edge takes time
-// proportional to n * n.
+// Without the limit, a vertex with n triangles would take time proportional to n * n: it has about n edges,
+// each of which checks n triangles.
 bool EdgeCost::mayLookAround(uint32_t u, uint32_t v) {
   const uint32_t triangles = mesh_.positions[u].count + mesh_.positions[v].count;
   if (triangles <= kHubTriangles) return true;

@@ -29,8 +29,8 @@ class EdgeCost {
   Candidate evaluate(uint32_t u, uint32_t v);
   /// Returns the sum of the quadrics at both ends of the edge that was evaluated last.
   const Quadric& quadric() const noexcept { return quadric_; }
-  /// Returns true if there is time left for a check of all triangles around both ends of an edge, and takes
-  /// this time.
+  /// Returns true if the limit on checked triangles allows a check of all triangles around both ends of an
+  /// edge. Counts these triangles towards the limit.
   bool mayLookAround(uint32_t u, uint32_t v);
 
  private:

@@ -40,7 +40,7 @@ class WedgeQuadrics {
 
   /// Subtracts from a position's quadric the error that vanishes if the wedge has the best attributes.
   void reduce(Quadric& q, uint32_t wedge) const noexcept;
-  /// Does the same for the wedge that would result from joining two wedges.
+  /// Like reduce() above, for the wedge that would result from joining two wedges.
   void reduce(Quadric& q, uint32_t wedge, uint32_t other) const noexcept;
   /// Adds the areas and sums of `gone` to those of `keep`.
   void join(uint32_t keep, uint32_t gone) noexcept;

@@ -42,9 +42,9 @@ struct DereferenceInput {
 
 /// Replaces vertex indices by lattice positions and attributes. Cuts polygons into triangles. If a vertex's
 /// normal has length zero, uses the normal of the face instead. Works in batches of as many faces as fit in
-/// half of the memory. For each batch, one pass over the vertex file reads the vertices that the batch uses;
-/// then the sink receives the triangles. Threads share the pass by ranges of vertices, and the triangles by
-/// blocks of faces. The memory limits the number of threads.
+/// half of the memory. For each batch, reads the vertices that the batch uses in one pass over the vertex
+/// file, then passes the triangles to the sink. Threads share the pass by ranges of vertices, and the
+/// triangles by blocks of faces. The memory limits the number of threads.
 /// @param sink  receives the triangles, on the caller's thread.
 DereferenceCounts dereference(const DereferenceInput& input, const SoupSink& sink);
 

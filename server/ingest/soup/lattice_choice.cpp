@@ -18,8 +18,8 @@ namespace {
 constexpr uint64_t kSampledFaces = 1 << 17;
 constexpr double kStepsInShortEdge = 32;
 /// Minimum number of lattice steps along the box's longest side. Snapping moves a corner by at most half the
-/// diagonal of a lattice cell, which is 0.87 steps. On a screen that shows the longest side 3840 pixels wide,
-/// the corner moves by less than a pixel.
+/// diagonal of a lattice cell, or 0.87 steps. If the longest side is 3840 pixels wide on a screen, a corner
+/// moves by less than a pixel.
 constexpr double kLeastStepsInBox = 4096;
 constexpr double kMostStepsInBox = (1 << kLatticeBits) - 2;
 constexpr uint64_t kFacesForEachLost = 1'000'000;

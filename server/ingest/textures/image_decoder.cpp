@@ -21,7 +21,7 @@ constexpr uint64_t kUsualTexelBytes = 2;
 /// Additional memory per texel for a progressive JPEG: the decoder keeps the coefficients of the whole image.
 constexpr uint64_t kCoefficientBytes = 6;
 constexpr uint64_t kJpegShrinking = 8;  ///< ratio of the edges of a JPEG and of JpegDecoder::shrink()
-/// For these coefficients, width and height are rounded up to a multiple of this size.
+/// A progressive JPEG keeps coefficients for a width and height rounded up to a multiple of this size.
 constexpr uint64_t kJpegBlockPx = 32;
 /// Memory of the tables for decoding lossless WebP or lossless alpha. Files of the reference encoder need no
 /// more, but a crafted file can.

@@ -30,8 +30,8 @@ Image decodeImage(std::span<const std::byte> file, uint64_t memory_bytes, std::s
 
 /// Returns the number of pixels that decodeCoarsely() computes. @throws Error as readImageHeader() does.
 uint64_t coarsePixels(std::span<const std::byte> file);
-/// Decodes an image file at a low resolution: a JPEG at an eighth of its edges, which takes less time. Other
-/// files are decoded as they are. @throws Error as decodeImage() does. Thread safe.
+/// Decodes a JPEG at 1/8 of its width and height, which takes less time. Decodes other files at full size.
+/// @throws Error as decodeImage() does. Thread safe.
 Image decodeCoarsely(std::span<const std::byte> file, uint64_t memory_bytes);
 
 }  // namespace lode::ingest
