@@ -10,7 +10,7 @@ function(lode_install package)
   install(${ARGN} COMPONENT ${package} EXCLUDE_FROM_ALL)
 endfunction()
 
-# Installs what both programs have: the program, its man page, its completion and the licence.
+# Installs for both programs: the program, its man page, its completion and the licence.
 set(man_pages)
 foreach(program lodestream lodestreamd)
   set(page ${PROJECT_BINARY_DIR}/${program}.1)
@@ -46,7 +46,7 @@ set(CPACK_COMPONENTS_ALL lodestream lodestreamd embed)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 
-# lode_package(COMPONENT NAME SECTION SUMMARY TEXT) sets what the package of a component says of itself.
+# lode_package(COMPONENT NAME SECTION SUMMARY TEXT) sets the metadata of a component's package.
 function(lode_package component name section summary text)
   string(TOUPPER ${component} upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${name} PARENT_SCOPE)

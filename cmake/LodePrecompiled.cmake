@@ -1,5 +1,6 @@
-# Sets of precompiled headers, each compiled by its own target. lode_target() uses the set that its PRECOMPILED names. They
-# only save time: every file includes what it uses, and -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without them.
+# Sets of precompiled headers, each compiled by its own target. lode_target() uses the set that its
+# PRECOMPILED names. The sets only save time: every file includes what it uses, and
+# -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without them.
 
 set(LODE_STD_HEADERS
   <algorithm> <array> <atomic> <bit> <chrono> <cmath> <cstddef> <cstdint> <cstdio> <cstring> <filesystem> <fstream> <functional>

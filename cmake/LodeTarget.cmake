@@ -41,7 +41,7 @@ endfunction()
 #   LAYERS       the layers that it uses; a layer that its own may not use is a configure error
 #   PRECOMPILED  a set of cmake/LodePrecompiled.cmake, with its options; std by default
 # With CMAKE_UNITY_BUILD the sources of a folder compile as one, in about half the time; a source with a UNITY_GROUP keeps it.
-# Commands use no precompiled set then: they are three files, and a set would cost more than it saves.
+# Commands then use no precompiled set, because a set would cost more than it saves for their three files.
 function(lode_target name)
   cmake_parse_arguments(arg "EXECUTABLE" "PRECOMPILED" "SOURCES;LAYERS;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
   if(NOT arg_SOURCES)

@@ -1,1 +1,1 @@
-// Compiled with each set of cmake/LodePrecompiled.cmake, for a target needs a source.
+// Empty source for the targets of cmake/LodePrecompiled.cmake, because a target needs a source.

@@ -22,7 +22,8 @@ packages_of() {  # SECTION...; prints a line per package: its names, separated b
   done
 }
 
-# Output is read to its end: under pipefail a reader that stops early makes the writer, and so the check, fail.
+# Read the output to its end: under pipefail, a reader that stops early makes the writer, and so the check,
+# fail.
 is_installed() { [[ " $(dpkg-query -W -f '${db:Status-Status} ' "$1" 2>/dev/null)" == *" installed "* ]]; }
 
 is_offered() { [[ "$(LC_ALL=C apt-cache "${apt[@]}" policy "$1" 2>/dev/null)" =~ Candidate:\ [^\(] ]]; }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests what a new user meets in run.sh: refused files, the first line, packages, the build, the window or a picture."""
+"""Tests run.sh for a new user: refused files, the first line, packages, the build, the window or a picture."""
 
 import contextlib
 import os

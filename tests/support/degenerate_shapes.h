@@ -39,7 +39,7 @@ inline Shape makeHub(uint32_t triangles, float waves = 0, float height = 1) {
   return shape;
 }
 
-/// All triangles have one edge, like the pages of a book.
+/// All triangles share one edge, like the pages of a book.
 inline Shape makeBook(uint32_t triangles) {
   Shape shape{{{0, 0, -1}, {0, 0, 1}}, {}};
   for (uint32_t i = 0; i < triangles; ++i)
@@ -47,7 +47,7 @@ inline Shape makeBook(uint32_t triangles) {
   return shape;
 }
 
-/// Triangles that have one vertex and nothing else in common.
+/// Triangles that share one vertex and nothing else.
 inline Shape makeStar(uint32_t triangles) {
   Shape shape{{{0, 0, 0.2f}}, {}};
   for (uint32_t i = 0; i < triangles; ++i) {
@@ -57,7 +57,7 @@ inline Shape makeStar(uint32_t triangles) {
   return shape;
 }
 
-/// The same triangle over and over. @param turns_over  every second one faces the other way.
+/// Copies of one triangle. @param turns_over  true to reverse every second copy.
 inline Shape makeStack(uint32_t triangles, bool turns_over) {
   Shape shape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5f}}, {}};
   for (uint32_t i = 0; i < triangles; ++i)
@@ -77,7 +77,7 @@ inline Shape makeComb(uint32_t triangles) {
   return shape;
 }
 
-/// Returns n shapes in a row, of some triangles in all.
+/// Returns n shapes in a row, with a given total number of triangles.
 inline Shape makeRow(const std::function<Shape(uint32_t)>& make, uint32_t n, uint32_t triangles) {
   Shape row;
   for (uint32_t i = 0; i < n; ++i) {

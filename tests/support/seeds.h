@@ -4,8 +4,8 @@
 
 namespace lode::test {
 
-/// Number of seeds with which tests check a property. With a sanitizer, which makes tests ten times slower, a
-/// third suffices.
+/// Number of seeds with which tests check a property. Sanitizers make tests ten times slower, so they use a
+/// third of the seeds.
 #ifdef LODE_SANITIZED
 constexpr uint32_t kSeeds = 4;
 #else

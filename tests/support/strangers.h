@@ -9,7 +9,7 @@ namespace lode::test {
 
 constexpr uid_t kStranger = 65534;  ///< user that owns nothing on most systems
 
-/// Gives a file, a folder or a link itself to another user. @return false if this process may not: skip.
+/// Gives a file, a folder or a link itself to another user. @return false if this process may not.
 inline bool giveToStranger(const std::filesystem::path& path) {
   return ::geteuid() == 0 && ::lchown(path.c_str(), kStranger, static_cast<gid_t>(-1)) == 0;
 }

@@ -4,8 +4,8 @@
 
 namespace lode::test {
 
-/// Watches what this thread takes from the heap by operator new, from construction on. One at a time a
-/// thread.
+/// Measures the memory that this thread allocates by operator new after construction. At most one object per
+/// thread at a time.
 class MemoryMeter {
  public:
   MemoryMeter();

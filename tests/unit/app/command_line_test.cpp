@@ -9,7 +9,7 @@
 namespace lode {
 namespace {
 
-/// A program with one command, `work`, which takes `--fast` and then does that.
+/// A program with one command, `work`, which has the flag `--fast` and calls a function of the test.
 class ACommandLine : public testing::Test {
  protected:
   void run(std::vector<const char*> words, const std::function<void(int& exit_status)>& work = {},
@@ -33,7 +33,7 @@ class ACommandLine : public testing::Test {
   DefaultCommand default_command_;
   int status_ = -1;
   std::string thing_;  ///< argument of the command
-  std::string said_;   ///< on stderr
+  std::string said_;   ///< the program's stderr
 };
 
 TEST_F(ACommandLine, pointsToTheHelpOfItsCommandOnWrongUsage) {

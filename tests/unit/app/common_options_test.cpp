@@ -101,7 +101,7 @@ TEST(CommonOptions, refuseACacheThatIsNoFolder) {
 TEST(CommonOptions, refuseACacheThatNothingCanBeWrittenTo) {
   CommonOptions options;
   options.target = "lode://host/model";
-  options.cache_text = "/proc";  // where not even root makes files
+  options.cache_text = "/proc";  // a folder in which not even root can create files
   EXPECT_THROW(options.streamOptions(), Error);
 }
 

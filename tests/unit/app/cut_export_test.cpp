@@ -13,7 +13,7 @@ namespace {
 
 constexpr AttributeSet kColoured{AttributeSet::kColour};
 
-/// A square of four vertices, of one colour, with its left side at x.
+/// Returns a square of four vertices and one colour, with its left side at x.
 std::shared_ptr<const Mesh> square(uint32_t x, AttributeSet attributes, uint8_t red = 255) {
   Mesh mesh;
   mesh.attributes = attributes;
@@ -38,7 +38,7 @@ core::Cut cutOf(const std::vector<std::shared_ptr<const Mesh>>& meshes) {
   return cut;
 }
 
-/// The corners of a mesh's triangles, in their order.
+/// Returns the positions of all triangle corners, in the order of the mesh.
 std::vector<PositionCode> corners(const Mesh& mesh) {
   std::vector<PositionCode> codes;
   for (const glm::u32vec3& t : mesh.triangles)
@@ -78,7 +78,7 @@ TEST(WeldCut, givesAnEmptyMeshOfAnEmptyCut) {
 
 constexpr uint32_t kWidth = 1100, kHeight = 520;
 
-/// Every texel tells where it is.
+/// An image in which each texel's colour encodes its position.
 test::TextureImages gradient(uint8_t alpha = 255) {
   return test::TextureImages(kWidth, kHeight, [alpha](uint32_t x, uint32_t y) {
     return glm::u8vec4(x & 255, y & 255, x >> 8, alpha);

@@ -1,4 +1,5 @@
-// What both kinds of a load test's clients count of servers that go, break off, refuse or fall silent.
+// Tests of the counters of full and trace clients whose server shuts down, disconnects, refuses requests or
+// falls silent.
 
 #include "client/loadtest/load_client.h"
 
@@ -35,7 +36,7 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
     prepare(model);
     lode::test::writeStore(folder_ / "a.lode", model);
     store_.emplace(folder_ / "a.lode");
-    uint64_t bytes = 0;  // all of it fits into the window that a client grants at first, and into frames
+    uint64_t bytes = 0;  // all blobs fit into the initial window, and each into one frame
     for (uint32_t blob = 1; blob <= store_->blobCount(); ++blob) bytes += store_->blob(blob).bytes;
     ASSERT_LT(bytes, proto::kMaxChunkBytes);
     server_.emplace(io_, *store_);
@@ -44,7 +45,7 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
     plan_.path_of = [](const ModelSummary& summary, uint64_t) { return core::framingCamera(summary); };
     plan_.pixels = 0.01f;
     plan_.fps = 100;
-    plan_.end = start_;  // a trace is replayed once
+    plan_.end = start_;  // the client replays the trace once
     plan_.trace.build_id = store_->summary().build_id;
     for (const Node& node : store_->nodes())
       if (node.isLeaf())
@@ -53,7 +54,7 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
     makeClient();
   }
 
-  /// Replaces the client by one that retries for a time though it has never opened the model.
+  /// Replaces the client by one that retries for a time although it has never opened the model.
   void patient(std::chrono::nanoseconds patience) {
     plan_.options.engine.session.open_patience = patience;
     makeClient();
@@ -68,7 +69,7 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
 
   virtual void prepare(lode::test::SyntheticModel& /*model*/) {}
 
-  /// Lets the client and the server work until it has come to that.
+  /// Runs the client and the server until the condition holds.
   template <typename Done>
   void run(const Done& done) {
     for (const auto deadline = Clock::now() + 60s; !done(); turn()) {
@@ -76,11 +77,11 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
       ASSERT_LT(Clock::now(), deadline) << "it did not come to that";
     }
   }
-  /// Until nothing is left to say.
+  /// Runs the client and the server until no messages are in transit.
   void settle() {
     for (int turns = 0; turns < 50; ++turns) turn();
   }
-  /// Until the server has the requests of what the client can know of.
+  /// Runs until the server has received all requests that the client can make.
   void runUntilRequested(size_t connection) {
     run([&] { return server_->openRequests(connection) > 0; });
     settle();
@@ -88,7 +89,7 @@ class EveryLoadClient : public testing::TestWithParam<Kind> {
   void runUntilOpened(size_t count) {
     run([&] { return server_->opened() == count; });
   }
-  /// Requests.
+  /// Returns the number of requests with a measured latency.
   uint64_t timed() const {
     uint64_t count = 0;
     for (const LatencyHistogram& of_class : counts_.latency) count += of_class.count();
@@ -321,7 +322,7 @@ TEST_P(EveryLoadClient, countsNoUnansweredRequestsIfTheyAreNoLongerWanted) {
   runUntilRequested(0);
   server_->breakOff(0);
   run([&] { return counts_.lost > 0; });
-  plan_.pixels = 10000;  // what it has will do
+  plan_.pixels = 10000;  // the resident LODs suffice for this threshold
   server_->holdBack(false);
   runUntilOpened(2);
   settle();
@@ -394,7 +395,8 @@ INSTANTIATE_TEST_SUITE_P(OfALoadTest, AFullClient, testing::Values(Kind::kFull),
 INSTANTIATE_TEST_SUITE_P(OfALoadTest, EveryLoadClient, testing::Values(Kind::kFull, Kind::kTrace),
                          [](const auto& kind) { return kind.param == Kind::kFull ? "full" : "trace"; });
 
-/// All LODs but the one that comes unasked hold fewer triangles than the pages say.
+/// A model in which all LODs, except the one sent without a request, have fewer triangles than the pages
+/// announce.
 class AFullClientOfADamagedModel : public EveryLoadClient {
   void prepare(lode::test::SyntheticModel& model) override {
     for (Node& node : model.nodes)
@@ -420,7 +422,7 @@ TEST_P(AFullClientOfADamagedModel, isFarOffOnceItGaveUp) {
   const core::TimePoint noted = Clock::now();
   client_->finish(noted);
   const double far_off_s = counts_.far_off_s;
-  plan_.pixels = 10000;  // what it has would do
+  plan_.pixels = 10000;  // the resident LODs would suffice for this threshold
   client_->finish(noted + 9s);
   EXPECT_NEAR(counts_.far_off_s, far_off_s + 9, 1e-6);
 }

@@ -25,7 +25,7 @@ double processSeconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// A port at which nobody listens any more.
+/// Returns a port at which no program listens.
 uint16_t closedPort() {
   asio::io_context io;
   return asio::ip::tcp::acceptor(io, {asio::ip::address_v4::loopback(), 0}).local_endpoint().port();

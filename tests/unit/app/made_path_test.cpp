@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array kKinds{MadePath::kOrbit, MadePath::kFly, MadePath::kWalk};
 
-/// 100 by 200 by 400 units, around (550, 600, 700).
+/// Returns a model of 100 x 200 x 400 units with its centre at (550, 600, 700).
 ModelSummary makeModel() {
   ModelSummary model;
   model.lattice.step = 0.5;

@@ -137,7 +137,7 @@ TEST_F(OverheardRequestsTest, reportsARequestWhenItsBlobIsComplete) {
   EXPECT_EQ(told_[0].asked_at, 1.5);
 }
 
-/// The server sends all but the last byte of each cancelled request, and then the last bytes.
+/// The server first sends all but the last byte of each cancelled request, then the last bytes.
 TEST_F(OverheardRequestsTest, keepsFewBytesOfCancelledRequestsThatNeverEnd) {
   constexpr uint32_t kBlobBytes = 1u << 20, kBlobs = core::kMaxCancelledBytes / kBlobBytes + 3;
   const std::vector<std::byte> blob(kBlobBytes, std::byte{7});

@@ -22,7 +22,7 @@ std::string refusalOf(const std::string& text) {
   return "";
 }
 
-/// A scene may have dozens.
+/// The error must name the model, because a scene may have dozens.
 TEST(SceneFile, namesTheModelOfAnError) {
   Scene scene;
   scene.models = {{"tree", "tree.lode"}, {"rock", "gone.lode"}};
@@ -33,7 +33,7 @@ TEST(SceneFile, namesTheModelOfAnError) {
   EXPECT_EQ(error.what(), std::string("a.json: models.\"rock\": gone.lode: no such file"));
 }
 
-/// Names come from the file, whoever made it, and go to a terminal.
+/// Names come from an untrusted file and are printed to a terminal.
 TEST(SceneFile, quotesANameInOneShortLineOfAscii) {
   EXPECT_EQ(quoted("rock"), R"("rock")");
   EXPECT_EQ(quoted("a\"b\n\x1b[31m\u00e9"), R"("a\"b\n\u001b[31m\u00e9")");

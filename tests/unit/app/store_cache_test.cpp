@@ -18,7 +18,7 @@ using std::chrono::hours;
 
 constexpr size_t kStoreBytes = 1000;
 
-/// Stores of three sources, a last used two hours ago, b one, c now.
+/// Stores of three sources: a was last used two hours ago, b one hour ago, c now.
 class StoreCache : public testing::Test {
  protected:
   StoreCache() {
@@ -33,7 +33,7 @@ class StoreCache : public testing::Test {
     }
   }
   fs::path storeOf(const std::string& name) const { return folder_ / name / "version" / (name + ".lode"); }
-  /// Names of the sources whose stores are there.
+  /// Returns the names of the sources that still have stores.
   std::string kept() const {
     std::string names;
     for (const char* name : {"a", "b", "c"})

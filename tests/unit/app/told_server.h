@@ -18,30 +18,30 @@
 
 namespace lode::app {
 
-/// A server of one small store on the clients' own loop: it does what a test tells it.
+/// A scripted server of one small store, on the clients' event loop.
 class ToldServer {
  public:
   ToldServer(asio::io_context& io, const store::Reader& store) : store_(store), acceptor_(io, loopback()) {
     accept();
   }
 
-  /// Requests stay open from now on, or are granted as they come.
+  /// Sets whether requests stay open until grantAll(), or are answered at once.
   void holdBack(bool held) { holds_back_ = held; }
-  /// The next request ends with an error.
+  /// Makes the next request end with an error.
   void refuseOne() { refuses_ = true; }
-  /// The next so many that come find nobody.
+  /// Closes the next `count` connections without reading from them.
   void closeToTheNext(size_t count) { closed_to_ = count; }
-  /// Answers all requests of a connection that were held back.
+  /// Answers all open requests of a connection.
   void grantAll(size_t connection) {
     for (const auto& [request, blob] : std::exchange(connections_[connection]->requests, {}))
       grant(*connections_[connection], request, blob);
   }
   size_t connections() const { return connections_.size(); }
   void saysNothing() { says_nothing_ = true; }
-  /// Sends away the next one that comes.
+  /// Answers the next Hello with GoAway.
   void turnOneAway() { turns_away_ = true; }
   void goAway(size_t connection) { send(*connections_[connection], proto::GoAway{"maintenance"}, 0); }
-  /// A mesh that was held back, and in the same breath that it cannot go on, which ends the connection.
+  /// Sends the mesh of an open request and, in the same write, an Error that ends the connection.
   void grantAMeshAndFail(size_t connection) {
     Connection& to = *connections_[connection];
     const auto mesh =
@@ -56,9 +56,9 @@ class ToldServer {
   void breakOff(size_t connection) { connections_[connection]->socket.close(); }
 
   uint16_t port() const { return acceptor_.local_endpoint().port(); }
-  /// That have the model open, up to now.
+  /// Returns the number of times that a client has opened the model.
   size_t opened() const { return opened_; }
-  /// Requests, up to now.
+  /// Returns the number of answered requests.
   size_t granted() const { return granted_; }
   size_t openRequests(size_t connection) const {
     return connection < connections_.size() ? connections_[connection]->requests.size() : 0;

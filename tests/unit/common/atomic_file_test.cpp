@@ -134,7 +134,7 @@ TEST_F(AtomicFileTest, leavesNothingBehindWhenTheRenameFails) {
 }
 
 TEST_F(AtomicFileTest, namesTheTargetNotTheTemporaryFileInErrors) {
-  const std::string name(250, 'x');  // with its own ending the temporary's is too long
+  const std::string name(250, 'x');  // the temporary file's name, which is longer, is too long
   try {
     AtomicFile file(folder_ / name);
     FAIL() << "made a temporary file of too long a name";
@@ -206,7 +206,7 @@ TEST_F(AtomicFileTest, replacesOnlyOwnRegularFilesUnderADerivedName) {
     EXPECT_EQ(test::readBytes(name), "new");
   };
   write(target_);
-  write(target_);  // an own file
+  write(target_);  // replaces a file of this user
   std::ofstream(folder_ / "victim") << "precious";
   fs::create_symlink("victim", folder_ / "link");
   fs::create_symlink("nothing", folder_ / "dangling");
@@ -271,8 +271,8 @@ TEST_F(AtomicFileTest, respectsTheUmask) {
   EXPECT_EQ(fs::status(target_).permissions(), fs::perms(0640));
 }
 
-// Fills a small file system of its own, mounted in a namespace of a child process.
-// Exit status: 0 said that the disk is full, 1 did not, 77 this system has no such namespaces.
+// Fills a small file system, mounted in a namespace of a child process. Exit status: 0 if the error says that
+// the disk is full, 1 if it does not, 77 if the system does not allow such namespaces.
 int fillTinyDisk(const fs::path& folder) {
   const bool root = ::geteuid() == 0;
   if (::unshare(root ? CLONE_NEWNS : CLONE_NEWNS | CLONE_NEWUSER) != 0) return 77;

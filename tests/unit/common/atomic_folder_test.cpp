@@ -110,7 +110,7 @@ TEST_F(AtomicFolders, nameTheFolderThatCannotBeCreated) {
   const std::string message = refusal(work_ / "missing/new");
   EXPECT_EQ(message.rfind("cannot create folder " + (work_ / "missing/new").string(), 0), 0u) << message;
   EXPECT_NE(message.find("No such file"), std::string::npos) << message;
-  const std::string refused = refusal("/sys/new");  // not even root may create folders there
+  const std::string refused = refusal("/sys/new");  // not even root can create folders in /sys
   EXPECT_EQ(refused.rfind("cannot create folder /sys/new", 0), 0u) << refused;
   EXPECT_EQ(refused.find("No such file"), std::string::npos) << refused;
 }

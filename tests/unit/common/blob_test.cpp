@@ -10,7 +10,7 @@ namespace {
 using test::bytesOf;
 
 TEST(Blob, isNamedByTheFirstHalfOfItsSha256) {
-  // FIPS 180-2, appendix B.1: SHA-256 of "abc" begins so.
+  // Start of the SHA-256 of "abc": FIPS 180-2, appendix B.1.
   EXPECT_EQ(toHex(digestOf(bytesOf("abc"))), "ba7816bf8f01cfea414140de5dae2223");
   EXPECT_EQ(toHex(digestOf({})), "e3b0c44298fc1c149afbf4c8996fb924");
 }
@@ -21,7 +21,7 @@ TEST(Blob, namesCompareByTheirBytes) {
 }
 
 TEST(Blob, checksumIsXxh3) {
-  EXPECT_EQ(checksum({}), 0x2D06800538D394C2u);  // XXH3_64bits of nothing, seed 0: xxHash's specification
+  EXPECT_EQ(checksum({}), 0x2D06800538D394C2u);  // XXH3_64bits of no bytes, seed 0 (xxHash's specification)
 }
 
 TEST(Blob, checksumSeesEveryBit) {

@@ -15,7 +15,8 @@ namespace {
 
 constexpr uint16_t kUp = 0x7f7f, kSideways = 0x9b7f, kBack = 0xfe7f;
 
-/// Four triangles around a place with three vertices: one of the middle two fans, which no edge joins.
+/// Makes four triangles around a position with three vertices. The middle vertex has two triangles that share
+/// no edge.
 Mesh makeThreeVerticesAtAPlace() {
   Mesh mesh;
   mesh.attributes.bits = AttributeSet::kNormal | AttributeSet::kComputedNormal;
@@ -37,7 +38,7 @@ Mesh makeThreeVerticesAtAPlace() {
   return mesh;
 }
 
-/// Each triangle's positions from the least, and its corners' normals.
+/// Returns the positions and normals of each triangle's corners, the smallest position first.
 auto cornersOf(const Mesh& mesh) {
   std::vector<std::vector<std::pair<PositionCode, uint16_t>>> corners;
   for (const glm::u32vec3 t : mesh.triangles) {
@@ -51,7 +52,7 @@ auto cornersOf(const Mesh& mesh) {
   return corners;
 }
 
-/// The same triangles in another order, each begun at another corner and with vertices of its own.
+/// Returns the same triangles in another order. Each begins at another corner and shares no vertices.
 Mesh partAll(const Mesh& mesh) {
   Mesh parted;
   parted.attributes = mesh.attributes;

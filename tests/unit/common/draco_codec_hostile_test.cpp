@@ -26,7 +26,7 @@ struct Sample {
   PayloadExpectation expected;
 };
 
-/// The surface's, but for some that a payload lists.
+/// Sets the normals to those of the surface, except for some that the payload must list.
 void giveListedNormals(Mesh& mesh) {
   const std::vector<uint16_t> surface = surfaceNormals(mesh);
   for (size_t v = 0; v < surface.size(); ++v)
@@ -59,7 +59,7 @@ bool withinGuards(const Mesh& mesh, const PayloadExpectation& expected) {
                      [&](glm::u32vec3 t) { return t.x < vertices && t.y < vertices && t.z < vertices; });
 }
 
-// Decodes what may be anything. @return whether it was refused.
+// Decodes untrusted bytes. @return true if the decoder refuses them.
 bool decodeHostile(std::span<const std::byte> bytes, const PayloadExpectation& expected) {
   const test::MemoryMeter meter;
   bool refused = false;
@@ -126,7 +126,7 @@ TEST(DracoCodecHostile, bytesAfterTheEndAreRefused) {
   EXPECT_TRUE(decodeHostile(sample.payload.bytes, sample.expected));
 }
 
-// A Draco edgebreaker header with these counts, then noise.
+// Returns a Draco edgebreaker header with these counts, followed by random bytes.
 std::vector<std::byte> headerWith(uint64_t vertices, uint64_t faces, uint8_t seams, uint64_t symbols,
                                   uint64_t splits) {
   std::vector<uint8_t> bytes{'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0, 0};
@@ -207,10 +207,10 @@ TEST(DracoCodecHostile, anotherNumberOfTrianglesThanAnnouncedIsRefused) {
 
 TEST(DracoCodecHostile, attributesOtherThanTheModelsAreRefused) {
   for (unsigned has = 0; has <= AttributeSet::kAll; ++has) {
-    if ((has & 6) == 4) continue;  // alpha alone is colour
+    if ((has & 6) == 4) continue;  // alpha alone counts as colour
     const Sample sample = makeSample(static_cast<uint8_t>(has));
     for (unsigned wanted = 0; wanted <= AttributeSet::kAll; ++wanted) {
-      // A colour without alpha is one with constant alpha.
+      // Skip colour with alpha in place of colour without alpha, which equals constant alpha.
       if (has == wanted || (wanted & 6) == 4 || (wanted == (has | 4) && (has & 2))) continue;
       PayloadExpectation expected = sample.expected;
       expected.attributes.bits = static_cast<uint8_t>(wanted);
@@ -236,7 +236,7 @@ TEST(DracoCodecHostile, anotherStepIsRefused) {
   EXPECT_THROW(decodePayload(sample.payload.bytes, kStep / 2, sample.expected), Error);
 }
 
-// A single triangle encoded by Draco itself, with settings of its own.
+// Encodes a single triangle with Draco directly, with other settings than encodePayload().
 std::vector<std::byte> encodeByDraco(int method, int position_bits, int extra_components) {
   draco::TriangleSoupMeshBuilder builder;
   builder.Start(1);

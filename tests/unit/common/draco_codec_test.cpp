@@ -33,7 +33,7 @@ Corner cornerOf(const Mesh& mesh, uint32_t vertex) {
   return {mesh.positions[vertex].value, packed[0], packed[1]};
 }
 
-// The triangles as a sorted list, each turned to its least form, its orientation kept.
+// Returns the sorted triangles, each rotated so that its smallest corner comes first.
 std::vector<Corners> trianglesOf(const Mesh& mesh) {
   std::vector<Corners> result;
   for (const glm::u32vec3 t : mesh.triangles) {
@@ -104,7 +104,7 @@ TEST(DracoCodec, aCornerOfTheLatticeComesBackExactly) {
   expectRoundTrip(makeMesh({{m, m, m}, {m - 1, m, m}, {m, m - 1, m}}, {{0, 1, 2}}));
 }
 
-// What glTF readers see: the same buffer through Draco's own decoder, in floats.
+// Returns the positions that glTF readers get: decoded by Draco itself, as floats.
 std::map<std::tuple<float, float, float>, int> plainPositions(const EncodedPayload& payload) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(payload.bytes.data()), payload.bytes.size());

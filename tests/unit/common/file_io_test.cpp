@@ -16,7 +16,7 @@
 namespace lode {
 namespace {
 
-/// A file without a name.
+/// An open temporary file without a name.
 class OpenFile {
  public:
   OpenFile() : file_(::open("/tmp", O_RDWR | O_TMPFILE | O_CLOEXEC, 0600)) {}

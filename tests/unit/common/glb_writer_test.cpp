@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A file, taken apart as the specification says.
+/// Writes a GLB and parses it by the glTF specification.
 class GlbWriter : public testing::Test {
  protected:
   void write(const Mesh& mesh, const Lattice& lattice, const ImageFiles& images = {}) {
@@ -50,7 +50,7 @@ class GlbWriter : public testing::Test {
     return value;
   }
 
-  /// All numbers of an accessor.
+  /// Returns all numbers of an accessor.
   template <typename T>
   std::vector<T> numbers(const Json& accessor_number) const {
     const Json& accessor = json_["accessors"][accessor_number.get<size_t>()];
@@ -104,7 +104,7 @@ TEST_F(GlbWriter, writesColoursAsLinearLightAndAlphaAsItIs) {
   const auto colours = numbers<uint16_t>(primitive(0)["attributes"]["COLOR_0"]);
   EXPECT_EQ(colours[0], 0);
   EXPECT_EQ(colours[1], 65535);
-  EXPECT_NEAR(colours[2] / 65535.0, 0.5029, 1e-4);  // by the standard's formula
+  EXPECT_NEAR(colours[2] / 65535.0, 0.5029, 1e-4);  // from the sRGB formula
   EXPECT_EQ(colours[3], 51 * 257);
 }
 

@@ -89,7 +89,7 @@ TEST(HierarchyPage, bytesAfterTheEndAreRefused) {
   EXPECT_THROW(decodePage(bytes, kRootKey, true), Error);
 }
 
-// Refused with this code once `spoil` has been at it, and accepted before.
+// Expects that a page is valid, and that decodePage() refuses it with this code after `spoil`.
 void expectRefused(ErrorCode code, const std::function<void(std::vector<Node>&)>& spoil,
                    const PageOptions& options = {}) {
   HierarchyPage page = makePage(options);
@@ -258,7 +258,7 @@ TEST(HierarchyPage, acceptsTheMostLodsAndRefusesOneMore) {
 
 TEST(HierarchyPage, refusesMoreNodesThanItsKindHolds) {
   std::vector<std::byte> bytes(10000, std::byte{1});
-  bytes[0] = encodePage({}).front();  // the version
+  bytes[0] = encodePage({}).front();  // format version
   for (const bool is_root_page : {false, true}) {
     bytes[1] = static_cast<std::byte>(is_root_page ? 74 : 73);
     try {
@@ -288,7 +288,7 @@ TEST(HierarchyPage, refusesToEncodeMoreThanAPageHolds) {
 
 TEST(HierarchyPage, refusesNumbersThatAreNotInTheirShortestForm) {
   std::vector<std::byte> bytes = encodePage(makePage({.children = 0}));
-  bytes[1] = std::byte{0x81};  // one node, in two bytes
+  bytes[1] = std::byte{0x81};  // encodes the number of nodes, 1, in two bytes
   bytes.insert(bytes.begin() + 2, std::byte{0});
   EXPECT_THROW(decodePage(bytes, kRootKey, true), Error);
 }

@@ -33,7 +33,7 @@ TEST(Halved, takesTheLightOfEveryValueFromTheFormulaOfSrgb) {
   const auto lightOf = [](double srgb) {
     return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
   };
-  for (unsigned value = 0; value < 256; ++value) {  // beside black: half the light
+  for (unsigned value = 0; value < 256; ++value) {  // averaged with a black texel
     const auto byte = static_cast<uint8_t>(value);
     const Image image{{2, 1}, {{0, 0, 0, 255}, {byte, byte, byte, 255}}};
     const double light = lightOf(value / 255.0) / 2, found = halved(image).texels[0].r;
@@ -48,7 +48,7 @@ TEST(Halved, weighsColoursByTheirAlpha) {
 }
 
 TEST(Halved, dividesOddSizesEvenly) {
-  // Of three texels, each of two covers one and a half: 2/3 and 1/3 of the light.
+  // Each coarser texel covers 1.5 of the three texels, so that the first has 2/3 of the light.
   const Image image{{3, 1}, {{255, 255, 255, 255}, {0, 0, 0, 255}, {0, 0, 0, 255}}};
   const Image half = halved(image);
   ASSERT_EQ(half.size, glm::uvec2(2, 1));

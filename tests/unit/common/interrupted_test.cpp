@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Each statement runs in a process of its own, which a signal ends.
+/// Runs functions in child processes that a signal ends.
 class Interrupted : public testing::Test {
  protected:
   void fill(const fs::path& folder) const {

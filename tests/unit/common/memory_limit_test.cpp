@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint64_t kNoLimit = ~uint64_t{0};
 
-/// A folder with the files of control groups that the kernel would show.
+/// A folder with control group files as in /proc and /sys.
 class ControlGroups : public testing::Test {
  protected:
   void write(const std::string& file, const std::string& text) const {
@@ -113,7 +113,7 @@ TEST(MemoryLimit, followsTheResourceLimits) {
   const uint64_t before = memoryLimitBytes();
   EXPECT_GT(before, 1u << 20);
   EXPECT_LT(before, uint64_t{1} << 50);
-#ifndef LODE_SANITIZED  // sanitizers map more than this
+#ifndef LODE_SANITIZED  // sanitizers map more memory than this limit
   for (const auto resource : {RLIMIT_AS, RLIMIT_DATA}) {
     rlimit limit{};
     ASSERT_EQ(getrlimit(resource, &limit), 0);

@@ -56,7 +56,7 @@ TEST_F(OwnFolder, isRefusedWhereALinkStandsInItsPlace) {
   fs::create_directory(parent_ / "elsewhere");
   fs::create_directory_symlink(parent_ / "elsewhere", path_);
   EXPECT_TRUE(isRefused(path_));
-  EXPECT_TRUE(isRefused(path_ / ""));  // a slash at the end follows a link
+  EXPECT_TRUE(isRefused(path_ / ""));  // system calls follow a link before a slash
   EXPECT_FALSE(isOwnFolder(path_));
   EXPECT_THROW(refuseForeignFolder(path_, use_), Error);
 }
@@ -106,7 +106,7 @@ TEST_F(OwnFolder, hasFilesThatReplaceALinkAndNotItsTarget) {
 
 TEST_F(OwnFolder, doesNotWriteThroughALinkWithATemporaryName) {
   std::ofstream(parent_ / "target") << "old";
-  for (int next = 0; next < 200; ++next)  // the next names of this process
+  for (int next = 0; next < 200; ++next)  // names of this process's next temporary files
     fs::create_symlink("target",
                        parent_ / (kNewFile + std::to_string(::getpid()) + "-" + std::to_string(next)));
   EXPECT_TRUE(writeOwnFile(parent_ / "file", test::bytesOf("new")));

@@ -16,7 +16,7 @@ namespace {
 
 class PlyWriter : public testing::Test {
  protected:
-  // Splits the file at the end of its header.
+  // Writes a mesh, and splits the file at the end of its header.
   void write(const Mesh& mesh, const Lattice& lattice, const TextureSet& textures = {}) {
     writePly(folder_ / "mesh.ply", mesh, lattice, textures);
     const std::string all = test::readBytes(folder_ / "mesh.ply");

@@ -16,7 +16,7 @@ namespace {
 constexpr double kUnevenStep = 0x1.8p-6;
 constexpr uint8_t kComputed = AttributeSet::kNormal | AttributeSet::kComputedNormal;
 
-/// A sphere whose normals are its own surface's.
+/// Makes a sphere with the normals of surfaceNormals().
 Mesh sphereWithItsNormals(uint8_t attributes = kComputed) {
   Mesh mesh = test::makeSphere(30, 20, {.attributes = {attributes}});
   const std::vector<uint16_t> surface = surfaceNormals(mesh);
@@ -28,7 +28,7 @@ Mesh decode(const Mesh& mesh, const EncodedPayload& payload) {
   return decodePayload(payload.bytes, kUnevenStep, expectationOf(mesh, payload));
 }
 
-/// By positions, each of which has one.
+/// Returns the distinct pairs of position and normal, sorted.
 std::vector<std::pair<PositionCode, uint16_t>> normalsOf(const Mesh& mesh) {
   std::vector<std::pair<PositionCode, uint16_t>> normals;
   for (size_t v = 0; v < mesh.positions.size(); ++v)
@@ -39,7 +39,7 @@ std::vector<std::pair<PositionCode, uint16_t>> normalsOf(const Mesh& mesh) {
   return normals;
 }
 
-/// What a mesh's normals take in its payload.
+/// Returns the size of a mesh's normals in its payload.
 size_t bytesOfNormals(const Mesh& mesh) {
   Mesh bare = mesh;
   bare.attributes.bits &= static_cast<uint8_t>(~kComputed);
@@ -95,7 +95,7 @@ TEST(SurfaceNormals, decodeExactlyWhereSomeDiffer) {
   }
 }
 
-/// A fold whose two sides have vertices of their own on it.
+/// A fold at which each side has its own vertices.
 TEST(SurfaceNormals, differOnBothSidesOfACrease) {
   Mesh mesh;
   mesh.attributes.bits = kComputed;
@@ -116,7 +116,7 @@ TEST(SurfaceNormals, differOnBothSidesOfACrease) {
   EXPECT_EQ(bytesOfNormals(mesh), 0);
 }
 
-/// Two fans of one vertex, which Draco parts, with the normal of both.
+/// Two fans share a vertex and its normal; Draco splits the vertex.
 TEST(SurfaceNormals, surviveDracosSplitOfAVertex) {
   Mesh mesh;
   mesh.attributes.bits = kComputed;
@@ -131,7 +131,7 @@ TEST(SurfaceNormals, surviveDracosSplitOfAVertex) {
 
 class DamagedNormals : public testing::Test {
  protected:
-  /// Decodes with a list put in place of the one that is there.
+  /// Decodes the payload with another list of normals.
   void expectRefused(std::vector<uint8_t> list, const char* why) {
     EncodedPayload damaged = payload_;
     for (const uint8_t byte : list) damaged.bytes.push_back(static_cast<std::byte>(byte));

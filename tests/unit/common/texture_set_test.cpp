@@ -91,7 +91,7 @@ TEST(Texture, levelsHalveAndRoundUp) {
 
 TEST(Texture, tilesStandCoarsestFirstAndByRows) {
   const Texture texture = sized(1200, 600);
-  ASSERT_EQ(levelCount(texture), 3u);  // 1200 x 600, 600 x 300, 300 x 150
+  ASSERT_EQ(levelCount(texture), 3u);  // sizes 1200 x 600, 600 x 300 and 300 x 150
   EXPECT_EQ(tilesAcross(texture, 0), 3u);
   EXPECT_EQ(tilesDown(texture, 0), 2u);
   EXPECT_EQ(tilesAcross(texture, 1), 2u);

@@ -18,7 +18,7 @@ using Bytes = std::vector<std::byte>;
 using test::jpegOf;
 using test::jpegScans;
 
-/// A smooth image, so that JPEG hardly changes it.
+/// Makes a smooth image, which JPEG hardly changes.
 TileImage gradient(uint32_t width, uint32_t height) {
   TileImage image{{width, height}, {}, {}};
   for (uint32_t y = 0; y < height; ++y)

@@ -73,7 +73,7 @@ TEST(UpAxis, isOppositeToAFlatFoot) {
 
 TEST(UpAxis, isYByDefault) {
   EXPECT_EQ(guessUp(Mesh()), kY);
-  EXPECT_EQ(guessUp(tent(1)), kY);  // its foot is on one side
+  EXPECT_EQ(guessUp(tent(1)), kY);  // a flat foot along x
 }
 
 TEST(UpAxis, isReadWithItsSign) {

@@ -5,7 +5,7 @@
 
 namespace lode {
 
-/// From the lattice's first corner to its last.
+/// Makes a triangle that spans the whole lattice.
 inline Mesh wideTriangle(uint8_t attributes = 0) {
   Mesh mesh;
   mesh.attributes.bits = attributes;

@@ -66,8 +66,8 @@ class CachedEngine : public testing::Test {
   }
 
   std::map<Digest, Bytes> cache_;
-  std::vector<BlobRef> queries_;  ///< unanswered
-  bool answers_late_ = false;     ///< answers a few at a time, in random order
+  std::vector<BlobRef> queries_;  ///< queries without an answer
+  bool answers_late_ = false;     ///< if true, the cache answers a few queries at a time, in random order
   bool takes_arrivals_ = true;
   std::mt19937 random_{5};
   SyntheticModel model_{{7, 4}};

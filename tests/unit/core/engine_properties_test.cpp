@@ -110,7 +110,7 @@ class World {
     line.push_back({line.empty() ? due : std::max(due, line.back().due), std::move(bytes)});
   }
 
-  /// Both ends may notice it at different times.
+  /// The two ends may notice a broken connection at different times.
   void postCut(std::deque<Parcel>& line, const Bytes& bytes) {
     const auto cut = bytes.begin() + static_cast<std::ptrdiff_t>(random_() % (bytes.size() + 1));
     post(line, {bytes.begin(), cut});
@@ -229,7 +229,7 @@ class World {
 
 class EngineProperties : public testing::TestWithParam<uint32_t> {};
 
-/// A view that stays converges, whatever the camera did before.
+/// Expects that the cut of an unchanged view converges.
 void convergeFor(World& world, const View& view) {
   world.engine().setView(view, 1);
   for (int steps = 0; steps < 20'000 && !world.settled(); ++steps) world.step(milliseconds(10));
@@ -410,7 +410,7 @@ TEST(Engine, prefetchesEvenIfTheFinestLodMissesTheThreshold) {
 TEST_P(EngineProperties, prefetchesNothingForAStandingCamera) {
   World world(GetParam(), 1ull << 30);
   convergeFor(world, world.randomView());
-  convergeFor(world, world.randomView());  // a jump
+  convergeFor(world, world.randomView());  // the camera jumps
   EXPECT_EQ(world.engine().counts().prefetch.requested, 0u);
 }
 

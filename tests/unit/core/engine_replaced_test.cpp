@@ -43,7 +43,7 @@ TEST_F(EngineTest, requestsNoBlobsOfTheOldBuildFromAServerOfTheNew) {
   engine_.receive(proto::encode(proto::ModelReplaced{1}, 0), kStart);
   engine_.connect(kStart);
   build_id_.bytes[0] = std::byte{2};
-  engine_.receive(greeting(build_id_), kStart);  // its first blobs are in transit
+  engine_.receive(greeting(build_id_), kStart);  // the first blobs of the new build are in transit
   engine_.step(kStart);
   EXPECT_EQ(engine_.counts().open_requests, 0u);
 }

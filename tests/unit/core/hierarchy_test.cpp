@@ -127,7 +127,7 @@ TEST_F(HierarchyTest, forgetsPagesThatAreNotInUseTheLeastRecentlyUsedFirst) {
 
 TEST_F(HierarchyTest, forgetsLostBlobsAboveTheLimit) {
   const uint32_t first = model_.nodes().at(kRootKey).lods.back().payload.number;
-  constexpr uint32_t kOthers = 1u << 30;  // blobs of no node
+  constexpr uint32_t kOthers = 1u << 30;  // numbers of blobs that no node refers to
   for (const bool is_above : {false, true}) {
     Hierarchy hierarchy(model_.nodes().size());
     hierarchy.lose(first);

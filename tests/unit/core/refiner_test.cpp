@@ -235,7 +235,7 @@ TEST_P(RefinerOnSeeds, requestsTheLargestErrorInThePictureFirst) {
       });
       if (part.visible && !is_right && !waits_for_page) largest_px = std::max(largest_px, part.error_px);
     }
-    if (largest_px <= kThresholdPx) return;  // only parts finer than necessary
+    if (largest_px <= kThresholdPx) return;  // only finer parts than necessary are left
     const CutPart* const replaced = partAt(*now.cut, first->use.mesh.node);
     ASSERT_NE(replaced, nullptr);
     EXPECT_EQ(replaced->error_px, largest_px);

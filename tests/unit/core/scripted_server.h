@@ -191,10 +191,10 @@ class ScriptedServer {
   std::map<NodeKey, Node> nodes_;
   std::map<uint32_t, Bytes> blobs_;
   ModelSummary summary_;
-  std::map<uint32_t, OpenRequest> open_;  // by request
+  std::map<uint32_t, OpenRequest> open_;  // open requests by request number
   std::map<uint32_t, unsigned> completed_;
   Bytes answers_;
-  bool opened_ = false;  // on this connection
+  bool opened_ = false;  // a client of this connection has opened the model
   bool has_model_ = true;
   bool deaf_ = false;  // ignores frames about a replaced model
   uint64_t granted_ = proto::kInitialWindowBytes, sent_ = 0;

@@ -9,7 +9,7 @@ namespace {
 
 using namespace fixture;
 
-constexpr NodeKey kLeftOfAll{0b1'000}, kRightOfAll{0b1'001};  // below, in front of the others' places
+constexpr NodeKey kLeftOfAll{0b1'000}, kRightOfAll{0b1'001};  // children of the root with y = z = 0
 
 ModelSummary summary() {
   ModelSummary model;

@@ -115,7 +115,8 @@ uint64_t bytesOfParts(const Cut& cut) {
 }
 
 TEST(ViewGroup, dropsFallbacksBeforeVisibleDetail) {
-  int without_fallbacks = 0, without_finer = 0;  // budgets at which each was dropped
+  int without_fallbacks = 0,
+      without_finer = 0;  // numbers of budgets
   for (uint32_t seed = 1; seed < 7; ++seed) {
     Within camera(seed);
     bool limited = false;

@@ -16,7 +16,7 @@ const View kView{.eye_model = {0, 0, 10},
                  .height_px = 400};
 
 TEST(View, projectsAnErrorByTheTextbookFormula) {
-  // At distance d the picture is 2 d tan(fov / 2) high.
+  // At distance d, the picture shows a height of 2 d tan(fov / 2).
   EXPECT_NEAR(screenErrorPx(0.1f, 10, kView), 0.1 * 400 / (2 * 10 * std::tan(0.5)), 1e-4);
 }
 

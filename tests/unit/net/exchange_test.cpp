@@ -41,8 +41,8 @@ class ExchangeTest : public testing::Test {
     peer_.non_blocking(true);
   }
 
-  /// Lets both sides work until the end has received so many bytes. If the peer does not read, stops earlier
-  /// when neither side can go on.
+  /// Runs both sides until the end has received `bytes` bytes. If the peer does not read, stops as soon as
+  /// neither side can continue.
   void work(EchoEnd& end, size_t bytes, bool peer_reads) {
     for (int idle_rounds = 0; end.receivedBytes() < bytes;) {
       asio::error_code would_block;
@@ -97,7 +97,7 @@ TEST_F(ExchangeTest, readsNoMoreThanTheLimitBeforeTheCallerTakesIt) {
   EXPECT_LT(received, kMaxReceivedBytes + (1u << 20));
 }
 
-/// Never takes input, however many answers the caller takes.
+/// An end that never takes input, even after the caller has taken its answers.
 struct BusyEnd {
   bool connected() const { return true; }
   bool takesInput() const { return false; }
@@ -112,14 +112,14 @@ TEST_F(ExchangeTest, returnsToItsCallerAfterALimitedNumberOfRounds) {
   EXPECT_EQ(end.rounds, kMaxExchangeRounds);
 }
 
-/// Has received more whenever it is asked, as a transport whose server sends faster than the client reads.
+/// A transport that always has received bytes, as if the server sent faster than the client reads.
 struct FloodedTransport {
   bool hasRoom() const { return true; }
   void send(const proto::Bytes& /*bytes*/) {}
   proto::Bytes takeReceived() { return proto::Bytes(kMaxReceivedBytes / 4); }
 };
 
-/// Takes all input and answers nothing.
+/// An end that takes all input and answers nothing.
 struct SilentEnd {
   bool connected() const { return true; }
   bool takesInput() const { return true; }

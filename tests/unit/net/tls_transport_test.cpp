@@ -46,7 +46,7 @@ class EchoUnderTls : public testing::Test {
     return {{host, port_}, 10s, trustAuthorities(folder_ / authorities)};
   }
 
-  /// Returns the echo, or the error, whose remedy it keeps.
+  /// Returns the echo, or the error's message. Stores the error's remedy.
   std::string answerTo(const std::string& text, const Route& route) {
     TcpTransport transport(route, [this] {
       const std::lock_guard lock(mutex_);

@@ -21,7 +21,7 @@ using flatbuffers::FlatBufferBuilder;
 using test::forEachSample;
 using test::sampleSummary;
 
-/// What a hostile peer sends: a body built without our checks.
+/// Builds a message body without the encoder's checks, as a hostile peer can.
 template <typename Build>
 Bytes craft(Build build) {
   FlatBufferBuilder builder;
@@ -47,8 +47,8 @@ Bytes bodyOf(const Message& message) {
   return Bytes(frame.begin() + kFrameHeaderBytes, frame.end());
 }
 
-/// Fails the running test unless hostile bytes are refused, or are a message that keeps all rules: one that
-/// could have been sent, and means the same then.
+/// Expects that decoding hostile bytes fails, or yields a valid message that encodes and decodes to the same
+/// message.
 template <typename Message>
 void expectRefusedOrSound(const Bytes& body) {
   Message message;
@@ -158,7 +158,7 @@ TEST(HostileMessages, textWithTerminalControlsIsRefused) {
 
 Bytes requestsOf(size_t count) {
   return craft([&](FlatBufferBuilder& b) {
-    // One table, named again and again: small on the wire, large if it were taken.
+    // One table that is referenced many times: few bytes, but a large message if it were accepted.
     const std::vector changes(count, wire::CreateRequestChange(b, 0, 0, 1, 1, 1.0f));
     return wire::CreateRequests(b, 1, b.CreateVector(changes));
   });

@@ -59,7 +59,7 @@ struct Frames {
     draw(now_s);
   }
 
-  /// The part that covers a node at a dither value.
+  /// Returns the number of parts that cover a node at a dither value.
   int surfacesAt(NodeKey place, float value) const {
     return static_cast<int>(std::ranges::count_if(fade.items(), [&](const FadedItem& faded) {
       return faded.item.node.contains(place) && value >= faded.from && value < faded.to;
@@ -195,7 +195,7 @@ TEST(CrossFade, ignoresNodesLeftOutBeforeAnEarlierFade) {
   frames.draw(1, kAway);
   frames.take({kNode, other});
   frames.draw(2, kAway);
-  frames.take({kNode, other.child(0)});  // keeps a fade running
+  frames.take({kNode, other.child(0)});  // keeps another fade running
   frames.draw(2 + kFadeS / 2, kAway);
   frames.take({kNode.child(0), kNode.child(7), other.child(0)});
   frames.draw(2 + kFadeS, kAway);

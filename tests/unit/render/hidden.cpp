@@ -303,7 +303,7 @@ TEST_F(Hidden, isDeterminedByAllSamplesOfAPixel) {
     const render::Image picture = target.readPixels();
     const render::FarthestDepths depths = reader.read(target);
     for (uint32_t column = kWidthPx / 16; column < kWidthPx / 8; ++column) {
-      // The last pixels of a square on the left are the first to show the wall, the first ones the last.
+      // The last pixels of the left square are the first pixels that show the wall.
       const uint8_t* const first = picture.pixel(8 * column, kHeightPx / 2);
       const bool shows_background = first[2] > 0;
       partly += shows_background && first[2] < 255;

@@ -117,7 +117,7 @@ TEST_F(Residency, switchesToANewerCutAfterOneRegionOfTheCurrentOne) {
   EXPECT_EQ(bytes, 5 * mesh_bytes) << "a region of the second, and the third";
 }
 
-/// Otherwise it would wait for a region with many parts when a camera starts to move.
+/// Otherwise a camera that starts to move would wait for a region with many parts.
 TEST_F(Residency, switchesAtOnceToAMuchCoarserCut) {
   MeshResidency residency({});
   residency.show(cutOf(std::vector{gridOf(1)}));
@@ -239,7 +239,7 @@ TEST_F(Residency, exchangesTheCutsOfAModelInSeveralPlacesRegionByRegion) {
   residency.uploadInRenderThread({.wait = true});
   const auto next = viewCuts({cutOf(std::vector{gridOf(4), gridOf(5)}), cutOf(std::vector{gridOf(6)})});
   residency.show(next);
-  std::set<size_t> regions;  // that have switched
+  std::set<size_t> regions;  // regions that have switched
   uploadSlowly(residency, [&] {
     size_t changed = 0;
     for (size_t instance = 0; instance < 2; ++instance)

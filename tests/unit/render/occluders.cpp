@@ -37,7 +37,7 @@ TEST(Occluders, doNotHideBoxesThatReachBeforeThem) {
   const Occluders occluders(kTowardsWall, 1, kWall);
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, 6})));
   EXPECT_FALSE(occluders.hide(boxAt({0, 0, -4})));
-  EXPECT_FALSE(occluders.hide(boxAt({0, 0, -5})));  // touches
+  EXPECT_FALSE(occluders.hide(boxAt({0, 0, -5})));  // the box touches the wall
 }
 
 TEST(Occluders, doNotHideBoxesThatReachPastTheNearPlaneOrTheEye) {
@@ -52,15 +52,15 @@ TEST(Occluders, doNotHideBoxesVisibleThroughOneSquare) {
   holed.depths[size_t{5} * holed.columns + 3] = 0;
   const Occluders occluders(kTowardsWall, 1, holed);
   const glm::dvec2 lower_left(-100, -75);
-  const auto at = [&](double x, double y) {  // in pixels, at the wall
+  const auto at = [&](double x, double y) {  // Returns a box at a position on the wall, in pixels.
     return boxAt({lower_left.x + x, lower_left.y + y, -0.6}, 0.5);
   };
   EXPECT_FALSE(occluders.hide(at(3.5 * 8, 5.5 * 8)));
-  EXPECT_FALSE(occluders.hide(at(3 * 8 - 1, 5.5 * 8)));  // its edge
+  EXPECT_FALSE(occluders.hide(at(3 * 8 - 1, 5.5 * 8)));  // the edge of the hole
   EXPECT_FALSE(occluders.hide(at(3.5 * 8, 6 * 8 + 1)));
   EXPECT_TRUE(occluders.hide(at(2.5 * 8, 5.5 * 8)));
   EXPECT_TRUE(occluders.hide(at(3.5 * 8, 7.5 * 8)));
-  EXPECT_FALSE(occluders.hide(boxAt({-70, -30, -50}, 40)));  // around it
+  EXPECT_FALSE(occluders.hide(boxAt({-70, -30, -50}, 40)));  // a box around the hole
 }
 
 TEST(Occluders, doNotHideBoxesBeforeTheBackground) {

@@ -41,7 +41,7 @@ TEST_F(Picture, coversTheProjectionOfTheMesh) {
   }
 }
 
-/// Two adjacent nodes that agree on their common boundary only.
+/// Makes two adjacent nodes that have only their common boundary in common.
 std::vector<Mesh> neighbours(glm::uvec3 origin, uint32_t extent, uint32_t gap = 0) {
   MeshOptions left{.attributes = {}, .extent = extent, .origin = origin, .seed = 3, .bump = 0.08};
   MeshOptions right = left;
@@ -133,7 +133,7 @@ TEST_F(Picture, isTheSameWhereverTheModelLies) {
 TEST_F(Picture, showsTheNearerOfTwoSurfacesInWhateverOrderTheyAreDrawn) {
   const Mesh red = squareAt(1000, 1000, 2000, 1000, {255, 0, 0, 255});
   const Mesh green = squareAt(1000, 1000, 1999, 1000, {0, 255, 0, 255});
-  // From so far that 24 bits of ordinary depth could not separate them.
+  // The eye is so far away that 24 bits of ordinary depth could not separate the surfaces.
   const core::View front = [&] {
     core::View view = lookAt({1500, 1500, 1e6}, {1500, 1500, 0});
     view.fov_y_rad = 1e-3;

@@ -7,7 +7,8 @@
 /// This program's operator new counts allocations and can fail.
 namespace lode::serve::test {
 
-/// While it lives, chosen allocations find no memory but the MemoryReserve's. One at a time.
+/// During this object's lifetime, selected allocations fail unless the MemoryReserve serves them. At most one
+/// object at a time.
 class FailingAllocations {
  public:
   /// Fails all allocations of least_bytes to most_bytes, on all threads.

@@ -43,7 +43,7 @@ TEST(ByteRate, holdsForLateTurnsAndSavesUpNothing) {
   Clock::time_point now = kFirstTake;
   uint64_t bytes = 0;
   for (; now < kFirstTake + 10s; bytes += 10'000)
-    now = std::max(now, rate.take(10'000, now)) + 1ms;  // late each time
+    now = std::max(now, rate.take(10'000, now)) + 1ms;  // calls take() late each time
   EXPECT_NEAR(static_cast<double>(bytes), 10e6, 0.1e6);
   now += 60s;  // a minute of silence
   const auto first = rate.take(1'000'000, now);

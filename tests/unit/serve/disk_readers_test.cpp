@@ -29,7 +29,7 @@ using namespace std::chrono_literals;
 
 constexpr uint32_t kBlob = 2;
 
-/// Storage that hangs for the stores that a test names, until the test lets it answer.
+/// Storage that hangs for selected stores until the test lets it answer.
 class Storage {
  public:
   void hang(const std::string& store) {
@@ -186,7 +186,7 @@ TEST_F(DiskReadersTest, replaceTheThreadsOfHangingStores) {
     for (int i = 0; i < 10; ++i) hung.push_back(read(name));
     hanging += hanging > DiskReaderOptions().many_blocked ? 1 : DiskReaderOptions().reads_per_store;
     storage_.awaitHanging(hanging);
-    now_s_ = now_s_ + 1;  // less than the deadline in all
+    now_s_ = now_s_ + 1;  // less than the deadline in total
     readers_->tick();
     EXPECT_EQ(read("z").get().result, ReadResult::kDone) << name;
   }

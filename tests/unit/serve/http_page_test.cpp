@@ -21,7 +21,7 @@ const std::string kWasm("\0asm\1\0\0\0", 8);
 
 struct Response {
   int status = 0;
-  std::map<std::string, std::string> fields;  ///< by names as sent
+  std::map<std::string, std::string> fields;  ///< header fields by name, in the case in which they were sent
   std::string body;
 };
 

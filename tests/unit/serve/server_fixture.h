@@ -82,7 +82,7 @@ class ServerTest : public testing::Test {
     TestClient client = connect();
     expectAllBlobs(client, client.open("a"));
   }
-  /// Does the same, and waits until the server has noticed that other clients ended.
+  /// Like expectServed(), but waits until the server has noticed that other clients ended.
   void expectServedSoon() {
     const auto client = letInSoon();
     ASSERT_TRUE(client);

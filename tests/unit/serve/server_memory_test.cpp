@@ -158,8 +158,8 @@ TEST_F(ServerMemory, admitsClientsSoonAfterAnExhaustingFlood) {
 }
 
 TEST_F(ServerMemory, isReturnedAfterAFrameThatDoesNotFit) {
-  options_.memory_budget_bytes =
-      4u << 20;  // 1/64 of 3/4 of it is 48 KB: above 64 KB every request of memory fails
+  // 1/64 of 3/4 of this budget is 48 KB, so every charge above 64 KB fails.
+  options_.memory_budget_bytes = 4u << 20;
   start();
   TestClient client = connect();
   client.open("a");
@@ -211,8 +211,8 @@ TEST_F(ServerMemory, releasesTheSlotOfAConnectionWithoutMemory) {
   options_.max_connections = 1;
   start();
   {
-    const auto failing =
-        FailingAllocations::ofSize(sizeof(Connection), sizeof(Connection) + 64);  // with its control block
+    // A Connection with the control block of its shared_ptr.
+    const auto failing = FailingAllocations::ofSize(sizeof(Connection), sizeof(Connection) + 64);
     connect().receive();
     EXPECT_GT(failing.failed(), 0u);
   }

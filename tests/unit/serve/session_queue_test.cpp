@@ -242,7 +242,7 @@ TEST_F(SessionQueueTest, distinguishesWaitsForTheWindowFromServerTime) {
   EXPECT_TRUE(session_.waitsForWindow());
   session_.onBackpressure(now_);
   now_ += 5s;
-  request(RequestClass::kVisible, 2, 3, 2);  // arrives during backpressure and counts its rest only
+  request(RequestClass::kVisible, 2, 3, 2);  // only the later backpressure counts
   now_ += 2s;
   send(proto::Credit{1 << 30});
   session_.onWritable(now_);

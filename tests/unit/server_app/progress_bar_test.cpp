@@ -25,7 +25,7 @@ class Printed {
   Printed(const Printed&) = delete;
   Printed& operator=(const Printed&) = delete;
 
-  /// Reports a stage every 100 ms for a time. @return the text printed meanwhile.
+  /// Reports a stage every 100 ms for a given time. @return the text printed meanwhile.
   std::string run(std::string_view stage, std::chrono::milliseconds time) {
     const size_t before = text().size();
     constexpr auto kStep = 100ms;

@@ -10,7 +10,7 @@
 namespace lode::store {
 namespace {
 
-/// A valid hierarchy: a root with two children, the second of which has one child.
+/// Returns a valid hierarchy: a root with two children; the second child has one child.
 std::vector<Node> soundNodes() {
   const auto node = [](uint64_t key, uint8_t mask, float error, size_t lods, uint32_t triangles) {
     Node made;

@@ -65,7 +65,7 @@ TEST(Reader, refusesBlobNumbersThatDoNotExist) {
   EXPECT_THROW(reader.readBlob(reader.blobCount() + 1), Error);
 }
 
-// Opening checks header, pages, blob table and footer; verify checks payloads.
+// Reader checks header, pages, blob table and footer; verifyStore() also checks payloads.
 TEST(Reader, openingOrVerifyRejectsAStoreWithAnyByteChanged) {
   const WorkFolder folder;
   const auto path = folder / "a.lode";

@@ -22,7 +22,7 @@ TEST(AtlasPieces, areJoinedIfTheyOverlapAndJoiningAddsNoTexels) {
   EXPECT_EQ(owners[0], owners[1]);
   EXPECT_EQ(owners[2], owners[3]);
   EXPECT_NE(owners[0], owners[4]);  // a box around both would have more texels
-  EXPECT_NE(owners[0], owners[5]);  // another level
+  EXPECT_NE(owners[0], owners[5]);  // pieces of different levels stay separate
 }
 
 TEST(AtlasPieces, lieInThePieceThatOwnsThem) {

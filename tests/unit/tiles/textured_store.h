@@ -9,12 +9,12 @@
 
 namespace lode::test {
 
-/// Returns a colour from which the texel follows.
+/// Returns a colour that is unique to a texel.
 inline glm::u8vec4 texelAt(uint32_t x, uint32_t y) {
   return {x & 255, y & 255, (x >> 8 & 15) | (y >> 8 & 15) << 4, 255};
 }
 
-/// A store with textures whose tiles are lossless. The model does not matter.
+/// A store with lossless texture tiles and an arbitrary model.
 class TexturedStore {
  public:
   explicit TexturedStore(const std::vector<TextureImages>& images, int32_t uv_scale_exponent = 0)

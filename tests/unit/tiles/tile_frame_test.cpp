@@ -43,7 +43,7 @@ TEST(RootTransform, showsAModelWithYUpFromItsFront) {
 }
 
 TEST(RootTransform, putsTheMiddleOfTheFootAtThePlace) {
-  const ModelSummary summary = summaryWith({1e6, 1e6, 1e6});  // does not matter
+  const ModelSummary summary = summaryWith({1e6, 1e6, 1e6});  // an arbitrary box
   const glm::dmat4 matrix = rootTransform(summary, {0, 0, 1}, GeoPosition{0, 0, 100});
   const glm::dvec3 foot(5, 10, 0);
   expectNear(apply(matrix, foot), {6378237, 0, 0}, 1e-8);

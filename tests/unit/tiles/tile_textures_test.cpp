@@ -127,7 +127,7 @@ TEST_F(TileTextures, keepRepeatedImagesApartFromTheAtlas) {
 TEST_F(TileTextures, leaveTrianglesWithoutAnImageInAPartOfTheirOwn) {
   Mesh mesh = gridShowing({6400, 12800}, {19200, 25600});
   append(mesh, gridShowing({0, 0}, {100, 100}, kNoMaterial));
-  append(mesh, gridShowing({0, 0}, {100, 100}, 2));  // beyond the textures
+  append(mesh, gridShowing({0, 0}, {100, 100}, 2));  // material without a texture
   const TexturedLod lod = texture(mesh, 0);
   ASSERT_EQ(lod.parts.size(), 2u);
   EXPECT_EQ(lod.parts[0].source, Source::kNone);

@@ -238,7 +238,7 @@ TEST(TileNames, areMadeOfDigestsAndTheWritersVersion) {
   }
 }
 
-/// Returns the names that two tilesets have in common, of pages with different bytes.
+/// Returns the names of pages that both tilesets have with different bytes.
 std::vector<std::string> changedUnderTheirName(const TilesOf& a, const TilesOf& b) {
   std::vector<std::string> names;
   for (const auto& [name, page] : a.pages())
@@ -292,7 +292,7 @@ TEST(TileNames, haveAnotherVersionIfTheBytesChange) {
             "1f077b2c88e40a6c4754f840142c8eea");
 }
 
-/// Draws a random cut as a viewer could: walks down from the root and stops at random tiles.
+/// Selects a random cut that a viewer could draw: descends from the root and stops at random tiles.
 class RandomTiles {
  public:
   RandomTiles(const TilesOf& tiles, uint32_t seed) : tiles_(tiles), random_(seed), stop_of_16_(1 + seed % 8) {

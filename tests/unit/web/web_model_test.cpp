@@ -27,7 +27,7 @@ class WebModelTest : public core::EngineTest {
     work();
   }
 
-  /// Decodes as workers do, by messages.
+  /// Decodes all jobs by messages, as workers do.
   void work() {
     for (int round = 0; round < 4; ++round) {
       model_.engine().step(kStart);

@@ -111,7 +111,7 @@ TEST(FrameRateControl, changesNothingForOneSlowFrame) {
 
 TEST(FrameRateControl, halvesTheRateWhereTheThresholdWouldBeTooCoarse) {
   FrameRateControl control(60);
-  Machine machine(20, 100, 1.5);  // 60 frames a second are impossible
+  Machine machine(20, 100, 1.5);  // too slow for 60 frames a second
   for (int i = 0; i < 100; ++i) machine.frame(control, true);
   EXPECT_NEAR(control.targetMs(), 2 * 1000.0 / 60, 1e-9);
   EXPECT_LE(machine.workMs(control.coarsening()), control.targetMs());
@@ -128,15 +128,14 @@ TEST(FrameRateControl, givesTheRateBackWhenFramesBecomeCheap) {
 
 TEST(FrameRateControl, keepsTheHighestRateThatTheCoarsestThresholdSustains) {
   FrameRateControl control(60);
-  Machine slow(20, 400, 1.5),
-      cheaper(12, 40, 1.5);  // which at 60 frames a second needs almost all that there is
+  Machine slow(20, 400, 1.5), cheaper(12, 40, 1.5);  // fast enough for 60 frames a second, but only just
   for (int i = 0; i < 100; ++i) slow.frame(control, true);
   ASSERT_GT(control.targetMs(), 1000.0 / 60);
   for (int i = 0; i < 100; ++i) cheaper.frame(control, true);
   EXPECT_NEAR(control.targetMs(), 1000.0 / 60, 1e-9);
 }
 
-/// Counts the changes of the rate in so many frames.
+/// Counts the changes of the rate in a number of frames.
 int changesOfRate(FrameRateControl& control, Machine& machine, int frames) {
   int changes = 0;
   for (int i = 0; i < frames; ++i) {
@@ -260,7 +259,7 @@ TEST(FrameRateControl, neverRequestsMoreThanItsCoarsestThreshold) {
 TEST(FrameRateControl, halvesTheRateIfItsCoarsestThresholdIsNotEnough) {
   FrameRateControl control(60);
   control.limitTo(4);
-  Machine machine(3, 160, 1.5);  // an eightfold threshold would be enough
+  Machine machine(3, 160, 1.5);  // an eightfold threshold suffices
   for (int i = 0; i < 100; ++i) machine.frame(control, true);
   EXPECT_NEAR(control.targetMs(), 2 * 1000.0 / 60, 1e-9);
   EXPECT_LE(machine.workMs(control.coarsening()), control.targetMs());

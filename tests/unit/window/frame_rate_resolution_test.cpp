@@ -85,7 +85,7 @@ TEST(FrameRateResolution, isFoundWithinASecondFromAnyStart) {
   }
 }
 
-/// Counts the changes of resolution or rate in so many frames.
+/// Counts the changes of resolution or rate in a number of frames.
 int changesOf(FrameRateControl& control, SlowMachine& machine, int frames) {
   int changes = 0;
   for (int i = 0; i < frames; ++i) {

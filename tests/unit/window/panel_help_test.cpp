@@ -25,7 +25,7 @@ class Layout : public testing::Test {
   }
   ~Layout() override { ImGui::DestroyContext(); }
 
-  /// Lays out the help once. @return its size, which follows from the layout before.
+  /// Lays out the help once. @return its size, which depends on the previous layout.
   static ImVec2 helpLaidOut() {
     ImGui::NewFrame();
     PanelScroll::limit();

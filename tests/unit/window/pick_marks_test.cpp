@@ -38,7 +38,7 @@ TEST(PickMarks, joinTheTwoPointsByALineThatSaysHowLongItIs) {
   EXPECT_EQ(marks.value, "3 \u00b1 2 m");
 }
 
-/// Checks that all corners are on one side of the line, the nearest at the gap's distance.
+/// All corners of the text must be on one side of the line, the nearest at the distance of the gap.
 TEST(PickMarks, haveTheirTextBesideAShortOrSteepLine) {
   const glm::dvec2 text(60, 16), window(800, 600);
   for (const glm::dvec2 to :

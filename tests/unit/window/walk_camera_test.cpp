@@ -92,11 +92,11 @@ TEST(WalkCamera, keepsItsHeightWithoutGround) {
 }
 
 TEST(WalkCamera, doesNotSinkIntoGroundThatIsOnlyKnownCoarsely) {
-  // It stands at the true height 0; coarser data give -3 with an uncertainty of 4.
+  // The camera stands at the true height 0; coarser data give -3 with an uncertainty of 4.
   WalkCamera camera(standingAt({0, 2, 0}), kHeight, kUp);
   walk(camera, {}, 2, flatAt(-3, 4));
   EXPECT_EQ(eyeOf(camera).y, 2);
-  // From far above it descends to the highest possible ground.
+  // From far above, the camera descends to the highest possible ground.
   WalkCamera high(standingAt({0, 50, 0}), kHeight, kUp);
   walk(high, {}, 3, flatAt(-3, 4));
   EXPECT_NEAR(eyeOf(high).y, 1 + kHeight, 0.01);

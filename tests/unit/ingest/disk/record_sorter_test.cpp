@@ -109,7 +109,7 @@ TEST(RecordSorter, continuesWithSavedRuns) {
     RecordSorter sorter(sizeof(uint64_t), 40000, folder.lastingFile("runs"));
     push(sorter, std::span(pairs).first(10000));
     sorter.save(record);
-    push(sorter, std::span(pairs).subspan(10000, 3000));  // lost
+    push(sorter, std::span(pairs).subspan(10000, 3000));  // not saved before the kill
   }
   RecordSorter sorter(sizeof(uint64_t), 60000, folder.lastingFile("runs"));
   RecordReader reader(record.bytes());

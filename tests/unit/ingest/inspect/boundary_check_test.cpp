@@ -10,7 +10,7 @@ namespace {
 
 constexpr uint32_t kCellsAlong = 20, kCellSteps = 100;
 
-/// Triangles of a flat grid, without some of its cells.
+/// Makes the triangles of a flat grid, without some of its cells.
 template <typename IsKept>
 Mesh gridOf(IsKept&& is_kept) {
   test::MeshOptions options;

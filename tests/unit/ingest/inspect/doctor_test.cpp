@@ -116,7 +116,7 @@ TEST(Doctor, countsTheReadablePartIfTheHeaderPromisesMore) {
     for (const char* name : {"nx", "ny", "nz"}) source.elements[0].properties.push_back({name, "float", ""});
     for (auto& row : source.elements[0].rows) row.insert(row.end(), {{0}, {0}, {1}});
     const std::string whole = source.encode(encoding);
-    for (const char* faces : {"face 5", "face 5000"}) {  // the second is refused before a row is read
+    for (const char* faces : {"face 5", "face 5000"}) {  // the second count is refused before any row is read
       std::string bytes = whole;
       const DoctorReport report = examineFile(folder.write(bytes.replace(bytes.find("face 4"), 6, faces)));
       EXPECT_FALSE(report.is_readable);
@@ -296,7 +296,8 @@ TEST(Doctor, countsTopologyInWhateverMemory) {
   EXPECT_TRUE(report.is_buildable);
 }
 
-/// Number after `name=` in a manifest's topology; the one with duplicates merged if it has both.
+/// Returns the number after `name=` in a manifest's topology. If there are two, returns the one with
+/// duplicates merged.
 std::optional<uint64_t> numberOf(const std::string& topology, const std::string& name) {
   const std::string counts = topology.substr(0, topology.find("||"));
   const size_t at = counts.rfind(name + "=");

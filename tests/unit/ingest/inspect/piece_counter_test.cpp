@@ -10,7 +10,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint64_t kOneRange = 1 << 20, kSmallestRanges = 0;  ///< memory in bytes
+constexpr uint64_t kOneRange = 1 << 20, kSmallestRanges = 0;  ///< memory budgets in bytes
 
 uint64_t joinsOf(uint32_t vertices, const std::vector<std::pair<uint32_t, uint32_t>>& pairs,
                  uint64_t memory_bytes) {

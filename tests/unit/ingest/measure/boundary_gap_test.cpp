@@ -10,7 +10,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr float kRounding = 1.001f, kNegligible = 0.25f * kRounding;  // of boundaryGap()
+constexpr float kRounding = 1.001f, kNegligible = 0.25f * kRounding;  // tolerances of boundaryGap()
 
 NodeMesh meshOf(std::vector<glm::uvec2> points, std::vector<glm::u32vec3> triangles) {
   NodeMesh mesh;
@@ -81,7 +81,8 @@ TEST(BoundaryGap, looksAtBoundariesThatABoundaryHasMovedAlong) {
 }
 
 TEST(BoundaryGap, isExactWithManyReferencesAtTheEnds) {
-  constexpr uint32_t kPoints = 400;  // on a boundary with a tooth in its middle, plus one above them
+  // Points of a boundary with a tooth in its middle; one more point lies above the boundary.
+  constexpr uint32_t kPoints = 400;
   std::vector<glm::uvec2> points;
   std::vector<glm::u32vec3> triangles;
   for (uint32_t i = 0; i < kPoints; ++i) points.emplace_back(10 * i, i == kPoints / 2 ? 30 : 0);

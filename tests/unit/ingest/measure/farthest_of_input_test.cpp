@@ -99,7 +99,7 @@ TEST(FarthestOfInput, givesNoPlaceAtAPositionOfTheInput) {
   EXPECT_FALSE(farthestWithPlace(ridge.lod, ridge.input).inside);
 }
 
-/// Result of measuring every triangle.
+/// Reference implementation: measures every triangle.
 float farthestOfEveryTriangle(const SimplifiedMesh& lod, const NodeMesh& input) {
   const TriangleTree tree(lod.mesh);
   std::vector<MeasuredPoint> beside;

@@ -45,7 +45,7 @@ TEST(LodDeviation, isTheSameWhateverSmallerDeviationIsKnownBefore) {
   EXPECT_NEAR(deviation({}, 0.9f * of_original), of_original, 0.03f * of_original);
 }
 
-constexpr size_t kFew = 4096, kMany = 16384;  // triangles
+constexpr size_t kFew = 4096, kMany = 16384;  // numbers of triangles
 
 TEST(LodDeviation, addsTheInputsDeviationInQuadratureForFewTriangles) {
   EXPECT_FLOAT_EQ(deviationOfReduced(3 / 1.12f, 4, 4, kFew), 5);

@@ -17,7 +17,8 @@ namespace {
 constexpr uint32_t kWallCells = 64, kSpacing = 32;
 constexpr float kWallSide = kWallCells * kSpacing;
 
-using Paint = std::function<void(glm::vec2 at, VertexAttributes& attributes)>;  ///< by position in 0..1
+/// Sets the attributes at a position from 0 to 1.
+using Paint = std::function<void(glm::vec2 at, VertexAttributes& attributes)>;
 
 /// A flat, painted square.
 NodeMesh wall(uint8_t attributes, const Paint& paint) {
@@ -31,7 +32,7 @@ NodeMesh wall(uint8_t attributes, const Paint& paint) {
   return test::nodeOf(mesh);
 }
 
-/// Simplifies a wall by geometry alone. It is flat, so only the paint can be lost.
+/// Simplifies a flat wall by geometry alone, so that only its paint can be lost.
 float lostAt(size_t triangles, const NodeMesh& input) {
   float lost = -1;
   collapse(input, std::array{triangles}, {.attribute_weight = 0}, [&](size_t, SimplifiedMesh&& lod) {

@@ -7,7 +7,7 @@
 namespace lode::ingest {
 namespace {
 
-constexpr uint8_t kLockDepth = 3;  ///< of locked positions: locked at greater depths
+constexpr uint8_t kLockDepth = 3;  ///< lca_depth of locked positions: deeper nodes lock them
 constexpr float kGap = 7;
 
 /// A triangle with its first two positions locked.

@@ -33,7 +33,7 @@ TEST(SurfaceSamples, keepTheWorstNearEachPositionAndTheLargestOthers) {
   std::set<uint32_t> near;
   for (const SurfaceSample& sample : samples) near.insert(sample.near);
   EXPECT_EQ(near.size(), 100u);
-  EXPECT_EQ(samples[90].deviation, 1009);  // the worst near position 90, after 90 of the others
+  EXPECT_EQ(samples[90].deviation, 1009);  // the largest deviation near position 90, after 90 other samples
   EXPECT_EQ(samples.back().deviation, 1099);
 }
 

@@ -12,7 +12,8 @@ namespace {
 
 class RandomPlaces {
  public:
-  /// From few values, so that triangles are often lines, and points lie on corners and edges.
+  /// Returns a point from few possible values, so that triangles are often degenerate and points often lie on
+  /// corners and edges.
   glm::vec3 few() { return {number() % 4, number() % 4, number() % 4}; }
   glm::vec3 many() { return {number() % 1000, number() % 1000, number() % 1000}; }
 
@@ -29,7 +30,7 @@ struct Triangle {
   PackedTriangle packed() const { return {a, sides()}; }
 };
 
-/// With three different corners.
+/// Returns a triangle with three different corners.
 template <typename Place>
 Triangle triangleOf(Place&& place) {
   Triangle t{place(), place(), place()};

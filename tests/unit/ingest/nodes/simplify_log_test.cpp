@@ -76,7 +76,7 @@ TEST_F(KilledBuild, isRefusedIfASavedSubtreeIsDamaged) {
   const auto path = folder_ / "files" / SimplifyLog::kRootFile;
   std::ifstream in(path, std::ios::binary);
   std::string bytes(std::istreambuf_iterator<char>(in), {});
-  bytes.at(bytes.rfind(char{123})) = 124;  // the data remain readable
+  bytes.at(bytes.rfind(char{123})) = 124;  // the record remains readable
   std::ofstream(path, std::ios::binary) << bytes;
   EXPECT_THROW(trianglesBelow(kChild), Error);
 }
@@ -95,7 +95,7 @@ TEST_F(KilledBuild, isRefusedIfASubtreeLiesBeyondTheEndOfItsFile) {
   EXPECT_THROW(finished(), Error);
 }
 
-// After a power loss the journal is there, but of other files only what was synced.
+// After a power loss, the journal remains, but other files keep only their synced bytes.
 TEST_F(KilledBuild, journalsOnlySyncedFiles) {
   const test::SyncedFiles synced;
   std::set<std::string, std::less<>> before_the_entry;

@@ -53,8 +53,8 @@ TEST(BorderTable, countsLockedVerticesOnceInEachChildOfTheRoot) {
   BorderTable table(folder, 1 << 20);
   const NodeKey leaves[] = {kRootKey.child(0).child(0), kRootKey.child(0).child(1), kRootKey.child(5)};
   const glm::i64vec3 up{0, 0, 1};
-  for (const uint32_t leaf : {0u, 1u}) table.add({10}, listed(leaf, up));      // within a child
-  for (const uint32_t leaf : {0u, 1u, 2u}) table.add({20}, listed(leaf, up));  // twice in one
+  for (const uint32_t leaf : {0u, 1u}) table.add({10}, listed(leaf, up));      // within a child of the root
+  for (const uint32_t leaf : {0u, 1u, 2u}) table.add({20}, listed(leaf, up));  // in two leaves of one child
   for (const uint32_t leaf : {1u, 2u}) table.add({30}, listed(leaf, up));
   table.add({40}, listed(2, up));
   table.join(leaves, kCrease);

@@ -85,7 +85,7 @@ TEST(LeafWelder, givesTheMeshesOfLeavesInTheirOrder) {
 TEST(LeafWelder, endsItsThreadsWhenAbandoned) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
-  std::thread([] {}).join();  // with the first begins one of the thread sanitizer
+  std::thread([] {}).join();  // the first thread also starts a thread of the thread sanitizer
   const size_t threads_before = test::ownEntries("task");
   {
     FixedHelpers helpers(8);

@@ -12,7 +12,7 @@ struct StageTime {
   double seconds;
 };
 
-/// Measured on one thread of a busy machine, with 2 million triangles.
+/// Stage times measured on one thread of a busy machine, with 2 million triangles.
 const std::vector<StageTime> kUsual{{"scan", 0.36},      {"dereference", 0.5}, {"sort", 0.34},
                                     {"partition", 0.63}, {"simplify", 13.83},  {"pack", 0.05}};
 constexpr uint64_t kModelTriangles = 2'000'000;
@@ -70,7 +70,7 @@ TEST(BuildEstimate, neverFallsEvenIfStagesTakeUnusualTimes) {
 
 TEST(BuildEstimate, isCorrectedByFinishedStages) {
   std::vector<StageTime> slow = kUsual;
-  slow.front().seconds *= 8;  // an ascii file
+  slow.front().seconds *= 8;  // as for an ascii file
   for (StageTime& stage : slow) stage.seconds *= 3;
   BuildEstimate estimate(1);
   const double total_s = totalOf(slow);

@@ -93,7 +93,7 @@ TEST_F(Build, finishesLodsOfOneNodeOnIdleThreads) {
 TEST_F(Build, leavesNothingBehindWhenItFails) {
   makeSample(40000, 0);
   const auto before = folder_.contents();
-  // At the end, when all stages' files are there.
+  // Fails at the end, when the files of all stages exist.
   BuildOptions given = options();
   given.memory_bytes = kMega;
   EXPECT_THROW(build(given,
@@ -102,7 +102,7 @@ TEST_F(Build, leavesNothingBehindWhenItFails) {
                      }),
                Error);
   EXPECT_EQ(folder_.contents(), before);
-  // In the middle of the input.
+  // Fails while reading the input.
   std::fstream input(given.input, std::ios::in | std::ios::out | std::ios::binary);
   input.seekp(-8, std::ios::end);
   input.write("\xff\xff\xff\x7f", 4);

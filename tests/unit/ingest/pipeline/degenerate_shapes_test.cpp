@@ -1,5 +1,4 @@
-// Legal geometry in which very many triangles meet at one vertex, edge or place does not take a time that
-// grows with the square of their number.
+// Tests that build time stays below quadratic if very many triangles meet at one vertex, edge or position.
 
 #include "tests/support/degenerate_shapes.h"
 
@@ -15,7 +14,7 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kTriangles = 16000, kSmall = 200;
-/// A step of quadratic time would take up to 80 times as long.
+/// Largest allowed ratio of build times. A quadratic step would reach a ratio of up to 80.
 constexpr double kMostTimesSmall = 6;
 
 struct NamedShape {

@@ -113,7 +113,7 @@ TEST_F(LengthlessNormals, areAWarningOfBuildAndDoctorAndAnErrorIfStrict) {
 }
 
 TEST_F(LengthlessNormals, doNotPointToTheBackOfAFace) {
-  std::string turned = wall(1, 2);  // with its face turned round, those with a length point to the back
+  std::string turned = wall(1, 2);  // with reversed faces, the normals with a length point to the back
   turned.replace(turned.find("4 0 1 3 2"), 9, "4 2 3 1 0");
   options_.input = folder_.write(turned);
   const std::vector<std::string> said = warningsOfDoctor();
@@ -122,7 +122,7 @@ TEST_F(LengthlessNormals, doNotPointToTheBackOfAFace) {
   }));
   std::string down = wall(1, 4);
   for (size_t at = down.find("end_header"); (at = down.find("\n0 ", at)) != std::string::npos;) {
-    // From the wall to a ceiling, whose front is below.
+    // Turns the wall into a ceiling, whose front points down.
     std::swap(down[at + 1], down[at + 5]);
     at += 3;
   }

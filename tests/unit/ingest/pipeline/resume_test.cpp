@@ -33,7 +33,7 @@ class Resume : public testing::Test {
     options_.input = folder_ / "a.ply";
     options_.output = folder_ / "a.lode";
     options_.triangles_per_node = 512;
-    options_.memory_bytes = 2 * kMega;  // sorts on disk
+    options_.memory_bytes = 2 * kMega;  // small enough to sort on disk
     options_.threads = 2;
     options_.resume = true;
     before_ = folder_.contents();
@@ -265,7 +265,7 @@ TEST_F(Resume, keepsTemporaryFilesInTheGivenFolder) {
   build(options_);
   expectDone();
 
-  // A build with other temporary files takes them away all the same.
+  // A build with another folder for temporary files also removes the old ones.
   ASSERT_TRUE(interruptAt(options_, "simplify", 1));
   options_.temporary_folder.clear();
   options_.resume = false;

@@ -36,10 +36,10 @@ class TexturedModels : public testing::TestWithParam<TexturedFile> {
     BuildOptions options;
     options.input = input_;
     options.output = store_;
-    options.triangles_per_node = 2048;  // several nodes even of small models
+    options.triangles_per_node = 2048;  // small, so that even small models have several nodes
     const BuildReport report = build(options);
-    for (const std::string& warning :
-         report.warnings)  // of faces, properties and no image at all, but none of an image
+    // Allow warnings about faces, about properties and that there is no image, but none about an image.
+    for (const std::string& warning : report.warnings)
       EXPECT_TRUE(warning.find("a build drops") != std::string::npos ||
                   warning.find("ignored properties") != std::string::npos ||
                   warning.find("its header names no image") != std::string::npos)
@@ -89,7 +89,7 @@ TEST_P(TexturedModels, haveOneMaterialPerTriangleInEveryLod) {
 TEST_P(TexturedModels, showHardlyAnyNewSeamsBetweenTheNodesOfRandomCuts) {
   const store::Reader reader(store_);
   const store::NodeTree tree(reader.nodes());
-  // Of a directed edge: the node, and coordinates and materials at its ends.
+  // Data of a directed edge: the node, and the texture coordinates and materials at both ends.
   using Wedges = std::array<uint64_t, 2>;
   struct Use {
     uint32_t node;
@@ -113,7 +113,7 @@ TEST_P(TexturedModels, showHardlyAnyNewSeamsBetweenTheNodesOfRandomCuts) {
     }
     return edges;
   };
-  // Whether some pair of triangles meets at the edge without a jump.
+  // Returns true if a pair of triangles meets at the edge without a jump.
   const auto isSmooth = [](const Edges& edges, const std::array<uint64_t, 2>& edge, bool across_nodes) {
     const auto [begin, end] = edges.equal_range(edge);
     const auto [back_begin, back_end] = edges.equal_range({edge[1], edge[0]});

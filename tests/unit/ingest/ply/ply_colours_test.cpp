@@ -23,8 +23,8 @@ void expectClamped(const std::string& type, const std::vector<double>& values, u
   for (const PlyEncoding encoding : kPlyEncodings) {
     PlySource source = coloured(type, values);
     EXPECT_EQ(readPlyBytes(source.encode(encoding)).counts.clamped_colours, vertices) << type;
-    source.elements[0].properties.push_back(
-        {"bones", "int", "uchar"});  // rows one by one, of binary files too
+    // A list makes the reader read rows one by one, even in binary files.
+    source.elements[0].properties.push_back({"bones", "int", "uchar"});
     for (auto& row : source.elements[0].rows) row.push_back({});
     if (encoding != PlyEncoding::kAscii) {
       EXPECT_EQ(readPlyBytes(source.encode(encoding)).counts.clamped_colours, vertices) << type;

@@ -16,13 +16,13 @@ constexpr double kSheetSide = 4096;  // side of the sheet in lattice steps
 
 double height(double x, double y) { return 150 * (1 + std::sin(0.004 * x + 1) * std::sin(0.003 * y)) + 20; }
 
-/// Smooth over the sheet, except a painted disc with a soft edge.
+/// Returns colours that vary smoothly over the sheet, except for a painted disc with a soft edge.
 glm::dvec3 colourAt(double x, double y) {
   const double disc = 1 / (1 + std::exp((std::hypot(x - 1500, y - 2400) - 900) / 25));
   return {255 * disc, 127 + 60 * std::sin(0.002 * x), 127 + 60 * std::cos(0.0025 * y)};
 }
 
-/// Normals of a relief that is too fine for the mesh.
+/// Returns normals of a relief that is too fine for the mesh.
 glm::dvec3 normalAt(double x, double y) {
   return glm::normalize(glm::dvec3(0.6 * std::tanh((x - 2000) / 40), 0.3 * std::sin(0.003 * y), 1));
 }

@@ -10,7 +10,7 @@
 namespace lode::ingest {
 namespace {
 
-// Marks of one check must not count in the next, or harmless collapses would be refused.
+// Marks of one check must not affect the next check, or harmless collapses would be refused.
 TEST(CollapseCheck, findsTheSameOfAnEdgeWhateverItLookedAtBefore) {
   const CollapseMesh mesh(test::nodeOf(test::makeGrid(12, 12)), 0);
   EdgeSurroundings around(mesh);

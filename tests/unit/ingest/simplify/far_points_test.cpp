@@ -92,7 +92,7 @@ TEST(FarPoints, haveOnlyThePositionItselfBeforeAnyMove) {
     around.gather(6, 7);
     return FarPoints(mesh).measure(around, mesh.point(7));
   };
-  EXPECT_GT(look({test::nodeOf(test::makeGrid(4, 4)), 0}), 0);  // position 6 was there
+  EXPECT_GT(look({test::nodeOf(test::makeGrid(4, 4)), 0}), 0);  // distance of position 6 itself
   EXPECT_EQ(look({test::nodeOf(test::makeGrid(4, 4, {.attributes = {}, .bump = 0})), 0}), 0);
 }
 

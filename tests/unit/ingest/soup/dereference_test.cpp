@@ -12,10 +12,10 @@ namespace {
 /// Adds random faces of 3 to 5 corners over random vertices with colours, in several blocks.
 void fill(PackedInput& input) {
   std::mt19937 random(3);
-  constexpr uint32_t kVertices = 200'000;  // of which several pieces are swept
+  constexpr uint32_t kVertices = 200'000;  // enough for several sweeps
   std::vector<PlyVertex> vertices;
   for (uint32_t v = 0; v < kVertices; ++v) {
-    const double off = v < kVertices / 100 ? 0.25 : 0;  // the lattice
+    const double off = v < kVertices / 100 ? 0.25 : 0;  // needs a finer lattice
     vertices.push_back(
         {.position = {static_cast<double>(random() % 1000) + off, random() % 1000, random() % 1000},
          .colour = {static_cast<uint8_t>(v), static_cast<uint8_t>(v >> 8), 7, 255}});
@@ -46,7 +46,7 @@ std::vector<SoupTriangle> run(const PackedInput& input, uint64_t memory_bytes, D
 
 class DereferenceWith : public testing::TestWithParam<std::tuple<uint64_t, unsigned>> {};
 
-/// Parameters: memory and threads.
+/// Test parameters: memory and threads.
 TEST_P(DereferenceWith, givesTheSameTrianglesInTheSameOrderAsOneThread) {
   const auto [memory_bytes, threads] = GetParam();
   const TemporaryFolder folder(testing::TempDir());

@@ -104,7 +104,7 @@ TEST(InOrder, callsAHelperThatBecomesFreeWhilePiecesWait) {
     third_begun.release();
     return 3;
   });
-  helpers.release();  // one more
+  helpers.release();  // allows one more thread
   pieces.finish();
   EXPECT_TRUE(was_third_begun) << "the caller did the second, and nobody the third beside it";
 }
