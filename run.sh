@@ -81,7 +81,7 @@ check_model() {  # FILE
   elif [[ -d "$1" ]]; then
     why="$1 is a directory; name a store or a PLY in it"
   elif [[ ! -f "$1" ]]; then
-    why="$1 is a pipe or a device; name a store or a PLY, a file"
+    why="$1 is a pipe or a device; name a file: a store or a PLY"
   elif ! why="$(other_kind "$1" 2>/dev/null)"; then
     why="$1: cannot be read; check its permissions"
   elif [[ -n "$why" ]]; then

@@ -75,7 +75,7 @@ class Run(unittest.TestCase):
 
     def test_names_what_is_no_file(self):
         self.assert_refused("docker", "docker is a directory; name a store or a PLY in it")
-        self.assert_refused("/dev/null", "/dev/null is a pipe or a device; name a store or a PLY, a file")
+        self.assert_refused("/dev/null", "/dev/null is a pipe or a device; name a file: a store or a PLY")
         self.assert_refused("gone.ply", "no such file: gone.ply; name a PLY mesh, or nothing for a sample model")
 
     def test_passes_on_what_the_programs_may_show(self):

@@ -141,8 +141,8 @@ class PlannedLoad {
     if (trace.requests.empty())
       throw Error(ErrorCode::kInput,
                   options_.trace_file +
-                      ": the trace has no requests, there is nothing to replay; record a path "
-                      "that comes closer to the model, or with fewer --pixels");
+                      ": the trace has no requests to replay; record a path that comes closer to "
+                      "the model, or with a smaller error (--pixels)");
     stream::StreamOptions options = target.options;
     options.cache_folder.clear();
     stream::Streamer streamer(target.served, options);

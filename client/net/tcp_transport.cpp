@@ -129,8 +129,9 @@ asio::awaitable<void> TcpTransport::State::connect() {
 }
 
 Error TcpTransport::State::noAnswer() const {
-  const char* const remedy = connected ? ": it takes connections; check that lodestreamd serve runs there"
-                                       : ": check the address, the network and the firewall";
+  const char* const remedy =
+      connected ? ": this address accepts connections; check that lodestreamd serve runs there"
+                : ": check the address, the network and the firewall";
   return {ErrorCode::kTimeout, "no answer from " + toString(route.address) + " within " +
                                    std::to_string(route.connect_timeout.count()) + " ms" + remedy};
 }

@@ -63,8 +63,7 @@ std::string describeFailure(const ExportArguments& arguments, const store::Cut& 
   if (arguments.triangles)
     return "its coarsest cut has " + std::to_string(cut.triangles) + " triangles; ask for at least as many";
   return "even the finest cut, which was written, has a larger error because of the lattice; ask for a "
-         "larger "
-         "error, or for the finest cut with 0";
+         "larger error, or for the finest cut with --error 0";
 }
 
 void runExport(const ExportArguments& arguments) {

@@ -165,7 +165,7 @@ class Fetch {
     for (const std::string& name : std::span(images.left_out).subspan(1)) names += ", " + name;
     return options_.output + " is written, but " +
            (images.left_out.size() == 1 ? "the image " : "the images ") + names +
-           (images.left_out.size() == 1 ? " is" : " are") + " left out, as " + why;
+           (images.left_out.size() == 1 ? " is" : " are") + " left out, because " + why;
   }
 
   void printJson(double total_ms) const {

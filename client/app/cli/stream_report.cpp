@@ -65,9 +65,11 @@ void refuseUnconverged(const std::string& where, const stream::StreamStatus& sta
   const Error failed(ErrorCode::kNetwork, what + ": " + status.failure, status.failure_remedy);
   if (status.cut && status.cut->lost_tiles > 0 && !status.failure.empty()) throw failed;
   if (status.limited)
-    throw Error(ErrorCode::kLimit,
-                what + ": the memory budget does not hold it; allow more with --memory-budget, or a larger " +
-                    "error with --pixels");
+    throw Error(
+        ErrorCode::kLimit,
+        what +
+            ": the memory budget is too small for this view; allow more with --memory-budget, or a larger " +
+            "error with --pixels");
   if (!status.failure.empty()) throw failed;
   const std::string remedy = "; allow more with --timeout, or a larger error with --pixels";
   throw Error(ErrorCode::kTimeout,
@@ -83,7 +85,7 @@ void warnOfGaps(const stream::StreamStatus& status, const CommonOptions& options
   if (status.counts.tiles_left_out > 0)
     std::fprintf(
         stderr,
-        "lodestream: %s: textures are coarse or missing, as the memory budget had no room for %llu of "
+        "lodestream: %s: textures are coarse or missing, because the memory budget had no room for %llu of "
         "their tiles; allow more with --memory-budget\n",
         options.target.c_str(), static_cast<unsigned long long>(status.counts.tiles_left_out));
 }

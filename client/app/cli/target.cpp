@@ -23,7 +23,7 @@ Target parseFile(std::string_view text, const std::filesystem::path& textures_fo
   if (std::filesystem::is_directory(status))
     throw Error(ErrorCode::kInput, path.string() + " is a directory; name a store or a PLY in it");
   if (!std::filesystem::is_regular_file(status))
-    throw Error(ErrorCode::kInput, path.string() + " is a pipe or a device; name a store or a PLY, a file");
+    throw Error(ErrorCode::kInput, path.string() + " is a pipe or a device; name a file: a store or a PLY");
   std::ifstream file(path, std::ios::binary);
   std::array<char, kForeignHeadBytes> bytes{};
   if (!file) throw Error(ErrorCode::kIo, path.string() + ": cannot be opened; check its permissions");

@@ -178,7 +178,7 @@ void Pilot::print() const {
   const std::string said = options_.json ? flight_->toJson().dump() + "\n" : flight_->describe();
   std::fputs(said.c_str(), stdout);
   if (!flight_->isOver())
-    throw Error(ErrorCode::kTimeout, closed + "was over; the times above are of the part flown");
+    throw Error(ErrorCode::kTimeout, closed + "was over; the times above cover only the flown part");
 }
 
 }  // namespace lode::app

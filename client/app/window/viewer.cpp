@@ -65,7 +65,7 @@ bool Viewer::run() {
   if (!options_.screenshot.empty() && !has_screenshot_)
     throw Error(ErrorCode::kTimeout, options_.common.target + ": the window was closed before the picture " +
                                          options_.screenshot +
-                                         " was saved; leave it open, it closes by itself");
+                                         " was saved; leave it open until it closes by itself");
   if (!pilot_) return !failed_;
   timer_.wait();
   takeTimes();

@@ -13,8 +13,7 @@ StagingRing::StagingRing(uint32_t segment_bytes)
   glNamedBufferStorage(buffer_.get(), bytes, nullptr, access);
   mapped_ = static_cast<std::byte*>(glMapNamedBufferRange(buffer_.get(), 0, bytes, access));
   if (mapped_ == nullptr) {
-    throw Error(ErrorCode::kIo,
-                "the graphics driver has no memory left to upload through; close other programs");
+    throw Error(ErrorCode::kIo, "the graphics driver has no memory left for uploads; close other programs");
   }
 }
 

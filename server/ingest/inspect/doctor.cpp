@@ -204,8 +204,8 @@ class Doctor {
     checkLostTriangles({topology.lost_triangles, report_.counts.triangles, topology.lattice_step,
                         topology.used_min, topology.used_max});
     warn(topology.opposed_faces, "face", "faces",
-         " whose normals in the file point to the back; a build keeps them and lights both sides; for even "
-         "shading remove the normals, and a build computes them");
+         " whose normals in the file point to the back; a build keeps these normals and lights both sides; "
+         "for even shading, remove all normals from the file, so that a build computes them");
     warn(topology.non_manifold_edges, "edge", "edges",
          " of three or more faces; a build keeps them, but simplifies less well around them");
     warn(topology.misoriented_edges, "edge", "edges",

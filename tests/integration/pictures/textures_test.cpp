@@ -187,7 +187,7 @@ TEST_F(DamagedSheet, isFetchedWithoutItsTilesAndDoesNotConverge) {
   EXPECT_EQ(told["tiles"], 0);
   EXPECT_FALSE(told["finest"]) << "what it lacks is no finer mesh";
   EXPECT_TRUE(std::filesystem::exists(folder_ / "cut.ply"));
-  EXPECT_NE(outcome.err.find("left out, as it is unavailable"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("left out, because it is unavailable"), std::string::npos) << outcome.err;
   EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
   EXPECT_EQ(outcome.err.find("--memory-budget"), std::string::npos) << outcome.err;
 }

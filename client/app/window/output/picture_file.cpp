@@ -20,7 +20,7 @@ void checkPictureFile(std::string_view target, const fs::path& picture) {
   if (fs::is_fifo(status) || fs::is_character_file(status)) return;
   if (isStandardOutput(picture)) return;
   if (fileEnding(picture) != ".png")
-    throw Error(ErrorCode::kUsage, picture.string() + ": pictures are PNG files: give it the ending .png");
+    throw Error(ErrorCode::kUsage, picture.string() + ": pictures are PNG files; give it the ending .png");
   if (fs::is_directory(status))
     throw Error(ErrorCode::kUsage, picture.string() + ": is a directory; name a file in it");
   refuseToReplace(target, picture);
