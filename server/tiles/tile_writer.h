@@ -30,7 +30,7 @@ struct TileGlb {
 
 /// Converts parts of a store to the files of a tileset in the format 3D Tiles 1.1. All functions are pure:
 /// the bytes of a file depend only on the store, the root's transform and the arguments. Except for
-/// tileset.json, a file's name is a digest of its contents, so that caches can keep it forever. Thread safe.
+/// tileset.json, a file's name depends on its contents, so that caches can keep it forever. Thread safe.
 ///
 /// A node's LODs form a chain of tiles from the coarsest to the finest, each the only child of the one before
 /// (tileChain()). The finest tile's children are the chains of the node's children. Refinement replaces a
