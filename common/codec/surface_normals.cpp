@@ -114,7 +114,7 @@ uint16_t cheapNormal(uint16_t wanted, glm::i64vec3 sum) noexcept {
   const glm::ivec2 code(wanted & 255, wanted >> 8), from = predicted(sum), off = code - from;
   if (std::max(std::abs(off.x), std::abs(off.y)) > kFar) return wanted;
   const glm::ivec2 cheap = from + glm::ivec2(roundedToSteps(off.x), roundedToSteps(off.y));
-  // On the square's edges, two codes stand for one direction.
+  // On the edges of the octahedron's square, each direction has two codes.
   const bool is_at_edge = std::min(cheap.x, cheap.y) < 1 || std::max(cheap.x, cheap.y) >= kEnd;
   return is_at_edge ? wanted : static_cast<uint16_t>(cheap.x | cheap.y << 8);
 }

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Cost of the appearance error: bench_appearance.py LODESTREAMD [--triangles N]
+"""Measures the cost of the appearance error: bench_appearance.py LODESTREAMD [--triangles N]
 
-Prints triangles of cuts by error with the appearance error ÷ without, on the sample asteroid and on a painted flat wall.
+Prints for each error the triangles of a cut with the appearance error ÷ those without, on the sample asteroid
+and on a painted flat wall.
 """
 
 import argparse

@@ -1,6 +1,7 @@
-// Counts background inside a closed model: bench_background STORE.lode OTHER_BUILD.lode [CAMERAS]
-// From random cameras, on a server in this process: one-pixel cuts beside full resolution without fades, and
-// every frame of a stream that cross-fades while cameras change, cuts sharpen and the builds take turns.
+// Counts background inside a closed model: bench_background STORE.lode OTHER_BUILD.lode [CAMERAS] Uses random
+// cameras and a server in this process. Compares one-pixel cuts without fades with full resolution. Then
+// checks every frame of a stream that cross-fades while cameras change, cuts sharpen and the two builds
+// replace each other.
 
 #include <cmath>
 #include <cstdio>
@@ -87,7 +88,7 @@ void print(const char* what, const test::BackgroundWatch::Counter& counts) {
             {"background", counts.background}});
 }
 
-/// Counts background of one-pixel pictures within the outline of full resolution.
+/// Counts background pixels of one-pixel pictures within the outline of full resolution.
 void countSettled(stream::Streamer& streamer, const ModelSummary& model, int cameras) {
   test::BackgroundWatch watch(model.lattice.step, kWidthPx, kHeightPx);
   std::mt19937 random(1);
@@ -115,7 +116,7 @@ void countSettled(stream::Streamer& streamer, const ModelSummary& model, int cam
   print("cuts of one pixel without fades", counts);
 }
 
-/// Counts background in every frame of a stream whose cameras jump and refine from four pixels to one.
+/// Counts background pixels in every frame of a stream whose cameras jump and refine from four pixels to one.
 void countFading(Models& models, stream::Streamer& streamer, const ModelSummary& model, int cameras) {
   test::BackgroundWatch watch(model.lattice.step, kWidthPx, kHeightPx, kUploadBytes);
   std::mt19937 random(2);

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Build speed, stage by stage: bench_build.py BIN_DIR [MODEL.ply ...] [--triangles N] [--runs R] [--threads T ...] [--beside BIN_DIR]
+"""Measures the speed of builds by stage: bench_build.py BIN_DIR [MODEL.ply ...] [--triangles N] [--runs R]
+[--threads T ...] [--beside BIN_DIR]
 
 Without a model it makes the samples asteroid, gyroid and terrain, of N triangles each. Prints a row for each model and number of
-threads, medians over R runs: million triangles a CPU second in all and by stage, wall seconds, peak memory, and stored triangles
-and bytes an input triangle. With --beside both programs build in turns; `cpu_ratio` is this one's CPU time ÷ the other's.
+threads, medians over R runs: million triangles per CPU second, in total and by stage; wall seconds; peak
+memory; stored triangles and bytes per input triangle. With --beside, the two versions build in turns;
+`cpu_ratio` is the CPU time of BIN_DIR ÷ that of the other version.
 """
 import argparse
 import json

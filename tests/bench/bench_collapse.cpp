@@ -1,4 +1,5 @@
-// Speed of collapse() and cluster() beside meshoptimizer's simplifier, on a sphere reduced to a quarter.
+// Compares the speed of collapse(), cluster() and meshoptimizer's simplifier, which reduce a sphere to a
+// quarter of its triangles.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -38,7 +39,7 @@ struct IndexedMesh {
   std::vector<glm::u32vec3> triangles;
 };
 
-/// A bumpy sphere of 12 * n * n triangles.
+/// Makes a bumpy sphere of 12 * n * n triangles.
 IndexedMesh bumpySphere(uint32_t n) {
   IndexedMesh mesh;
   const uint32_t rows = 2 * n, columns = 3 * n;
@@ -104,7 +105,7 @@ NodeMesh snap(const IndexedMesh& mesh, lode::Lattice& lattice, glm::uvec3& max_p
   return node;
 }
 
-/// Gives a mesh one wedge a position, with normals and colours.
+/// Gives a mesh one wedge per position, with normals and colours.
 void addAttributes(NodeMesh& mesh, uint8_t bits) {
   mesh.attributes.bits = bits;
   std::vector<glm::dvec3> normals(mesh.positions.size());
@@ -185,7 +186,7 @@ void speed(uint32_t n) {
 }  // namespace
 
 int main() {
-  // As in a build, whose larger blocks have raised glibc's thresholds by then: freed memory is kept.
+  // Keep freed memory, as in a build: its larger blocks have raised glibc's thresholds.
   mallopt(M_TRIM_THRESHOLD, 64 << 20);
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   speed(73);

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Stored errors beside found ones: bench_errors.py BIN_DIR [MODEL.ply ...] [--nodes N ...] [--seeds N ...] [--quick]
+"""Compares stored errors with measured errors: bench_errors.py BIN_DIR [MODEL.ply ...] [--nodes N ...]
+[--seeds N ...] [--quick]
 
-Builds each model, ten samples and four soups of loose pieces at sizes of nodes from 256 to 16384 triangles, and lets
-`verify --against --lods all` measure every LOD with each seed. Prints a row for each store: its LODs, the least and the median
-ratio of stored to found error over the seeds (the worst of the least, the largest of the medians), the LODs below 1, and CPU
-seconds of the verification a million triangles; then a row over all stores. Exits with 1 if a store is not sound. Files that cannot
-be built are named on stderr.
+Builds each model, ten samples and four sets of loose pieces, with node capacities from 256 to 16384 triangles.
+`verify --against --lods all` measures every LOD with each seed. Prints a row for each store: number of LODs,
+smallest and median ratio of stored to measured error (over the seeds: the smallest of the smallest, the largest
+of the medians), number of LODs with a ratio below 1, and CPU seconds of the verification per million triangles.
+The last row is for all stores. Exits with 1 if a store is not sound. Names files that cannot be built on
+stderr.
 """
 import argparse
 import json
@@ -102,7 +104,7 @@ def cpu_seconds():
 
 
 def write_soup(path, pieces, seed):
-    """Strips of 1 to 100 triangles, far apart; every fourth touches the one before it in a vertex."""
+    """Makes strips of 1 to 100 triangles, far apart. Every fourth strip shares a vertex with the previous one."""
     dice = random.Random(seed)
     points, triangles = [], []
 

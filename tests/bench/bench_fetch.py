@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""First picture of a store over loopback: bench_fetch.py BIN_DIR STORE [--runs R]
+"""Measures the time to the first picture of a store over loopback: bench_fetch.py BIN_DIR STORE [--runs R]
 
 `lodestream fetch` starts its own server and ends when the first camera's cut is within a pixel. Medians over R runs.
 """

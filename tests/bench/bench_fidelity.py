@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Distances of simplified surfaces from their originals: bench_fidelity.py BIN_DIR PART [--triangles N] [--triangles-per-node N]
+"""Measures distances of simplified surfaces from their originals: bench_fidelity.py BIN_DIR PART [--triangles
+N] [--triangles-per-node N]
 
-bunny        cuts of the bunny by both simplifiers, beside meshoptimizer's
+bunny        cuts of the bunny by both simplifiers, and by meshoptimizer
 creases      vertices of the leaves and bytes of the store by crease angle, ÷ those without creases
 equal_error  triangles of a sample's cuts ÷ those of simplifications of the whole model with the same error
 
@@ -49,7 +50,7 @@ def scan(name):
 
 
 def measured(programs, *arguments):
-    """Rows that bench_fidelity prints."""
+    """Returns the rows that bench_fidelity prints."""
     return [json.loads(line) for line in programs.run("bench_fidelity", *arguments).splitlines()]
 
 

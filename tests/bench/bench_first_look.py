@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""Time from the start of a program until it shows a recognisable picture of a PLY file, beside f3d and MeshLab.
+"""Compares the time until a recognisable picture of a PLY file with that of f3d and MeshLab.
 
     bench_first_look.py BIN_DIR IN.ply... [--runs N]
 
-Each run has its own Xvfb of 1280 x 800 and empty folders for settings and caches. The programs take turns. The picture is there
-when the middle of the screen first resembles its last state, which must show detail. Prints the median of each program in seconds.
-Debian has f3d and meshlab; a program that is not installed is left out.
+Each run has its own Xvfb of 1280 x 800 and empty folders for settings and caches. The programs take turns.
+The picture counts as recognisable when the middle of the screen first resembles its final state, which must
+show detail. Prints the median of each program in seconds. Debian has f3d and meshlab; a program that is not
+installed is left out.
 """
 import argparse
 import contextlib
@@ -64,7 +65,7 @@ def difference(one, other):
 
 
 def first_look(command, longest_s):
-    """Returns the seconds until the picture is there."""
+    """Returns the seconds until the picture is recognisable."""
     with contextlib.ExitStack() as stack:
         screen = Screen(stack)
         home = stack.enter_context(tempfile.TemporaryDirectory())

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Accuracy of doctor's forecasts: bench_forecast.py BIN_DIR [MODEL.ply ...] [--triangles N]
+"""Measures the accuracy of doctor's forecasts: bench_forecast.py BIN_DIR [MODEL.ply ...] [--triangles N]
 
-Without a model it takes every PLY of the folder LODESTREAM_TEST_DATA that can be built, and the samples asteroid,
-gyroid and terrain of N triangles. Prints a row for each, forecast ÷ actual of CPU seconds, memory and the store.
+Without a model, uses every PLY in the folder LODESTREAM_TEST_DATA that can be built, and the samples
+asteroid, gyroid and terrain of N triangles. Prints a row for each model: forecast ÷ actual value of CPU
+seconds, memory and store size.
 """
 import argparse
 import json
@@ -46,13 +47,13 @@ def sample(daemon, kind, triangles, folder):
 
 
 def print_forecast(name, daemon, model, folder):
-    """Prints nothing of a model that cannot be built."""
+    """Prints the row of a model; nothing if the model cannot be built."""
     if ratios := forecast(daemon, model, folder):
         print_row(model=name, **dict(zip(("cpu_seconds", "peak_memory", "store"), ratios)))
 
 
 def forecast(daemon, model, folder):
-    """Forecast ÷ actual; None if the model cannot be built."""
+    """Returns the ratios of forecast to actual values; None if the model cannot be built."""
     doctor = subprocess.run([daemon, "doctor", str(model), "--json"], capture_output=True, check=False)
     foretold = json.loads(doctor.stdout).get("forecast") if doctor.returncode == 0 else None
     built = subprocess.run([daemon, "build", str(model), "-o", f"{folder}/store.lode", "--json", "--quiet"],

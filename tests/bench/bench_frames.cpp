@@ -35,10 +35,10 @@ double medianOf(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Frames drawn in one way.
+/// Times of frames that are drawn with the same settings.
 struct Frames {
   std::vector<double> cpu_ms, ms;
-  uint64_t triangles = 0;  ///< of the last frame
+  uint64_t triangles = 0;  ///< triangles of the last frame
   render::Image image;
 };
 
@@ -57,7 +57,8 @@ void draw(Frames& frames, render::OcclusionCulling occlusion_culling, render::Am
   frames.image = target.readPixels();
 }
 
-/// Draws in turns everything in the picture, without hidden clusters, and that with ambient occlusion.
+/// Draws in turns: all clusters in the picture; without hidden clusters; without hidden clusters and with
+/// ambient occlusion.
 void measure(const std::string& name, const core::Cut& cut, render::Renderer& renderer,
              const render::Framebuffer& target) {
   using enum render::OcclusionCulling;

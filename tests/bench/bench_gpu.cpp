@@ -1,6 +1,6 @@
 // Measures culling on a graphics card: bench_gpu STORE... prints a row for each store, distance, threshold
-// and way to draw. Converged cuts are drawn off-screen as the window draws them, from a camera that turns a
-// little between frames.
+// and drawing method. Converged cuts are drawn off-screen as the window draws them, from a camera that turns
+// a little between frames.
 
 #include <algorithm>
 #include <array>
@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 using render::OcclusionCulling;
 
 constexpr uint32_t kWidthPx = 1280, kHeightPx = 720;
-constexpr std::array kThresholdsPx{1.0f, 0.0f};  // 0: all leaves
+constexpr std::array kThresholdsPx{1.0f, 0.0f};  // 0 selects all leaves
 constexpr int kFrames = 30;
 constexpr double kTurnRad = 2e-3;  // between frames
 

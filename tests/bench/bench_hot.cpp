@@ -14,7 +14,8 @@ namespace lode {
 namespace {
 
 constexpr double kStep = 1.0 / 1024;
-constexpr uint32_t kSide = 90;  // squares of two triangles: as many as a node of the default capacity
+constexpr uint32_t kSide =
+    90;  // squares along a side; the grid has about as many triangles as a node of the default capacity
 
 Mesh leafMesh() {
   return test::makeGrid(kSide, kSide, {.attributes = {AttributeSet::kNormal | AttributeSet::kColour}});

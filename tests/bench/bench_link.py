@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Waits of standing cameras over loopback, over an emulated link, and there through HAProxy: bench_link.py BIN_DIR STORE, as root.
+"""Measures how long resting cameras wait: over loopback, over an emulated link, and over this link through
+HAProxy: bench_link.py BIN_DIR STORE, as root.
 
-For each camera and both orders `lodestream replay` starts without a cache and ends when the cut has converged. Prints medians over
---runs, from the start of the connection. `allowed_ms` is 1.15 × the link's own time for the bytes, plus four round trips.
-BIN_DIR holds both programs, and wan. Server and client run at real-time priority.
+For each camera and each order of requests, `lodestream replay` starts without a cache and ends when the cut
+has converged. Prints medians over --runs, from the start of the connection. `allowed_ms` is 1.15 × the link's
+own time for the bytes, plus four round trips. BIN_DIR holds both programs, and wan. Server and client run at
+real-time priority.
 """
 import argparse
 import contextlib
@@ -42,7 +44,7 @@ print(got / (time.monotonic() - start))
 
 
 def goodput(near, far):
-    """Bytes a second of one bulk connection."""
+    """Returns the bytes per second of one bulk connection."""
     with running([*near, *REAL_TIME, sys.executable, "-c", SEND], stdout=subprocess.PIPE, text=True) as sender:
         sender.stdout.readline()
         return float(subprocess.run([*far, *REAL_TIME, sys.executable, "-c", RECEIVE], check=True, capture_output=True, text=True).stdout)
@@ -60,7 +62,7 @@ def camera(box, name, folder):
 
 
 def measure(program, address, store, path, order, prefix, options):
-    """Medians of replay's figures."""
+    """Returns medians of the numbers that replay prints."""
     command = [*prefix, *REAL_TIME, program, "replay", f"lode://{address}/{store.stem}", "--camera", path, "--order", order, "--fps", "250",
                "--cache", "off", "--json", *options.replay]
     runs = [json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout) for _ in range(options.runs)]

@@ -12,7 +12,7 @@
 
 namespace lode::bench {
 
-/// Positions and triangles of a PLY file as they are written.
+/// Positions and triangles of a PLY file, unchanged.
 struct FileSurface {
   std::vector<glm::dvec3> points;
   std::vector<glm::u32vec3> triangles;
@@ -23,7 +23,7 @@ struct FileSurface {
 /// @throws Error as ingest::PlyReader.
 FileSurface readSurface(const char* path);
 
-/// A surface as one node's mesh on its lattice: positions alone, nothing locked.
+/// A surface as the mesh of one node on its lattice, without attributes and locked vertices.
 struct FileNode {
   ingest::NodeMesh mesh;
   Lattice lattice;
@@ -35,8 +35,8 @@ FileNode nodeOf(const FileSurface& surface);
 /// Triangles of a node's mesh in lattice steps.
 test::TriangleSoup latticeSoup(const ingest::NodeMesh& mesh);
 
-/// Two-sided distances of surfaces from one original, as fractions of its box diagonal. Samples the same
-/// points of the original each time, and as many of the other surface.
+/// Measures two-sided distances between surfaces and one original, relative to the diagonal of the original's
+/// box. Always samples the same points of the original, and the same number of points of the other surface.
 class Original {
  public:
   Original(std::span<const test::Triangle3> soup, size_t samples);

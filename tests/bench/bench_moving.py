@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Errors that a moving camera sees over an emulated link of 25 ms one way: bench_moving.py WHAT BIN_DIR STORE [OTHER_STORE], as root.
+"""Measures the errors that a moving camera sees over an emulated link of 25 ms one way: bench_moving.py WHAT
+BIN_DIR STORE [OTHER_STORE], as root.
 
-leaps   turns and leaps beyond the margin, at 10 and 60 frames a second: holes, and frames with an ancestor
+leaps   turns and leaps beyond the margin, at 10 and 60 frames a second: holes, and frames that show a fallback
 paths   an orbit, walks along the surface and fast walks, with and without prefetch
 faults  a walk without a fault, with a killed server, a stopped server, and a model replaced by OTHER_STORE, another build of the
         same model; with 1 % of the packets lost, at 20 KB/s, and with both. Exits with 1 unless each run converges without a hole.
@@ -34,7 +35,7 @@ FAULT_S = 4  # after the start
 
 
 def turned(radius, degrees, height=0.2):
-    """An orbit around the centre, in half sides of the box."""
+    """Returns an orbit around the centre. Lengths are in half sides of the box."""
     angle = math.radians(degrees)
     return [radius * math.sin(angle), radius * height, radius * math.cos(angle)]
 
@@ -44,7 +45,7 @@ def orbit():
 
 
 def walks(count, walk_s, rest_s):
-    """Walks along the surface, a twelfth of the way around each, with rests."""
+    """Returns walks along the surface with rests. Each walk covers a twelfth of the way around."""
     keys, t = [], 0
     for i in range(count):
         for at, when in ((i, t), (i + 1, t + walk_s)):
@@ -54,7 +55,7 @@ def walks(count, walk_s, rest_s):
 
 
 def leaps(seconds):
-    """Leaps between random places around the model, looking at random points of it."""
+    """Returns leaps between random places around the model. The camera looks at random points of the model."""
     chance = random.Random(1)
     def place(least, most):
         direction = [chance.gauss(0, 1) for _ in range(3)]
@@ -72,7 +73,7 @@ def write_path(file, box, keys):
 
 
 class Server:
-    """A server that the bench makes fail."""
+    """A server that the benchmark stops, kills or reloads."""
 
     def __init__(self, options, folder, prefix):
         self.store = pathlib.Path(folder, options.store.name)

@@ -1,5 +1,5 @@
-// Measures refine() with a million known nodes: a camera over a plain of four children a node, at thresholds
-// whose cuts visit hundreds and thousands of nodes.
+// Measures refine() with a million known nodes. The camera is above a plain, whose nodes have four children
+// each. The thresholds give cuts that visit hundreds and thousands of nodes.
 
 #include <benchmark/benchmark.h>
 
@@ -15,7 +15,7 @@ constexpr int kDepth = 10;  // 4^10 leaves, 1.4 million nodes
 constexpr Lattice kLattice{{0, 0, 0}, 1.0 / 1024};
 constexpr AttributeSet kAttributes{AttributeSet::kNormal};
 
-/// Cells of a plain, all known; every mesh that a view needs is resident.
+/// A plain of cells. All nodes are known, and every mesh that a view needs is resident.
 class Plain {
  public:
   Plain() : hierarchy_(UINT64_MAX), cache_(UINT64_MAX) {
@@ -29,7 +29,7 @@ class Plain {
     mesh_ = mesh;
   }
 
-  /// A view from above the middle towards a corner.
+  /// Returns a view from above the middle towards a corner.
   static View viewFrom(double x) {
     View view;
     view.eye_model = {x, 512, 60};
@@ -119,7 +119,7 @@ void refineWhileTheCameraMoves(benchmark::State& state) {
   state.counters["visited"] = static_cast<double>(visited);
   state.counters["known"] = static_cast<double>(plain.known());
 }
-/// A visible cut of the largest size that is drawn to find hidden parts, seen at an angle.
+/// Measures the occlusion estimate for the largest cut that it accepts, seen at an angle.
 void lookAtWhatIsSeen(benchmark::State& state) {
   constexpr uint32_t kSide = 181;  // squares; two triangles each
   Mesh mesh;

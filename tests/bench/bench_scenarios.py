@@ -42,7 +42,7 @@ def play(scenario, bin_dir):
 
 
 def tables(text):
-    """Rows of cells of each table of a text in Markdown, without its head."""
+    """Returns the rows of each Markdown table in a text, without the heads of the tables."""
     found, rows = [], None
     for line in text.splitlines():
         if re.fullmatch(r"[|\s-]*---[|\s-]*", line):

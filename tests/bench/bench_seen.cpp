@@ -1,6 +1,6 @@
 // Counts bytes that a client receives until its picture looks right: bench_seen STORE... prints a row for
-// each store and distance. A client without sockets takes the best request each time, with a link's round
-// trip of bytes in flight. Pictures are drawn off-screen; a small raster counts the visible pixels of each
+// each store and distance. A client without sockets always takes the best request, while the bytes of one
+// round trip are in flight. Pictures are drawn off-screen. A small raster counts the visible pixels of each
 // part.
 
 #include <algorithm>
@@ -33,13 +33,13 @@ namespace {
 constexpr uint32_t kWidthPx = 1280, kHeightPx = 720;
 constexpr float kThresholdPx = 1;
 constexpr uint64_t kUnderWayBytes = 62'500;  // 50 ms at 10 Mbit/s
-constexpr double kDifferingShare = 0.01;     // of the pixels, in a picture that looks right
-constexpr int kVisibleDifference = 8;        // of 255, in a channel
+constexpr double kDifferingShare = 0.01;     // share of differing pixels in a picture that looks right
+constexpr int kVisibleDifference = 8;        // visible difference of a channel, of 255
 constexpr double kBetweenLooks = 1.01;       // factor of received bytes between two looks
-constexpr int kCameras = 3;                  // at each distance
+constexpr int kCameras = 3;                  // number of cameras at each distance
 struct Distance {
   const char* name;
-  double diagonals;  // from the surface
+  double diagonals;  // distance from the surface
 };
 constexpr Distance kDistances[] = {{"far", 2}, {"mid", 0.6}, {"near", 0.12}, {"close", 0.03}};
 
@@ -58,7 +58,7 @@ class Client {
     group_.setView(view, kThresholdPx);
   }
 
-  /// @return the cuts on the way, the converged one last.
+  /// @return all published cuts; the last one has converged.
   std::vector<Look> looks() {
     std::vector<Look> looks;
     while (true) {
@@ -130,7 +130,7 @@ double differingShare(const render::Image& a, const render::Image& b) {
   return static_cast<double>(differing * 4) / static_cast<double>(a.rgba.size());
 }
 
-/// Finds the first look that is right by bisection.
+/// Finds by bisection the first cut whose picture looks right.
 const Look& firstRight(const std::vector<Look>& looks, render::Renderer& renderer,
                        const render::Framebuffer& target) {
   const render::Image converged = draw(renderer, target, looks.back());
@@ -203,16 +203,18 @@ class PixelCount {
   std::vector<uint64_t> pixels_;
 };
 
-/// Sums over all cameras; bytes unless the name says otherwise.
+/// Sums over all cameras, in bytes unless the name says otherwise.
 struct Shares {
   uint64_t until_right = 0, seen = 0, hidden = 0, outside = 0, replaced = 0, cut = 0;
-  uint64_t floor =
-      0;  ///< of the parts of the converged cut that show so many pixels, most pixels a byte first
+  uint64_t floor = 0;  ///< bytes of the parts of the converged cut that show this share of the pixels, parts
+                       ///< with most pixels per byte first
   uint64_t parts = 0, seen_parts = 0;
-  uint64_t mistaken_parts = 0, mistaken_pixels = 0;  ///< seen, but taken for hidden on the way
+  uint64_t mistaken_parts = 0,
+           mistaken_pixels = 0;  ///< visible parts that an earlier estimate took for hidden
 };
 
-/// Adds visible parts of the converged cut that a coarser cut takes for hidden, for the look that errs most.
+/// Adds the visible parts of the converged cut that a coarser cut takes for hidden. Uses the coarser cut with
+/// most such parts.
 void addMistakes(Shares& shares, const std::vector<Look>& looks, const PixelCount& pixels,
                  const ModelSummary& model) {
   const std::vector<CutPart>& parts = looks.back().cut->parts;

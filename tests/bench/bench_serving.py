@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Throughput and latency of a server on one core, beside nginx on the same bytes: bench_serving.py BIN_DIR [PART ...]
+"""Measures throughput and latency of a server on one core, compared with nginx on the same bytes:
+bench_serving.py BIN_DIR [PART ...]
 
 throughput  64 KB and 8 KB blobs, some 1,500 of each, at random: nginx (sendfile off) and lodestreamd in turns, medians
 tls         the same under TLS 1.3
@@ -79,7 +80,7 @@ def on_client_core(command):
 
 
 def measured(process, command, what="bytes"):
-    """Bytes or requests a second, and a CPU second of the server."""
+    """Returns bytes or requests per second, and per CPU second of the server."""
     before = cpu_seconds(process)
     result = json.loads(on_client_core(command).splitlines()[-1])
     return result[what] / result["seconds"], result[what] / max(cpu_seconds(process) - before, 1e-9)
@@ -161,7 +162,7 @@ def http(bench):
                           cpu_ratio=statistics.median(run[3] / run[1] for run in runs), **(dict(bytes_an_idle_connection=grown) if crowd else {}))
 
 
-# The fields that viewers of other hosts and caches need, as `serve --http` sends them.
+# Header fields that viewers from other hosts and caches need, as `serve --http` sends them.
 FIELDS = """add_header Access-Control-Allow-Origin *; add_header Access-Control-Expose-Headers "Content-Length, Content-Range, ETag";
     add_header Timing-Allow-Origin *; add_header X-Content-Type-Options nosniff; add_header Referrer-Policy no-referrer;
     add_header Content-Security-Policy "default-src 'none'; connect-src 'self'; base-uri 'none'; form-action 'none'";
@@ -286,7 +287,8 @@ def sample_store(bench):
 
 
 def visible_in_server(metrics, figure):
-    """Upper bounds of a histogram's buckets in milliseconds, with the visible requests up to each."""
+    """Returns the upper bounds of a histogram's buckets in milliseconds, with the number of visible requests
+    up to each bound."""
     with urllib.request.urlopen(f"http://{metrics}/metrics", timeout=10) as answer:
         buckets = re.findall(rf'^lodestream_request_{figure}_seconds_bucket{{class="visible",le="(.*)"}} (\d+)$', answer.read().decode(), re.M)
     return [(1000 * float(end), int(count)) for end, count in buckets]

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Bytes and triangles of a view to one pixel: bench_views.py BIN_DIR STORE [STORE ...] [--places 4]
+"""Measures bytes and triangles of a view at an error of one pixel: bench_views.py BIN_DIR STORE [STORE ...]
+[--places 4]
 
 Stores are of one model. Cameras stand at random places of its surface, at the distances below, looking down at 30 degrees. Prints a
 row for each distance and store: medians over the places, and ratios to the first store at the same place.
@@ -34,7 +35,7 @@ def unit(a):
 
 
 def surface_of(bin_dir, store, folder):
-    """Points and triangles of a coarse cut."""
+    """Returns the points and triangles of a coarse cut."""
     path = folder / "coarse.obj"
     subprocess.run([bin_dir / "lodestreamd", "export", store, "--triangles", str(COARSE_TRIANGLES), "-o", path],
                    check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

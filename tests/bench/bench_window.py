@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Frame times of the window while a model streams into it: bench_window.py BIN_DIR TARGET... [--link]
+"""Measures frame times of the window while a model streams: bench_window.py BIN_DIR TARGET... [--link]
 
 A window of 1280 x 720 on an Xvfb flies an orbit twice: parts arrive on the first lap; on the second nearly all are resident. It runs
 with frame rate control (60 and 15 frames a second) and without (--pixels 1), and prints a row for each. Thresholds are in drawn pixels.
@@ -52,7 +52,7 @@ def fly(bin_dir, target, prefix, options):
 
 
 def line_through(points):
-    """Least squares of milliseconds over triangles: intercept and slope."""
+    """Returns intercept and slope of a least-squares line of milliseconds over triangles."""
     count = len(points)
     mean_x, mean_y = (sum(point[i] for point in points) / count for i in (0, 1))
     spread = sum((x - mean_x) ** 2 for x, _ in points)

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Prints results of benchmarks as a table: compare.py NOW [BEFORE]
 
-A file holds what a benchmark printed: JSON objects, one a line, or what Google Benchmark wrote with --benchmark_out. Rows of one
-name are runs of one measurement; the table has their medians. With two files it has both, and now ÷ before.
+A file contains the output of a benchmark: one JSON object per line, or the file of Google Benchmark's
+--benchmark_out. Rows with the same name are runs of one measurement; the table shows their medians. With two
+files, the table shows both and the ratio NOW ÷ BEFORE.
 """
 import argparse
 import json
@@ -13,7 +14,7 @@ TIME_UNITS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
 
 
 def rows_of(text):
-    """Rows of either format; of Google Benchmark's only the runs, not its own aggregates."""
+    """Reads the rows of a file in either format. Skips the aggregates of Google Benchmark."""
     try:
         benchmarks = json.loads(text)["benchmarks"]
     except (json.JSONDecodeError, KeyError, TypeError):
@@ -32,7 +33,7 @@ def is_figure(value):
 
 
 def medians(rows):
-    """Medians of the figures by name and key."""
+    """Returns the medians by name and key."""
     figures = {}
     for row in rows:
         name = ", ".join(str(value) for value in row.values() if not is_figure(value) and value is not None)

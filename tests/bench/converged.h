@@ -11,7 +11,7 @@
 
 namespace lode::bench {
 
-/// What a client of the store shows when all has come.
+/// The converged cut of a client of a store.
 class Converged {
  public:
   explicit Converged(const store::Reader& store)

@@ -10,7 +10,7 @@
 namespace lode::bench {
 namespace {
 
-constexpr size_t kSamples = 1000000;  // each way
+constexpr size_t kSamples = 1000000;  // samples in each direction
 
 struct Reference {
   double triangles, rms;
@@ -18,7 +18,7 @@ struct Reference {
 /// Errors of meshoptimizer 1.2 on the whole bunny.
 constexpr std::array<Reference, 3> kBunny{{{642, 2.30e-3}, {1822, 9.16e-4}, {18799, 1.13e-4}}};
 
-/// Reference error at a count, interpolated in log-log.
+/// Returns the reference error at a triangle count, interpolated in log-log.
 double bunnyReference(double triangles) {
   const Reference* from = triangles < kBunny[1].triangles ? &kBunny[0] : &kBunny[1];
   const double slope = std::log(from[1].rms / from[0].rms) / std::log(from[1].triangles / from[0].triangles);

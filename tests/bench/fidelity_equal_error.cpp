@@ -15,7 +15,7 @@
 namespace lode::bench {
 namespace {
 
-constexpr size_t kSamples = 500000;  // each way
+constexpr size_t kSamples = 500000;  // samples in each direction
 constexpr double kFirstStep = 0.9, kLadderStep = 0.5;
 
 using test::SampledDistance;
@@ -25,7 +25,8 @@ struct Measured {
   SampledDistance distance;
 };
 
-/// Falling triangle counts of the whole model's simplifications, down to errors larger than any cut's.
+/// Returns triangle counts for simplifications of the whole model, in descending order, down to errors above
+/// those of all cuts.
 std::vector<size_t> ladderOf(size_t triangles, size_t fewest) {
   const auto whole = static_cast<double>(triangles);
   std::vector<size_t> ladder{static_cast<size_t>(kFirstStep * whole)};
@@ -34,8 +35,8 @@ std::vector<size_t> ladderOf(size_t triangles, size_t fewest) {
   return ladder;
 }
 
-/// Smallest count that keeps an error, interpolated in log-log: the whole model's if only it keeps the error,
-/// none if even the coarsest simplification does.
+/// Returns the smallest triangle count within an error, interpolated in log-log. Returns the whole model's
+/// count if no simplification is within the error, and nothing if even the coarsest is.
 /// @param ladder  by falling counts.
 std::optional<double> trianglesAt(std::span<const Measured> ladder, double whole, double error,
                                   double SampledDistance::*kind) {
@@ -71,7 +72,8 @@ std::vector<Measured> measureMeshoptimizer(const FileSurface& surface, const Ori
   return result;
 }
 
-/// Measures collapse() on the whole model as one node with nothing locked: the cost of the hierarchy alone.
+/// Measures collapse() on the whole model as one node without locked vertices, to find the cost of the
+/// hierarchy.
 std::vector<Measured> measureCollapse(const FileSurface& surface, const Original& original,
                                       std::span<const size_t> ladder) {
   FileNode node = nodeOf(surface);
@@ -92,8 +94,8 @@ struct CutMeasured {
   Measured measured;
 };
 
-/// Adds to each cut's row its triangles ÷ the simplifier's at equal error; none if no simplification is so
-/// coarse.
+/// Adds to each cut's row the ratio of its triangles to the simplifier's at equal error. Adds none if no
+/// simplification is so coarse.
 void addRatios(const std::string& simplifier, std::span<const Measured> ladder, double whole,
                std::span<const CutMeasured> cuts, std::vector<nlohmann::ordered_json>& rows) {
   for (const bool is_max : {true, false}) {

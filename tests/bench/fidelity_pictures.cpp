@@ -39,9 +39,9 @@ bool isDrawn(const Image& picture, uint32_t x, uint32_t y) {
 }
 
 struct Comparison {
-  double inside_db = 0;  ///< over pixels where both show the model
-  double all_db = 0;     ///< over pixels where either does, silhouettes included
-  double share = 0;      ///< of the picture that the model covers
+  double inside_db = 0;  ///< PSNR of the pixels where both show the model
+  double all_db = 0;     ///< PSNR of the pixels where at least one shows the model
+  double share = 0;      ///< share of the picture that the model covers
 };
 
 double decibels(double squares, double count) {
@@ -77,7 +77,7 @@ void comparePictures(std::span<char* const> pairs, int halvings) {
       continue;
     }
     const Comparison result = compare(full, other);
-    const auto decibels_of = [](double db) {  // equal pictures have none
+    const auto decibels_of = [](double db) {  // equal pictures have no finite ratio
       return std::isfinite(db) ? nlohmann::ordered_json(db) : nlohmann::ordered_json();
     };
     printRow({{"picture", pairs[i + 1]},

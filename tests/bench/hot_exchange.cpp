@@ -1,5 +1,5 @@
 // Measures the drawing thread's work for new cuts of a scene with resident meshes: planning the exchange and
-// listing what is drawn, in one frame. Needs OpenGL 4.5, but no display.
+// listing the drawn parts in one frame. Needs OpenGL 4.5, but no display.
 
 #include <memory>
 #include <optional>
@@ -28,7 +28,7 @@ class Scene {
           std::make_shared<const Mesh>(test::makeGrid(2, 2, {.attributes = {}, .seed = i + 1})));
   }
 
-  /// The given number of parts and instances change their LOD in every other step.
+  /// Returns the cuts of a step. A given number of parts and instances change their LOD in every other step.
   std::shared_ptr<const core::ViewCuts> at(uint64_t step, const benchmark::State& state) const {
     auto placed = std::make_shared<core::ViewCuts>();
     for (uint32_t place = 0; place < kPlaces; ++place)
@@ -51,7 +51,7 @@ class Scene {
   std::vector<std::shared_ptr<const Mesh>> meshes_;
 };
 
-/// All instances have new cuts, as when the camera moves; the given number have other meshes.
+/// Gives all instances new cuts, as when the camera moves. A given number of instances have other meshes.
 void planAnExchange(benchmark::State& state) {
   const Scene scene;
   const auto from = scene.at(0, state), to = scene.at(1, state);

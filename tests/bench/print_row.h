@@ -7,7 +7,7 @@
 namespace lode::bench {
 
 /// Prints a measurement as one JSON object on a line, for tests/bench/compare.py: strings name the row,
-/// numbers are its figures.
+/// numbers are results.
 inline void printRow(const nlohmann::ordered_json& row) {
   std::puts(row.dump().c_str());
   std::fflush(stdout);

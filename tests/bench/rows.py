@@ -1,4 +1,4 @@
-"""Rows of benchmarks: JSON objects, one a line. Strings name a row, numbers are its figures; compare.py reads them."""
+"""Rows of benchmarks: one JSON object per line. Strings name a row, numbers are results; compare.py reads them."""
 import json
 
 

@@ -1,8 +1,9 @@
-// Loads a server as far as it goes: serving_load PORT MODEL FIRST LAST CONNECTIONS IN_FLIGHT SECONDS [tls].
-// Each connection keeps IN_FLIGHT requests open for random blobs from FIRST to LAST; with IN_FLIGHT 16,256
-// the first keeps 256 and the others 16. It reads headers and drops the bytes, so that one client core does
-// not limit one server core. Time starts when all connections have the model open. Prints blobs, bytes, bytes
-// of each connection, seconds, and percentiles of a request's time, which are exact if IN_FLIGHT is 1.
+// Loads a server to its limit: serving_load PORT MODEL FIRST LAST CONNECTIONS IN_FLIGHT SECONDS [tls]. Each
+// connection keeps IN_FLIGHT requests open for random blobs from FIRST to LAST; with "16,256" the first
+// connection keeps 256 and the others 16. The program reads headers and drops the other bytes, so that one
+// client core does not limit one server core. Time starts when all connections have the model open. Prints
+// blobs, bytes, bytes of each connection, seconds, and percentiles of a request's time, which are exact if
+// IN_FLIGHT is 1.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -36,7 +37,7 @@ constexpr uint64_t kEndlessWindow = uint64_t{1} << 60;
 
 struct Counter {
   uint64_t blobs = 0, bytes = 0;
-  std::vector<double> times_ms;  ///< from a Requests frame to the last byte of each of its blobs
+  std::vector<double> times_ms;  ///< time from a Requests frame to the last byte of each requested blob
 };
 
 class Client {
@@ -79,7 +80,7 @@ class Client {
     if (requests_ && open_ + std::min(kRefill, in_flight_) <= in_flight_) request();
   }
   bool opened() const noexcept { return opened_; }
-  /// Starts requesting, once the model is open.
+  /// Starts to send requests. Call it when the model is open.
   void begin() {
     requests_ = true;
     request();
@@ -125,7 +126,7 @@ class Client {
           {proto::RequestAction::kAdd, proto::RequestClass::kVisible, ++last_request_, any_(random_), 1});
     send(proto::encode(requests, 3));
   }
-  /// Reads may end within a frame: headers are joined, bodies are skipped.
+  /// Takes received bytes, which may end within a frame. Joins the parts of headers and skips bodies.
   void take(std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
       const size_t skipped = std::min(skip_, bytes.size());

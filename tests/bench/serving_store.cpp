@@ -1,5 +1,5 @@
-// Writes a store of some 1,500 blobs of noise of one size, and each blob as a file for a file server:
-// serving_store BLOB_BYTES OUT.lode FILES_FOLDER. Prints the numbers of the first and last payload.
+// Writes a store of about 1,500 random blobs of equal size, and a file with the bytes of each blob for a file
+// server: serving_store BLOB_BYTES OUT.lode FILES_FOLDER. Prints the numbers of the first and last payload.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace {
 using namespace lode;
 
 constexpr int kDepth = 3;
-constexpr uint32_t kInnerLods = 14;  ///< of each of 73 inner nodes; the 512 leaves have one
+constexpr uint32_t kInnerLods = 14;  ///< LODs of each of the 73 inner nodes; the 512 leaves have one LOD
 
 class StoreOfNoise {
  public:

@@ -12,7 +12,7 @@
 
 namespace lode::bench {
 
-/// Above a place of the surface, which it sees at an angle.
+/// Random views of a surface: above a point of the surface, looking down at an angle.
 class SurfaceCameras {
  public:
   SurfaceCameras(const store::Reader& store, uint32_t width_px, uint32_t height_px)
@@ -25,7 +25,7 @@ class SurfaceCameras {
       if (size[axis] * 3 < std::max({size.x, size.y, size.z})) flat_axis_ = axis;
   }
 
-  /// @param diagonals  of the model's box, from the surface.
+  /// @param diagonals  distance from the surface, in diagonals of the model's box.
   core::View next(double diagonals) {
     glm::dvec3 out = glm::normalize(glm::dvec3(number(), number(), number()));
     if (flat_axis_ >= 0) out = glm::normalize(out * 0.6 + axis(flat_axis_));

@@ -3,8 +3,8 @@
 
 usage: check_manifests.py FOLDER
 
-Unknown keys, wrong types and keys that are missing are printed, a line each; exit status 1 if there are any, or no manifest.
-kubectl checks manifests only where there is a server.
+Prints a line for each unknown key, wrong type and missing key. Exits with 1 if there is one, or if there is
+no manifest. kubectl would need a server to check manifests.
 """
 
 import re
@@ -18,7 +18,7 @@ from kubernetes.client import models
 SCALARS = {"str": str, "int": int, "float": (int, float), "bool": bool, "datetime": (str, datetime)}
 # Names that this release of the client does not know, with their older names.
 OLDER = {"V2HorizontalPodAutoscaler": "V2beta2HorizontalPodAutoscaler"}
-# Files of kubectl and of a chart, which are not objects of the API.
+# Files for kubectl and for a chart, which are not objects of the API.
 NOT_OF_THE_API = {"kustomization.yaml", "prometheus-adapter.yaml"}
 
 

@@ -38,7 +38,8 @@ def image_size(image):
 
 
 class Network:
-    """A namespace "hub" and others, each linked to it: programs in the hub reach all by their addresses."""
+    """A network namespace "hub" and other namespaces, each linked to the hub. Programs in the hub reach all
+    of them."""
 
     def __init__(self, names):
         self.prefix = f"lode{os.getpid()}"

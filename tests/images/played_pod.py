@@ -16,7 +16,7 @@ from container import run
 MANIFESTS = Path(__file__).resolve().parents[2] / "docker" / "kubernetes"
 MODELS, SCANS, SECRET = "lodestream-models", "lodestream-scans", "lodestream"
 
-# Podman asks for limits of open files and processes that only a machine's own root may set.
+# Removes podman's limits of open files and processes, which only the root user of the machine may set.
 RUNTIME = """#!{python}
 import json, os, sys
 if "create" in sys.argv:
@@ -38,7 +38,7 @@ limited = ["{runtime}"]
 
 
 class Played:
-    """A pod that podman plays while the `with` lasts."""
+    """A pod that podman runs until the end of the `with` block."""
 
     def __init__(self, folder, played, container, volumes):
         """played: an object that podman knows. volumes: folders by the names of their claims."""
@@ -81,7 +81,7 @@ class Played:
 
 
 class PlayedJob(Played):
-    """The Job as the pod that it makes, since podman 4.3 knows no jobs."""
+    """The pod of the Job, because podman 4.3 does not support jobs."""
 
     def __init__(self, folder, scans, models):
         """Folders of the scan and of its store."""

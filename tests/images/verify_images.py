@@ -87,7 +87,7 @@ def build_images(options):
 
 
 def check_files():
-    """Checks files of other programs by these programs or their types."""
+    """Checks the files for other programs with these programs or their types."""
     environment = {**os.environ, "SERVER_A": "127.0.0.2", "SERVER_B": "127.0.0.3", "LODESTREAM_MODELS": "/tmp", "GRAFANA_PASSWORD": "a"}
     run("docker-compose", "-f", DOCKER / "compose.yaml", "config", "-q", env=environment)
     del environment["LODESTREAM_MODELS"]
@@ -170,7 +170,7 @@ def check_metrics(network, folder, addresses):
 
 
 def drain(network, folder, servers, models):
-    """Restarts each server in turn while clients connect; none may fail."""
+    """Restarts each server in turn while clients connect. No client may fail."""
     fetched = 0
     for name in list(servers):
         servers[name].kill("TERM")

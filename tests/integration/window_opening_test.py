@@ -37,11 +37,8 @@ class Failure(WindowTest):
                 with self.subTest(target), self.window(target, is_open=False, stderr=subprocess.PIPE) as window:
                     with window.process.stderr as stderr:
                         lines = (line.decode() for line in stderr)
-                        self.assertIn(said, next(line for line in lines if line.startswith("lodestream")))  # libraries
-                                                                                                            # may
-                                                                                                            # print
-                                                                                                            # further
-                                                                                                            # lines
+                        # Libraries may print further lines.
+                        self.assertIn(said, next(line for line in lines if line.startswith("lodestream")))
                         self.assertEqual(size_of(window.picture()), (WIDTH, HEIGHT))
                         self.assertGreater(reds_of(window.screen()), 100)
                         window.key(key)

@@ -13,7 +13,7 @@ def crowd_row(run):
 
 
 def crowd_plot(title, sampler, *probes):
-    """probes: pairs of a name and the JSON object that probe.py printed."""
+    """Describes a crowd. probes: pairs of a name and the JSON object that probe.py printed."""
     plot, samples = Plot(title), sampler.samples
     plot.panel("a request's ms", *((name, *zip(*probe["times"])) for name, probe in probes if probe["times"]), log=True)
     plot.panel("connections", ("", [s["t"] for s in samples], [s.get("connections", 0) for s in samples]))
@@ -23,7 +23,7 @@ def crowd_plot(title, sampler, *probes):
 
 
 def arrive(stage, clients, seconds, title):
-    """Lets the clients arrive within a quarter of the time. The server must serve all of them."""
+    """Runs clients that arrive within the first quarter of the scenario. The server must serve all of them."""
     server = stage.server("--max-connections", clients + 100)
     with Sampler([server]) as sampler:
         probe, crowd = stage.probe(server.listen, seconds), stage.crowd(server.listen, clients, seconds)

@@ -198,7 +198,7 @@ class ServiceManager(unittest.TestCase):
 
 
 class Latency(unittest.TestCase):
-    """The latency histograms, with a client that lets its requests wait for seconds."""
+    """Tests the latency histograms with a client that lets its requests wait for seconds."""
 
     REQUESTS, HELD_S = 4000, 3.0
 

@@ -13,7 +13,7 @@ def longest_gap(times, seconds):
 
 
 def under_load(stage, title, servers, listen, seconds, act, allowed_failures):
-    """Runs a crowd and a probe for some seconds, and act() meanwhile."""
+    """Runs a crowd and a probe for some seconds, and calls act() meanwhile."""
     clients = 20 if stage.short else 200
     with Sampler(servers) as sampler:
         probe, crowd = stage.probe(listen, seconds), stage.crowd(listen, clients, seconds)

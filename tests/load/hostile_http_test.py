@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Runs hostile HTTP clients against a server: it stays within its memory, ends them in time, and serves polite clients meanwhile.
+"""Runs hostile HTTP clients against a server. The server must stay within its memory, end these clients in
+time, and serve polite clients meanwhile.
 
     hostile_http_test.py BIN_DIR MODELS_DIR SOURCE_DIR
 

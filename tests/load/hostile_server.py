@@ -52,7 +52,7 @@ def flood_and_read(piece):
 
 
 def say(piece):
-    """Returns a behaviour that sends one piece after the first picture and is then silent."""
+    """Returns a behaviour that sends one piece after the first picture, then nothing more."""
     def behave(client, sound):
         sound.forward_first_picture(client)
         client.sendall(piece)
@@ -108,7 +108,7 @@ def overcount(piece):
 
 
 def slowly(client, sound):
-    """Sends a byte at a time."""
+    """Sends one byte at a time."""
     sound.follow(client)
     for piece in sound.frames():
         for byte in range(len(piece)):
@@ -117,7 +117,7 @@ def slowly(client, sound):
 
 
 def stop_in_a_frame(client, sound):
-    """Sends half of the first frame after the first picture, and is silent."""
+    """Sends half of the first frame after the first picture, then nothing more."""
     sound.follow(client)
     for piece in sound.first_picture():
         client.sendall(piece)
@@ -218,7 +218,7 @@ class Sound:
         return self.all
 
     def first_picture(self):
-        """Frames until the root's page and its coarsest LOD are complete, or two frames of a list."""
+        """Yields frames until the root's page and coarsest LOD are complete, or two frames of a list."""
         blobs = 0
         for piece in self.all:
             yield piece
@@ -246,7 +246,7 @@ class Sound:
 
 
 class HostileServer:
-    """Listens on loopback and misbehaves towards every connection; ended with the `with`."""
+    """Listens on loopback and misbehaves towards every connection, until the end of the `with` block."""
 
     def __init__(self, sound, behave):
         host, port = sound.rsplit(":", 1)

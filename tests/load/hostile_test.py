@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Runs every client against hostile servers: each ends in its time, within its memory, with a line that says why.
+"""Runs every client against hostile servers. Each client must end in time, within its memory, with a line
+that says why.
 
     hostile_test.py BIN_DIR MODELS_DIR SOURCE_DIR
 
@@ -25,7 +26,8 @@ WINDOW_BUDGET = 256 << 20  # includes the memory of the driver that draws in sof
 TIMEOUT_S, SLACK_S = 1.5, 12  # the slack is for a busy machine
 WITH_A_WINDOW = {"floods Ping and reads nothing", "floods GoAway", "sends a byte at a time", "lies about digests", "stops in a frame"}
 HARMLESS = {"sends a byte at a time", "lies about counts"}  # a client may get all that it wants
-# Floods of frames that the protocol allows: the root before the flood can be all that a client wants.
+# Floods of frames that the protocol allows. A client may succeed, if it needs only the root, which precedes
+# the flood.
 LEGAL_FLOODS = {"floods Ping and reads nothing", "floods Ping and reads", "floods GoAway", "floods frames to skip"}
 GOOD_ENDS = {"list", "loadtest"}  # a list needs little, and a load test reports what it measured
 

@@ -45,7 +45,7 @@ def keys_of(value):
 
 
 class JsonPage(unittest.TestCase):
-    """Each section of docs/json.md describes one command."""
+    """Returns the sections of docs/json.md by command."""
 
     def setUp(self):
         with open(os.path.join(SOURCE, "docs", "json.md")) as page:

@@ -1,5 +1,5 @@
-"""Scenario with a server that is under load for long while everything around it changes. Nothing may grow, and only intended
-failures may happen."""
+"""Scenario of a server under load for a long time while its stores, tokens, certificates and clients change.
+Memory and descriptors must not grow, and only intended failures may happen."""
 import contextlib
 import math
 import os

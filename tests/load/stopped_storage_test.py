@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""A store whose storage stops is not a damaged one: stopped_storage_test.py BIN_DIR MODELS_DIR SOURCE_DIR"""
+"""Tests that a store whose storage stops does not count as damaged: stopped_storage_test.py BIN_DIR
+MODELS_DIR SOURCE_DIR"""
 import contextlib
 import json
 import os
@@ -19,7 +20,7 @@ REPORTED = "cannot be read"
 
 
 def preloads():
-    """The libraries to preload. A sanitizer's must come first."""
+    """Returns the libraries to preload. A sanitizer's library must come first."""
     shim = os.path.join(BIN, "libstopped_storage.so")
     linked = subprocess.run(["ldd", os.path.join(BIN, "lodestreamd")], capture_output=True, text=True).stdout
     sanitizers = [line.split()[2] for line in linked.splitlines() if "libasan" in line or "libtsan" in line]

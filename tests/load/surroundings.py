@@ -1,5 +1,5 @@
-"""Surroundings of a server: a slow disk, a long link. Both need root. They leave nothing behind: after a kill, the next process
-removes what is named after a process that no longer exists.
+"""Surroundings of a server: a slow disk, a long link. Both need root. They leave nothing behind: after a
+kill, the next process removes everything that is named after an ended process.
 """
 import contextlib
 import os

@@ -30,7 +30,7 @@ def release():
 
 
 def why_not():
-    """Why no clean root can be made here; empty if one can."""
+    """Returns the reason why no clean root can be made here; empty if one can."""
     if os.geteuid() != 0:
         return "only root can make a Debian root"
     if not release():
@@ -71,7 +71,8 @@ class CleanRoot(unittest.TestCase):
         self.in_root("apt-get", "install", "-y", "--no-install-recommends", *words)
 
     def files(self):
-        """Every path outside of CHANGED_BY_TOOLS, with the target of a link and a hash of a file in /etc."""
+        """Returns every path outside of CHANGED_BY_TOOLS, with the target of each link and a hash of each
+        file in /etc."""
         found = {}
         for folder, folders, names in os.walk(self.root):
             inside = os.path.relpath(folder, self.root)

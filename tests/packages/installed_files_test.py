@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests what is installed beside the programs: installed_files_test.py BUILD"""
+"""Tests the files that are installed with the programs: installed_files_test.py BUILD"""
 import pathlib
 import re
 import shutil
@@ -28,12 +28,12 @@ def commands_of(program):
 
 
 def options_of(program, command):
-    """The long options of a command: in its help they begin a line, maybe after a short one."""
+    """Returns the long options of a command. In its help each begins a line, possibly after a short option."""
     return set(re.findall(r"^ +(?:-\w, *)?(--[a-z][a-z-]*)", help_of(program, command), re.M))
 
 
 def texts_of(program, command):
-    """What the help of a command says of its options and arguments: the text beside or below each name."""
+    """Returns the help texts of a command's options and arguments: the text beside or below each name."""
     lines = [line.strip() for line in help_of(program, command).splitlines() if re.match(r" {20,}\S|  .*\S {2,}\S", line)]
     return {re.split(" {2,}", line)[-1] for line in lines}
 
@@ -94,7 +94,7 @@ class Completion(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def offers(self, *words):
-        """What bash offers in place of the last word."""
+        """Returns the completions that bash offers for the last word."""
         script = """source "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMPREPLY=()
             _lodestream "$1" "${!#}" "${COMP_WORDS[COMP_CWORD - 1]}"; printf '%s\\n' "${COMPREPLY[@]}" """
         offered = said("bash", "-c", script, PACKAGING / "completion.bash", BUILD / "bin" / words[0], *words[1:], cwd=self.folder)

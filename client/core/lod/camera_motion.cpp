@@ -58,8 +58,8 @@ std::optional<View> CameraMotion::predict(TimePoint now, Seconds ahead) const {
   if (glm::angle(turn) > kLargestTurnRad) return std::nullopt;
   const double factor = (ahead + (now - last.at)) / passed;
   const glm::dvec3 path_model = last.view.eye_model - first.view.eye_model;
-  // Treat the recorded and the predicted path as arcs. The chord of the predicted arc is the chord of the
-  // recorded arc, rotated by the mean of the two arcs' angles and scaled by the ratio of the chords' lengths.
+  // Treat the recorded and the predicted path as arcs of one circle. Rotate the recorded chord by the mean of
+  // the arcs' angles, and scale it to the length of the predicted chord.
   const double angle = glm::angle(turn);
   const double stretch =
       angle < 1e-6 ? factor : std::sin(std::min(angle * factor, 3.0) / 2) / std::sin(angle / 2);

@@ -1,4 +1,4 @@
-/** Short forms for the document. */
+/** Helper functions for the document. */
 
 /** Returns the element of a selector. @throws Error if the page has none, which is a defect. */
 export function find<T extends Element = HTMLElement>(selector: string): T {

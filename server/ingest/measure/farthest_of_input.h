@@ -12,8 +12,8 @@ namespace lode::ingest {
 
 struct FarthestOfInput {
   float steps = 0;
-  /// The farthest point, unless it is a position of the input. Its `near` is a corner of the triangle that
-  /// contains the point.
+  /// Farthest point, if it lies inside a triangle; empty if it is a position of the input. `near` is a corner
+  /// of the triangle.
   std::optional<SurfaceSample> inside;
 };
 

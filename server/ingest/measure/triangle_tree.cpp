@@ -43,7 +43,8 @@ TriangleCorners exactly(const PackedTriangle& triangle) {
 /// Returns a limit for the squared distances of boxes, which have only single precision. A box above the
 /// limit contains no point within `distance`.
 float squaredReach(double distance) {
-  constexpr double kRounding = 1;  // lattice steps; more than the rounding of three coordinates below 2^21
+  constexpr double kRounding =
+      1;  // more than the rounding errors of three coordinates below 2^21, in lattice steps
   return static_cast<float>((distance + kRounding) * (distance + kRounding));
 }
 

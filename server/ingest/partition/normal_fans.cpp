@@ -129,8 +129,8 @@ NormalFans findFans(const NodeMesh& mesh, const CreaseAngle& crease) {
   std::vector<glm::vec3> directions;
   std::vector<bool> may_part(positions);
   if (!crease.has_none) {
-    // Quick test: two faces meet within the crease angle if both normals are within half that angle of one
-    // axis.
+    // Quick test: if both normals are within half the crease angle of one axis, two faces meet within the
+    // crease angle.
     std::vector<glm::vec3> axes;
     for (const glm::i64vec3& sum : whole) axes.push_back(directionOf(sum));
     for (const glm::u32vec3& t : mesh.triangles) directions.push_back(directionOf(crossOf(mesh, t)));

@@ -172,8 +172,8 @@ ReadResult Connection::readChunk(const Chunk& chunk, std::span<std::byte> into) 
   const std::shared_ptr<ColdRead> read = std::move(*cold);
   cold_.erase(cold);
   reading_.give(read->chunk.bytes);
-  // The window or the write can be smaller now than at the start of the read. Then use the beginning; the
-  // rest is read again later.
+  // The client's window or the size of a write may have shrunk during the read. Send the beginning, and read
+  // the rest again later.
   if (read->result == ReadResult::kDone) {
     const size_t there = std::min(read->bytes.size(), into.size());
     std::memcpy(into.data(), read->bytes.data(), there);

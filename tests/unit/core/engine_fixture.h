@@ -116,7 +116,7 @@ class EngineTest : public testing::Test {
                          2);
   }
 
-  /// Refuses a request because the store is damaged.
+  /// Opens a model whose coarsest LOD the server refuses, because the store is damaged.
   void openWithoutTheCoarsest() {
     engine_.setView(view_, 1000);
     engine_.connect(kStart);

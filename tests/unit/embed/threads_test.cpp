@@ -1,4 +1,4 @@
-// Thread creation fails: the embedding program continues and gets an error.
+// Tests that an embedding program gets an error and continues if no thread can be created.
 
 #include <climits>
 #include <string>

@@ -240,7 +240,7 @@ TEST_P(HiddenBy, isLeftOutBehindOtherInstances) {
     };
     double at_rest = 0;
     for (int again = 0; again < 5; ++again) at_rest = expectSamePicture();
-    if (frame == 8) {  // one is in front of the other
+    if (frame == 8) {  // one instance is in front of the other
       EXPECT_LT(at_rest, 0.75);
       EXPECT_GT(at_rest, 0);
     }

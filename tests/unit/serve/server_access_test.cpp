@@ -1,4 +1,4 @@
-// Access: tokens, TLS, the balancer's header, reloads.
+// Tests of access: tokens, TLS, the balancer's header, reloads.
 
 #include <fstream>
 #include <functional>

@@ -23,7 +23,7 @@ MeasuredValue lengthOf(const std::vector<PickedPoint>& points) {
   return length;
 }
 
-/// A leg of length l whose ends are off by u and v in total turns by at most asin((u + v) / l).
+/// If the ends of a leg of length l are off by u and v, the leg turns by at most asin((u + v) / l).
 MeasuredValue angleOf(const std::vector<PickedPoint>& points) {
   const PickedPoint& corner = points[1];
   MeasuredValue angle{.power = 0};
