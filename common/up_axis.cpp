@@ -16,7 +16,8 @@ constexpr double kOpenFactor = 1.5;  ///< required ratio of this sum to the sum 
 constexpr double kFootPart = 0.03;
 /// Height of the zone at either end of an axis, relative to the mesh's extent.
 constexpr double kFootHeight = 0.03;
-/// A triangle is flat if the angle between its normal and the axis has at least this cosine.
+/// A triangle is flat (perpendicular to an axis) if the angle between its normal and the axis has at least
+/// this cosine.
 constexpr double kDownwards = 0.7;
 
 /// Areas of a mesh's triangles, in total and by axis.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr unsigned kFinal = 0x80, kReserved = 0x70, kOpcode = 0x0F;  ///< first byte of a header
 constexpr unsigned kMasked = 0x80, kLength = 0x7F;                   ///< second byte
-constexpr unsigned kLength16 = 126, kLength64 = 127;                 ///< lengths that announce a longer form
+constexpr unsigned kLength16 = 126, kLength64 = 127;                 ///< lengths that announce a longer field
 constexpr size_t kShortHeaderBytes = 2, kMaskBytes = 4;
 constexpr size_t kKeyDigits = 24;
 /// Limit of the waiting answers to Ping. A client that pings faster than it reads gets no further answers.

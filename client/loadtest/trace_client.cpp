@@ -88,7 +88,7 @@ void TraceClient::step(core::TimePoint now) {
 void TraceClient::connect(core::TimePoint now) {
   if (const core::Session* const older = connection_.session(core::SessionRole::kDraining);
       older != nullptr && connection_.session())
-    counts_.failed_requests += older->openRequests();  // two servers have shut down in short succession
+    counts_.failed_requests += older->openRequests();  // after two servers' shutdowns
   // An active session becomes the draining one. If there is none, the draining session keeps its transport.
   if (connection_.session()) leaving_ = std::move(newest_);
   newest_ = std::make_unique<net::TcpTransport>(io_, plan_.route, [this] { receive(); });

@@ -234,7 +234,7 @@ asio::awaitable<void> TcpTransport::State::writeAll() {
       const asio::const_buffer whole = asio::buffer(bytes);
       asio::error_code error;
       co_await stream->write(std::span(&whole, 1), error);
-      if (error) co_return;  // readAll() reports the end, after all received bytes
+      if (error) co_return;  // readAll() reports the end of the connection, after all received bytes
       if (endWrite()) wakeUp();
     }
   }

@@ -25,7 +25,7 @@ class SegmentTree {
  private:
   struct Box {
     glm::dvec3 min, max;
-    uint32_t first = 0, count = 0;  ///< range of the segments inside the box
+    uint32_t first = 0, count = 0;  ///< index range of the segments inside the box
     uint32_t right = 0;  ///< index of the second child, or 0 in a leaf; the first child is the next box
   };
   uint32_t build(uint32_t first, uint32_t count);

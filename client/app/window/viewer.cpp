@@ -308,7 +308,7 @@ void Viewer::describe() {
   content_.scale_marks.reset();
   if (rig_ && shows_scale_) {
     content_.scale_marks = ScaleMarks{std::nullopt, axesInPicture(rig_->view())};
-    if (rig_->kind() == CameraKind::kOrbit)  // other cameras have no distance to measure at
+    if (rig_->kind() == CameraKind::kOrbit)  // other cameras have no distance for the scale bar
       content_.scale_marks->bar = scaleBarOf(rig_->view(), rig_->distanceModel(),
                                              kScaleBarPx * window_.contentScale(), choices_.unit);
   }

@@ -13,7 +13,8 @@ namespace lode::core {
 class CameraMotion {
  public:
   void record(const View& view, TimePoint now);
-  /// Extrapolates the motion along a helix: in the camera's own frame, velocity and rotation stay constant.
+  /// Extrapolates the motion with constant velocity and rotation in the camera's own frame, so that the path
+  /// is a helix.
   /// @return nothing if the camera does not move, or if the camera has jumped.
   std::optional<View> predict(TimePoint now, std::chrono::duration<double> ahead) const;
 

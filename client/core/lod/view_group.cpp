@@ -153,8 +153,7 @@ ViewGroup::Gathered ViewGroup::refineWithin(const Model& model) {
   }
   wanted_bytes_ = wanted.bytes;
   if (coarsening_ == 0) return gathered;
-  // Estimate the memory: halving the threshold quadruples the triangles, at most to those of the original
-  // model.
+  // Estimate the memory: halving the threshold quadruples the triangles, at most up to the original number.
   const uint64_t triangles = model.summary().triangles;
   const double most_bytes =
       std::max(static_cast<double>(wanted.bytes),

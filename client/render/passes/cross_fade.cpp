@@ -183,7 +183,7 @@ void CrossFade::endFadesInSight(const core::ViewFrustum& frustum, double now_s) 
 }
 
 /// Fills items_. The dither range of a part ends at the progress of its own fade. The range of a leaving part
-/// begins at the progress of the parts that replace it, the range of any other part at 0.
+/// begins at the progress of its replacements; other ranges begin at 0.
 void CrossFade::list(double now_s) {
   items_.clear();
   items_.reserve(live_.size() + leaving_.size());

@@ -142,7 +142,7 @@ async function keepPicture(build_id: string, picture: Blob): Promise<void> {
   try {
     await (await caches.open(kCacheName)).put(keyOf(build_id), new Response(picture));
   } catch {
-    // The quota is exhausted.
+    // Ignored: the storage quota is exhausted.
   }
 }
 

@@ -18,8 +18,8 @@ struct ErrorWitness {
   double distance = 0;       ///< distance between `point` and `nearest`
   glm::dvec3 point{0};       ///< a point of the LOD, or of the original triangles below its node
   glm::dvec3 nearest{0};     ///< the point of the other surface or of its boundary that is nearest to `point`
-  bool of_lod = false;       ///< `point` is on the LOD
-  bool on_boundary = false;  ///< `distance` is the distance between boundaries
+  bool of_lod = false;       ///< true if `point` is on the LOD
+  bool on_boundary = false;  ///< true if `distance` is the distance between boundaries
 };
 
 /// Measures again, in double precision, how far the point in `measured` is from the other surface: from the

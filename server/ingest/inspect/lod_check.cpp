@@ -202,7 +202,7 @@ FarPoint LodCheck::farthestOf(const LeafSurface& leaf) const {
   return found;
 }
 
-/// Lowers the distances in nearest_ of those points of the LOD that are nearer to this leaf than to earlier
+/// Lowers the distance in nearest_ of each point of the LOD that is nearer to this leaf than to all earlier
 /// leaves.
 void LodCheck::bringNearer(const LeafSurface& leaf) {
   const glm::dvec3 shift(glm::ivec3(leaf.box.min) - glm::ivec3(origin_));

@@ -143,7 +143,7 @@ class Scheduler {
     std::unique_lock lock(mutex_);
     ++idle_;
     while (!failure_ && done_ < plan_.size()) {
-      if (idle_ > 0) {  // if idle_ is 0, all waiting workers, including this worker, are lent to other nodes
+      if (idle_ > 0) {  // if idle_ is 0, all waiting workers (this one too) are lent to other nodes
         if (const std::optional<Taken> next = nextWithRoom()) return next;
       }
       changed_.wait(lock);

@@ -13,7 +13,7 @@ double cross(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// Rules for accepting a corner as an ear, from strict to lax. Simple polygons need at most kFlat.
+/// Rules for accepting a corner as an ear, from strict to lax. No simple polygon needs a rule beyond kFlat.
 enum Tolerance { kStrict, kTouching, kFlat, kConvex, kAny };
 
 /// A grid of square cells with about one point per cell, which finds the points near a triangle.

@@ -53,7 +53,7 @@ class Tile:
         return [tile for child in self.description.get("children", []) for tile in self._tileset.tiles_of(child, self.page)]
 
     def distance(self, eye):
-        """Distance of a point in the model frame from the box, whose axes are those of the frame."""
+        """Returns the distance of a point from the axis-aligned box, both in the model frame."""
         half = (self.box[3], self.box[7], self.box[11])
         return math.hypot(*(max(0, abs(e - c) - h) for e, c, h in zip(eye, self.box, half)))
 

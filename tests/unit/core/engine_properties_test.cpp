@@ -173,7 +173,7 @@ class World {
     ASSERT_EQ(problem, "");
   }
 
-  /// Expects that all memory shares hold, except that the hierarchy may exceed its share by one requested
+  /// Expects that all memory shares hold. Exceptions: the hierarchy may exceed its share by one requested
   /// page, and a blob larger than the transit share is requested and decoded alone.
   void expectWithinBudget() const {
     const EngineCounts counts = engine_.counts();

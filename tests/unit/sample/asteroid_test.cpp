@@ -49,8 +49,8 @@ TEST(Asteroid, isOfRadiusAboutOne) {
 }
 
 TEST(Asteroid, hasReliefDownToItsTriangles) {
-  // A sphere of n triangles has dihedral angles that fall as the triangles shrink; relief at every scale
-  // keeps them.
+  // On a smooth sphere, the angles between neighbouring triangles shrink with the triangles. Relief at every
+  // scale prevents this.
   const auto mean_bend = [](uint64_t triangles) {
     const PlyContent content = asteroid(triangles);
     std::map<DirectedEdge, glm::dvec3> normals;

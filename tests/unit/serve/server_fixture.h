@@ -57,8 +57,8 @@ class ServerTest : public testing::Test {
           {RequestAction::kAdd, RequestClass::kVisible, blob, blob, static_cast<float>(blob)});
     return requests;
   }
-  /// Connects again and again until the server has noticed that earlier clients ended and sends Welcome.
-  /// @return nothing if it never does.
+  /// Connects repeatedly until the server has noticed that earlier clients ended, and sends Welcome. @return
+  /// nothing if the server never sends Welcome.
   std::unique_ptr<TestClient> letInSoon() {
     const auto end = std::chrono::steady_clock::now() + 20s;
     while (std::chrono::steady_clock::now() < end) {

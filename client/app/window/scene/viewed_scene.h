@@ -111,7 +111,7 @@ class ViewedScene {
   uint64_t drawnSerial() const;
   // Returns true while parts fade, so that the next picture differs from the last even without a new cut.
   bool fading() const;
-  /// Returns true while colours that depend on the age of parts change, which also changes the next picture.
+  /// Returns true while the picture changes because colours depend on the age of parts.
   bool ageing() const;
 
   struct GpuUse {

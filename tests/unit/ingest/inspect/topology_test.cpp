@@ -121,7 +121,7 @@ TEST(Topology, countsAsManyLostTrianglesAsABuildDrops) {
     model.faces.corner_counts.push_back(corners);
     for (uint32_t c = 0; c < corners; ++c) {
       model.faces.corners.push_back(model.vertices.size());
-      // Some corners of a face are adjacent, on a lattice of thousands of steps.
+      // Makes some corners of a face neighbours on a lattice of thousands of steps.
       model.vertices.push_back(
           {.position = {static_cast<double>(random() % 3) + 1e-9 * c, face % 50, face % 7}});
     }

@@ -1,4 +1,4 @@
-// Runs of faces without corners, as in files with sparse counts.
+// Tests of many consecutive faces without corners.
 
 #include <cstdint>
 #include <random>

@@ -39,7 +39,7 @@ Mesh paintedSheet(uint8_t bits) {
     VertexAttributes attributes;
     if (bits & AttributeSet::kColour) attributes.colour = glm::u8vec4(glm::round(colourAt(p.x, p.y)), 255);
     if (bits & AttributeSet::kNormal) attributes.normal = encodeOctahedral(glm::vec3(normalAt(p.x, p.y)));
-    if (bits & AttributeSet::kTexture)  // a map that is stretched in the middle
+    if (bits & AttributeSet::kTexture)  // texture coordinates that are stretched in the middle
       attributes.texture = glm::u16vec2(30000 + 20000 * std::tanh((p.x - 2000.0) / 300), 10.0 * p.y);
     sheet.vertex_attributes.push_back(attributes);
   }
