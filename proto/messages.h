@@ -62,8 +62,8 @@ enum class RequestAction : uint8_t { kAdd = 0, kReprioritise = 1, kCancel = 2 };
 struct RequestChange {
   RequestAction action = RequestAction::kAdd;
   RequestClass request_class = RequestClass::kVisible;
-  uint32_t request = 0;   ///< number above 0 that the client chooses; unique among the session's open
-                          ///< requests
+  /// Number above 0 that the client chooses; unique among the session's open requests.
+  uint32_t request = 0;
   uint32_t blob = 0;      ///< number of the blob in the model's store; used by kAdd only
   float priority_px = 0;  ///< projected error; within a class, the highest priority is served first
   bool operator==(const RequestChange&) const = default;

@@ -77,8 +77,9 @@ class TraceClient final : public LoadClient {
   core::ServerLeaving turned_away_;
   uint32_t first_lod_ = 0;  ///< blob of the root's coarsest LOD
   Transport newest_, leaving_;
-  Transport ended_;  ///< transport of an ended connection, destroyed in the next step(), because a transport
-                     ///< must not be destroyed in its own callback
+  /// Transport of an ended connection, destroyed in the next step(), because a transport must not be
+  /// destroyed in its own callback.
+  Transport ended_;
 };
 
 }  // namespace lode::app

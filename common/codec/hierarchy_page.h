@@ -36,8 +36,8 @@ struct Node {
   /// them for nodes outside the view. Only the errors of far LODs may exceed the errors of the parent. The
   /// root and leaves have no far LODs.
   uint32_t far_lods = 0;
-  BlobRef child_page;  ///< page that contains the children; empty reference if the node's own page contains
-                       ///< them
+  /// Page that contains the children; empty reference if the node's own page contains them.
+  BlobRef child_page;
 
   bool operator==(const Node&) const = default;
   bool isLeaf() const noexcept { return child_mask == 0; }

@@ -27,8 +27,8 @@ struct ModelSummary {
   float max_error_model = 0;  ///< error of the root's coarsest LOD
   uint32_t triangles_per_node = 0;
   BlobRef root_page;
-  BlobRef textures;  ///< the texture set (common/codec/texture_set.h); empty reference if the model has no
-                     ///< textures
+  /// The texture set (common/codec/texture_set.h); empty reference if the model has no textures.
+  BlobRef textures;
 
   bool operator==(const ModelSummary&) const = default;
 };

@@ -17,9 +17,9 @@
 /// thread safe.
 namespace lode {
 
-constexpr uint32_t kTilePx = 512;       ///< longest edge of a tile's image, with gutters
-constexpr uint32_t kTileGutterPx = 2;   ///< width of the border that repeats texels of the neighbouring
-                                        ///< tiles, for filtering
+constexpr uint32_t kTilePx = 512;  ///< longest edge of a tile's image, with gutters
+/// Width of the border that repeats texels of the neighbouring tiles, for filtering.
+constexpr uint32_t kTileGutterPx = 2;
 constexpr uint32_t kTileInnerPx = 508;  ///< largest edge of a tile without gutters
 static_assert(kTileInnerPx + 2 * kTileGutterPx == kTilePx);
 

@@ -29,8 +29,8 @@ namespace lode::serve {
 
 namespace {
 
-constexpr uint64_t kOtherDescriptors = 64;  ///< descriptors reserved for everything except connections,
-                                            ///< stores and refusals
+/// Descriptors reserved for everything except connections, stores and refusals.
+constexpr uint64_t kOtherDescriptors = 64;
 constexpr auto kMaintainEvery = std::chrono::milliseconds(100);
 constexpr const char* kOpenKey = "other users can read or change the private key; chmod it to 600";
 /// Smallest number of freed bytes for which maintain() calls malloc_trim().

@@ -16,12 +16,12 @@ struct VerifyReport {
   uint64_t bytes = 0;
   uint64_t blobs = 0;
   uint64_t nodes = 0;
-  uint64_t payloads = 0;    ///< number of payloads decoded
-  uint64_t triangles = 0;   ///< number of triangles decoded, over all LODs
-  uint64_t tiles = 0;       ///< number of texture tiles decoded
-  uint64_t open_edges = 0;  ///< number of open edges in the cut of all leaves; they border holes or the rim
-                            ///< of the scan
-  uint64_t cuts = 0;        ///< number of random cuts compared
+  uint64_t payloads = 0;   ///< number of payloads decoded
+  uint64_t triangles = 0;  ///< number of triangles decoded, over all LODs
+  uint64_t tiles = 0;      ///< number of texture tiles decoded
+  /// Number of open edges in the cut of all leaves; they border holes or the rim of the scan.
+  uint64_t open_edges = 0;
+  uint64_t cuts = 0;  ///< number of random cuts compared
   /// Largest distance of a cut's open edges from the leaves' open edges, in model units.
   double max_boundary_gap_model = 0;
 };

@@ -206,8 +206,9 @@ class PixelCount {
 /// Sums over all cameras, in bytes unless the name says otherwise.
 struct Shares {
   uint64_t until_right = 0, seen = 0, hidden = 0, outside = 0, replaced = 0, cut = 0;
-  uint64_t floor = 0;  ///< bytes of the parts of the converged cut that show this share of the pixels, parts
-                       ///< with most pixels per byte first
+  /// Bytes of the parts of the converged cut that show this share of the pixels, parts with most pixels per
+  /// byte first.
+  uint64_t floor = 0;
   uint64_t parts = 0, seen_parts = 0;
   uint64_t mistaken_parts = 0,
            mistaken_pixels = 0;  ///< visible parts that an earlier estimate took for hidden

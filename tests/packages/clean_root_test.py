@@ -19,7 +19,7 @@ PACKAGES = ("lodestream", "lodestreamd", "liblodestream-dev")
 BESIDE = ("systemd", "man-db", "shared-mime-info", "desktop-file-utils")
 # Folders that apt, dpkg and systemd change by themselves.
 CHANGED_BY_TOOLS = ("dev", "proc", "run", "sys", "tmp", "var/cache", "var/log", "var/lib/apt", "var/lib/dpkg", "var/lib/systemd")
-# Mounts end with the process.
+# Needs no unmounting: the kernel removes a mount namespace after its last process.
 IN_ROOT = 'mount -t proc proc "$0/proc"; mount --rbind /dev "$0/dev"; mount --rbind /sys "$0/sys"; exec chroot "$0" "$@"'
 
 

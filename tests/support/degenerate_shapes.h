@@ -31,7 +31,7 @@ inline glm::vec3 onCircle(uint32_t i, uint32_t n, float waves = 0, float radius 
   return {radius * std::cos(angle), radius * std::sin(angle), 0.3f * std::sin(waves * angle)};
 }
 
-/// A cone: all triangles have the tip.
+/// A cone, whose tip is a corner of every triangle.
 inline Shape makeHub(uint32_t triangles, float waves = 0, float height = 1) {
   Shape shape{{{0, 0, height}}, {}};
   for (uint32_t i = 0; i < triangles; ++i) shape.add(onCircle(i, triangles, waves));

@@ -13,8 +13,8 @@ struct MemoryShares {
   /// Value for RefineOptions::drawn_budget_bytes. Any meshes that take at most this many bytes in total fit
   /// on the GPU.
   uint64_t drawn_bytes = 0;
-  /// Budgets within the GPU's half. If the memory budget is below 32 MB, the upload buffers push their sum
-  /// above this half.
+  /// Budgets for the GPU. Their sum is half of the memory budget, or more if the memory budget is below 32
+  /// MB, because the upload buffers have a smallest size.
   render::ResidencyOptions gpu;
 };
 

@@ -10,8 +10,8 @@
 namespace lode::core {
 namespace {
 
-constexpr int kPlaceBits = 10;  ///< bits per axis of a Morton code; the mesh's longest side spans the full
-                                ///< range
+/// Bits per axis of a Morton code; the mesh's longest side spans the full range.
+constexpr int kPlaceBits = 10;
 constexpr int kDigits = 3;  ///< number of radix sort digits of a Morton code; each digit has kPlaceBits bits
 
 /// Returns three times the centroid of a triangle.

@@ -21,9 +21,10 @@ struct InstancePart {
 /// their meshes are resident.
 struct ExchangeStep {
   std::vector<InstancePart> parts;
-  uint32_t instance = 0;          ///< instance whose region switches
-  std::optional<NodeKey> region;  ///< region that switches; empty for the first step, which has the fallbacks
-                                  ///< of the newer cuts, or all parts if there are no older cuts
+  uint32_t instance = 0;  ///< instance whose region switches
+  /// Region that switches; empty for the first step, which has the fallbacks of the newer cuts, or all parts
+  /// if there are no older cuts.
+  std::optional<NodeKey> region;
 };
 
 /// Plans the switch from older to newer cuts of a model's instances. Regions switch one by one, each as soon

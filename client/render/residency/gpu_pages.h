@@ -14,8 +14,8 @@ namespace lode::render {
 /// neighbouring free ranges. Uses no OpenGL. Not thread safe.
 class BlockAllocator {
  public:
-  static constexpr uint32_t kAlignment = 48;  ///< alignment of offsets and lengths: a common multiple of the
-                                              ///< two vertex sizes, 16 and 24 bytes
+  /// Alignment of offsets and lengths: a common multiple of the two vertex sizes, 16 and 24 bytes.
+  static constexpr uint32_t kAlignment = 48;
 
   /// @param capacity_bytes  size of the buffer; rounded down to the alignment.
   explicit BlockAllocator(uint32_t capacity_bytes);

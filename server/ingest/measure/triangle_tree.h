@@ -73,8 +73,9 @@ class TriangleTree {
   /// away.
   struct Fork {
     FourVectors min, max;
-    std::array<uint32_t, 4> inside{};  ///< content of each box: an index in forks_ or, with the bit kIsLeaf,
-                                       ///< the index in triangles_ of a leaf's first triangle
+    /// Content of each box: an index in forks_ or, with the bit kIsLeaf, the index in triangles_ of a leaf's
+    /// first triangle.
+    std::array<uint32_t, 4> inside{};
 
     Four squaredDistances(const FourVectors& points) const noexcept;
   };

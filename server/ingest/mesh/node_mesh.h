@@ -30,8 +30,9 @@ constexpr uint32_t kVanished = ~0u;
 /// Result of simplification.
 struct SimplifiedMesh {
   NodeMesh mesh;
-  std::vector<uint32_t> remap;  ///< maps each position of the input to a position of the mesh, or to
-                                ///< kVanished if that position has lost its last triangle
+  /// Maps each position of the input to a position of the mesh, or to kVanished if that position has lost its
+  /// last triangle.
+  std::vector<uint32_t> remap;
   /// True if the mesh was made by clustering, which may connect separate parts.
   bool is_clustered = false;
 };

@@ -27,10 +27,10 @@ namespace lode::ingest {
 struct FinishedLod {
   SimplifiedMesh simplified;
   EncodedPayload payload;
-  std::vector<Deviation> deviations;      ///< one deviation per sample; see deviationsFrom()
-  float deviation_steps = 0;              ///< deviation from the original; see lodDeviation()
-  std::optional<SurfaceSample> farthest;  ///< farthest point of the original, as in LodDeviation, but `near`
-                                          ///< is a position of the LOD
+  std::vector<Deviation> deviations;  ///< one deviation per sample; see deviationsFrom()
+  float deviation_steps = 0;          ///< deviation from the original; see lodDeviation()
+  /// Farthest point of the original, as in LodDeviation, but `near` is a position of the LOD.
+  std::optional<SurfaceSample> farthest;
   /// Gap between the boundaries of the LOD and of the original; see boundaryGap().
   float boundary_gap_steps = 0;
   float lost_detail_steps = 0;  ///< size of lost detail; see lostDetail()
@@ -58,8 +58,8 @@ struct BuiltNode {
   uint64_t original_triangles = 0;  ///< number of triangles in the leaves below
   LodError inherited;               ///< largest error of the children's LODs that form this node's input
   ReferenceBoundaries references;   ///< references whose `near` are positions of `coarsest`
-  std::vector<SurfaceSample> samples;  ///< samples whose `near` are positions of `coarsest`; empty in a leaf,
-                                       ///< whose vertices serve as samples
+  /// Samples whose `near` are positions of `coarsest`; empty in a leaf, whose vertices serve as samples.
+  std::vector<SurfaceSample> samples;
 };
 
 /// Builds single nodes: simplifies, measures and encodes. Use one builder per thread; the data that builders

@@ -12,8 +12,8 @@ namespace lode::ingest {
 /// Resources for building a tree.
 struct TreeResources {
   unsigned threads = 1;
-  uint64_t memory_bytes = 0;  ///< memory for the nodes being built, for built nodes that wait for their
-                              ///< parents, and for the tree itself
+  /// Memory for the nodes being built, for built nodes that wait for their parents, and for the tree itself.
+  uint64_t memory_bytes = 0;
 };
 
 /// Files that buildTree() reads and writes.

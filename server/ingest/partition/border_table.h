@@ -19,8 +19,9 @@ namespace lode::ingest {
 /// A fan of a leaf, at a vertex that the leaf shares with other leaves.
 struct BorderVertex {
   PositionCode position;
-  uint8_t lca_depth = 0;  ///< depth of the lowest common ancestor of all leaves that share the
-                          ///< vertex; the vertex is locked in deeper nodes
+  /// Depth of the lowest common ancestor of all leaves that share the vertex; the vertex is locked in deeper
+  /// nodes.
+  uint8_t lca_depth = 0;
   /// Octahedral normal of the fan; fans that continue each other across leaves have the same normal.
   uint16_t normal = 0;
   uint16_t fan = 0;  ///< index of the fan (see NormalFans) among the leaf's fans at this position

@@ -8,8 +8,9 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint32_t kLargeTriangles = 1 << 19;
-constexpr float kFartherSibling = 2;  ///< ratio of the distances from the eye to the farthest and to the
-                                      ///< nearest sibling, in a view of a whole model
+/// Ratio of the distances from the eye to the farthest and to the nearest sibling, in a view of a whole
+/// model.
+constexpr float kFartherSibling = 2;
 
 }  // namespace
 

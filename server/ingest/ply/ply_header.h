@@ -36,11 +36,12 @@ struct PlyElement {
 
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::kAscii;
-  std::vector<PlyElement> elements;        ///< elements with distinct names
-  std::vector<std::string> comments;       ///< text of `comment` and `obj_info`, trimmed
-  std::vector<std::string> texture_files;  ///< names in `comment TextureFile NAME`, trimmed; "<this>" is
-                                           ///< replaced by the PLY file's name without extension
-  uint64_t body_offset = 0;                ///< bytes from the start of the file
+  std::vector<PlyElement> elements;   ///< elements with distinct names
+  std::vector<std::string> comments;  ///< text of `comment` and `obj_info`, trimmed
+  /// Names in `comment TextureFile NAME`, trimmed; "<this>" is replaced by the PLY file's name without
+  /// extension.
+  std::vector<std::string> texture_files;
+  uint64_t body_offset = 0;  ///< bytes from the start of the file
   uint64_t header_lines = 0;
 
   /// Returns the element with this name, or null.

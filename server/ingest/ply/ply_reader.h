@@ -37,11 +37,11 @@ struct PlyFaces {
 
 struct PlyCounts {
   uint64_t vertices = 0;
-  uint64_t faces = 0;          ///< rows of the face element, and strips
-  uint64_t triangles = 0;      ///< sum of (corners - 2) over accepted faces
-  uint64_t dropped_faces = 0;  ///< faces with fewer than 3 corners or a repeated index; in strips, triangles
-                               ///< with a repeated index
-  uint64_t skipped_bad = 0;    ///< faces and vertices skipped because skip_bad is set
+  uint64_t faces = 0;      ///< rows of the face element, and strips
+  uint64_t triangles = 0;  ///< sum of (corners - 2) over accepted faces
+  /// Faces with fewer than 3 corners or a repeated index; in strips, triangles with a repeated index.
+  uint64_t dropped_faces = 0;
+  uint64_t skipped_bad = 0;  ///< faces and vertices skipped because skip_bad is set
   /// Vertices with an attribute, and faces with a colour, that became zero because skip_bad is set.
   uint64_t replaced_attributes = 0;
   uint64_t dropped_triangles = 0;   ///< triangles of dropped and skipped faces

@@ -139,9 +139,9 @@ struct CollapseMesh {
   /// Position of each corner. A triangle has four entries; the last of them is unused.
   std::vector<uint32_t> corner_position;
   std::vector<uint32_t> corner_wedge;  ///< wedge of each corner, in the same layout; empty without attributes
-  std::vector<uint32_t> only_wedge;    ///< the only wedge of each position, or kManyWedges if it has several;
-                                       ///< empty without attributes
-  std::vector<uint32_t> pool;          ///< corner lists of the positions
+  /// The only wedge of each position, or kManyWedges if it has several; empty without attributes.
+  std::vector<uint32_t> only_wedge;
+  std::vector<uint32_t> pool;  ///< corner lists of the positions
   WedgeTable wedges;
   bool mixes_values = true;  ///< true if merge() mixes the attributes of joined wedges
   size_t live_triangles = 0;

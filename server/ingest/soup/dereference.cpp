@@ -12,9 +12,9 @@ namespace lode::ingest {
 namespace {
 
 constexpr uint64_t kVerticesAPiece = 16 * FaceBatch::kSweepVertices;
-constexpr uint64_t kShareOfFaces = 2, kShareOfHelpers = 4;  ///< divisors of the memory: a batch of faces gets
-                                                            ///< 1/2, the triangles of helper threads get 1/4
-constexpr uint64_t kCursorBytes = 1 << 20;                  ///< size of a thread's read buffer
+/// Divisors of the memory: a batch of faces gets 1/2, the triangles of helper threads get 1/4.
+constexpr uint64_t kShareOfFaces = 2, kShareOfHelpers = 4;
+constexpr uint64_t kCursorBytes = 1 << 20;  ///< size of a thread's read buffer
 
 /// Vertices that a batch of faces uses, indexed by FaceBatch::rank().
 struct BatchVertices {

@@ -34,8 +34,9 @@ struct DereferenceInput {
   uint64_t memory_bytes = 0;
   unsigned threads = 1;
   BuildProgress progress{};
-  DereferencePoint from{};  ///< where to start: the first face, or the argument of an earlier call of
-                            ///< on_batch(); the result includes the counts before this point
+  /// Where to start: the first face, or the argument of an earlier call of on_batch(); the result includes
+  /// the counts before this point.
+  DereferencePoint from{};
   /// Called before the first triangle of each batch.
   std::function<void(const DereferencePoint&)> on_batch{};
 };

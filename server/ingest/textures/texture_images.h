@@ -19,9 +19,9 @@ constexpr const char* kNoTextureFile =
 struct TextureImage {
   std::string name;            ///< name as written in the PLY file
   std::filesystem::path path;  ///< path of the image; empty if no file was found
-  std::string problem;         ///< reason why the image cannot be used, with the remedy; empty if the image
-                               ///< can be used
-  bool needs_memory = false;   ///< true if more memory would solve the problem
+  /// Reason why the image cannot be used, with the remedy; empty if the image can be used.
+  std::string problem;
+  bool needs_memory = false;  ///< true if more memory would solve the problem
   uint64_t file_bytes = 0;
   ImageHeader header;  ///< header of the image; empty if the image has a problem
 

@@ -16,9 +16,9 @@ constexpr size_t kMaxProxyHeaderBytes = 2048;
 /// Header of HAProxy's PROXY protocol, version 1 (a line of text) or 2 (binary). A balancer sends it before
 /// the client's own bytes.
 struct ProxyHeader {
-  size_t bytes = 0;                         ///< length of the header
-  std::optional<asio::ip::address> client;  ///< the client's address; empty for the balancer's own
-                                            ///< connections, such as health checks
+  size_t bytes = 0;  ///< length of the header
+  /// The client's address; empty for the balancer's own connections, such as health checks.
+  std::optional<asio::ip::address> client;
 };
 
 /// Parses the header at the start of a connection. Thread safe.

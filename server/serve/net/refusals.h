@@ -19,8 +19,8 @@ namespace lode::serve {
 class Refusals {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr size_t kMost = 512;  ///< largest number of connections at a time; a further refusal closes
-                                        ///< the oldest connection
+  /// Largest number of connections at a time; a further refusal closes the oldest connection.
+  static constexpr size_t kMost = 512;
   /// Largest number of TLS handshakes at a time. The number is small because handshakes need memory and CPU
   /// time.
   static constexpr size_t kMostHandshakes = 32;

@@ -18,9 +18,9 @@ class WrongTokens {
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds kLongestDelay{5000};
   static constexpr Clock::duration kForget = std::chrono::minutes(10);
-  static constexpr size_t kMostAddresses = 1024;  ///< largest number of addresses; a further address replaces
-                                                  ///< the address whose last wrong token is oldest
-  static constexpr size_t kMostWaiting = 64;      ///< largest number of waiting answers to all addresses
+  /// Largest number of addresses; a further address replaces the address whose last wrong token is oldest.
+  static constexpr size_t kMostAddresses = 1024;
+  static constexpr size_t kMostWaiting = 64;  ///< largest number of waiting answers to all addresses
   static constexpr uint32_t kMostWaitingPerAddress = 8;
 
   /// @param first_delay  delay of the answer to an address's first wrong token.

@@ -99,9 +99,9 @@ std::string_view reasonOf(const std::exception& error) noexcept;
 
 struct LogOptions {
   bool json = false;
-  int descriptor = 2;         ///< descriptor to which the log writes; owned by the caller; stderr by default
-  size_t queue_lines = 1024;  ///< largest number of lines that wait for the descriptor; a full queue drops
-                              ///< its oldest line
+  int descriptor = 2;  ///< descriptor to which the log writes; owned by the caller; stderr by default
+  /// Largest number of lines that wait for the descriptor; a full queue drops its oldest line.
+  size_t queue_lines = 1024;
   std::function<std::chrono::steady_clock::time_point()> clock = std::chrono::steady_clock::now;
 };
 
@@ -123,8 +123,8 @@ class Log {
   /// about once a second.
   void tick() noexcept;
 
-  uint64_t linesDropped() const noexcept;  ///< number of lines that did not fit in the queue or that the
-                                           ///< descriptor did not accept
+  /// Number of lines that did not fit in the queue or that the descriptor did not accept.
+  uint64_t linesDropped() const noexcept;
   uint64_t linesLeftOut() const noexcept;  ///< number of lines that exceeded the limits of LogLimit
 
  private:

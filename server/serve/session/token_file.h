@@ -18,8 +18,8 @@ constexpr size_t kMaxTokens = 4096;
 /// Rights of a token.
 struct TokenGrant {
   bool all_models = false;
-  std::vector<std::string> models;  ///< sorted names of the models that a client with the token can list and
-                                    ///< open; unused with all_models
+  /// Sorted names of the models that a client with the token can list and open; unused with all_models.
+  std::vector<std::string> models;
   /// Time at which the token expires, in seconds, because nanoseconds would overflow long before the year
   /// 9999.
   std::optional<std::chrono::sys_seconds> expires;

@@ -114,7 +114,8 @@ TEST_P(HiddenBy, showsAtOnceWhenTheCameraJumps) {
   for (const int frame : {0, 0, 29, 3, 29, 50, 0}) ways.expectSamePicture(viewAt(frame));
 }
 
-/// The plane moves in every second frame, so that it uncovers what the half in front of it has hidden.
+/// The section plane moves in every second frame. It uncovers surfaces that were hidden by the half it
+/// removes.
 TEST_P(HiddenBy, showsWhatASectionUncovers) {
   TwoWays ways(GetParam());
   ways.show(scene());

@@ -316,7 +316,7 @@ TEST_F(Residency, completesACutAlthoughNewerOnesKeepComing) {
   EXPECT_GE(switched, 5);
 }
 
-/// Fallbacks upload first, and each cut has different ones.
+/// Each cut has another fallback, and fallbacks are uploaded before other meshes.
 TEST_F(Residency, drawsPartsOfCutsThatAreReplacedBeforeTheirFallbacksArrive) {
   MeshResidency residency({});
   const auto cutWithFallback = [](uint32_t seed) {

@@ -34,8 +34,8 @@ constexpr std::array<const char*, 5> kOtherFonts{"/usr/share/fonts/opentype/noto
                                                  "/usr/share/fonts/truetype/wqy/wqy-zenhei.ttc",
                                                  "/usr/share/fonts/opentype/ipafont-gothic/ipag.ttf"};
 constexpr size_t kPlainRanges = 3;  ///< size of PanelCharacters::ranges() if all characters are Latin
-constexpr float kOwnTextPx = 13;    ///< size of ImGui's own font, a bitmap that is legible only at multiples
-                                    ///< of this size
+/// Size of ImGui's own font, a bitmap that is legible only at multiples of this size.
+constexpr float kOwnTextPx = 13;
 
 }  // namespace
 

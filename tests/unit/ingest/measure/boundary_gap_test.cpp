@@ -23,7 +23,7 @@ NodeMesh meshOf(std::vector<glm::uvec2> points, std::vector<glm::u32vec3> triang
   return mesh;
 }
 
-/// A square of two triangles with a point in the middle of its upper boundary that is raised by `bump`.
+/// A square. The middle of its upper boundary is raised by `bump`.
 NodeMesh house(uint32_t bump) {
   return meshOf({{0, 0}, {100, 0}, {100, 100}, {50, 100 + bump}, {0, 100}},
                 {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}});
