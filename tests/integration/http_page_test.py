@@ -12,6 +12,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 from http_served import BIN, MODELS, Served
@@ -65,7 +66,9 @@ class Link(unittest.TestCase):
     def test_names_the_only_model(self):
         with Served(MODELS / "gyroid.lode") as server:
             self.assertEqual(server.link, f"http://{server.address}/#model=gyroid")
-            self.assertIn(f"a browser shows the models at {server.link}\n", server.logged())
+            deadline = time.monotonic() + 60
+            while f"a browser shows the models at {server.link}\n" not in server.logged():  # a thread writes the log
+                self.assertLess(time.monotonic(), deadline)
 
     def test_of_a_folder_of_stores_names_none(self):
         with tempfile.TemporaryDirectory() as folder:

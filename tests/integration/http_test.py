@@ -213,8 +213,8 @@ class Tokens(unittest.TestCase):
             status, head, _ = self.server.ask("/t/" + token + "/models.json")
             seconds.append(time.monotonic() - began)
             self.assertEqual((status, head["connection"]), (401, "close"))
-        self.assertGreater(seconds[-1], 0.4)
-        self.assertGreater(seconds[2], 2 * seconds[0] * 0.9)
+        for waited, least in zip(seconds, (0.05, 0.1, 0.2, 0.4)):  # a busy machine only adds to a wait
+            self.assertGreaterEqual(waited, least, seconds)
         self.assertEqual(self.server.ask("/t/right%2Fone/models.json")[0], 200)
         self.assertIn("unauthorized", self.server.logged())
         for token in ("secretwrong", "right", "few", "old"):
@@ -256,7 +256,7 @@ class Lives(unittest.TestCase):
                 slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
                 slow.settimeout(60)
                 slow.connect((server.host, server.port))
-                count = 40
+                count = 1000  # their responses fit no socket's buffers
                 slow.sendall(f"GET /gyroid/{links[0]} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode() * count)
                 first = slow.recv(100)
                 server.process.send_signal(signal.SIGTERM)
