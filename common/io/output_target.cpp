@@ -112,7 +112,7 @@ std::FILE* reportStream(const std::filesystem::path& output, bool as_json) {
 }
 
 void refuseFilesBesideStream(const std::filesystem::path& output) {
-  // True, for example, for /dev/stdout that the shell redirects to a.ply.
+  // True, for example, if the output is /dev/stdout and the shell redirects stdout to a.ply.
   const bool is_device_of_a_file = isStandardOutput(output) && !output.has_extension();
   if (is_device_of_a_file || findOutput(output).is_stream)
     throw Error(

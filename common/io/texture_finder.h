@@ -32,7 +32,7 @@ class TextureFinder {
   TextureFinder(TextureFinder&&) = delete;
   TextureFinder& operator=(TextureFinder&&) = delete;
 
-  /// @param name  text of the comment.
+  /// @param name  image name in the comment TextureFile.
   TextureFile find(const std::string& name);
 
  private:

@@ -1,4 +1,4 @@
-"""The stage of scenarios: servers, a balancer, clients, their figures over time, and a table and a plot at the end.
+"""Parts of a load scenario: servers, a balancer, clients, figures over time, a table and a plot.
 
 All started processes end with the scenario. All files are in a temporary folder.
 """

@@ -347,8 +347,8 @@ void SurfaceWalk::visitSome(const FourVectors& points, uint32_t begin, uint32_t 
   }
 }
 
-/// Finds a triangle around a position that the point projects into and that is within the tolerance. Most
-/// walks end in this function, which takes a third of the time that full distances would take.
+/// Finds a triangle around a position that is within the tolerance of the point and that contains the point's
+/// projection. Most walks end in this function. It takes a third of the time needed for exact distances.
 void SurfaceWalk::visitAbove(glm::vec3 point, uint32_t position, float tolerance_squared,
                              Nearest& best) const noexcept {
   if (isHub(position)) return;

@@ -20,7 +20,7 @@ constexpr uint64_t kTexelBytes = sizeof(glm::u8vec4);
 constexpr uint64_t kUsualTexelBytes = 2;
 /// Additional memory per texel for a progressive JPEG: the decoder keeps the coefficients of the whole image.
 constexpr uint64_t kCoefficientBytes = 6;
-constexpr uint64_t kJpegShrinking = 8;  ///< ratio of the edges of a JPEG and of JpegDecoder::shrink()
+constexpr uint64_t kJpegShrinking = 8;  ///< JpegDecoder::shrink() divides width and height by this
 /// A progressive JPEG keeps coefficients for a width and height rounded up to a multiple of this size.
 constexpr uint64_t kJpegBlockPx = 32;
 /// Memory of the tables for decoding lossless WebP or lossless alpha. Files of the reference encoder need no

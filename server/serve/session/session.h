@@ -133,8 +133,8 @@ class Session {
   /// Ends the chunk's request with an Error because the blob cannot be read.
   void failChunk(proto::WireError code, const std::string& why);
 
-  /// Returns true after an Error that closes the connection. The session then ignores frames, but control
-  /// frames are still sent.
+  /// Returns true after an Error that closes the connection. The session then ignores received frames, but
+  /// still sends control frames.
   bool closing() const noexcept { return closing_; }
   /// Returns the message of the Error that closes the connection.
   const std::string& refusal() const noexcept { return refusal_; }

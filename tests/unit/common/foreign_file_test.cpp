@@ -152,7 +152,7 @@ TEST(ForeignFile, isExaminedWithoutReadingPastItsEnd) {
   for (const std::string& head : heads)
     for (size_t bytes = 0; bytes <= head.size(); ++bytes)
       for (const char* path : {"a.obj", "a.stl", "a.off", "a.3mf", "a.gltf", "a.bmp", "a"})
-        // In the view, the rest of the head follows the end; in the copy, a zero follows.
+        // The view is followed by the rest of the head, the copy by a zero.
         EXPECT_EQ(foreignFileInWords(path, std::string_view(head).substr(0, bytes)),
                   foreignFileInWords(path, std::string(head, 0, bytes)))
             << path << ": " << bytes << " bytes of " << head;

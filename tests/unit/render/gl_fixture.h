@@ -34,7 +34,7 @@ class GlTest : public ::testing::Test {
     return target.readPixels();
   }
 
-  /// Uploads all of a cut of these meshes and draws it.
+  /// Uploads all meshes and draws them.
   static render::Image drawMeshes(const std::vector<Mesh>& meshes, double step, const core::View& view,
                                   const render::DrawStyle& style = magentaBehind()) {
     render::Renderer renderer(step);

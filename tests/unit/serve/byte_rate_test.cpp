@@ -90,7 +90,7 @@ TEST_F(ServerRates, delayOnlyBlobs) {
   options_.bytes_per_second_per_connection = 10'000;
   start();
   test::TestClient client = connect();
-  client.open("a");  // its first blobs take 16 seconds
+  client.open("a");  // the client's first blobs take 16 seconds
   client.send(proto::Ping{7});
   const auto before = Clock::now();
   while (true) {

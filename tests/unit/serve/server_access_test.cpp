@@ -42,7 +42,7 @@ class ServerAccess : public ServerTest {
       names.push_back(model.name);
     return names;
   }
-  /// Starts a server, runs `change`, reloads and ends the server. @return its log.
+  /// Starts a server, calls act(), reloads the server's files and ends the server. @return the server's log.
   std::string logOfReloadAfter(const std::function<void()>& act) {
     const std::filesystem::path log = folder_.path() / "log.txt";
     const int descriptor = ::open(log.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
@@ -179,7 +179,7 @@ TEST_F(ServerAccess, aServerStartsAndAnswersWhileAReloadWaitsForTheDisk) {
   writeTokens("one never *\n");
   server_.emplace(options_);
   std::filesystem::remove(options_.token_file);
-  ASSERT_EQ(::mkfifo(options_.token_file.c_str(), 0600), 0);  // reading it blocks, as on a slow disk
+  ASSERT_EQ(::mkfifo(options_.token_file.c_str(), 0600), 0);  // reading a FIFO blocks, as on a slow disk
   std::jthread reload([this] { server_->reload(); });
   std::ofstream disk(options_.token_file);
   thread_ = std::thread([this] { server_->run(); });

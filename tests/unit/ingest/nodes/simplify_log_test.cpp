@@ -76,7 +76,7 @@ TEST_F(KilledBuild, isRefusedIfASavedSubtreeIsDamaged) {
   const auto path = folder_ / "files" / SimplifyLog::kRootFile;
   std::ifstream in(path, std::ios::binary);
   std::string bytes(std::istreambuf_iterator<char>(in), {});
-  bytes.at(bytes.rfind(char{123})) = 124;  // the record remains readable
+  bytes.at(bytes.rfind(char{123})) = 124;  // the changed record remains readable
   std::ofstream(path, std::ios::binary) << bytes;
   EXPECT_THROW(trianglesBelow(kChild), Error);
 }
