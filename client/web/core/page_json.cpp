@@ -114,7 +114,7 @@ Json uniformsOf(const WebModel& model, const FrameInput& /*frame*/) {
                 {"texture_count", 0}};
   if (model.cut() && model.cut()->textures) {
     const TextureSet& set = *model.cut()->textures;
-    // Whole repeats of the origin would cost float precision.
+    // Keep only the fraction of the origin, because textures repeat and floats near zero are more precise.
     const glm::dvec2 origin = set.uv_origin - glm::floor(set.uv_origin);
     uniforms["uv_frame"] = {origin.x, origin.y, uvStep(set)};
     uniforms["texture_count"] = set.textures.size();

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { FramePacing } from "../page/frame_pacing.ts";
 
-/** Runs frames of a length. @returns the factor after them. */
+/** Runs `count` frames. @returns the factor after the last frame. */
 function run(pacing, from_ms, frame_ms, count, moves) {
   for (let i = 1; i <= count; ++i) {
     pacing.update(from_ms + i * frame_ms, moves);

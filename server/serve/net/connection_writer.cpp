@@ -182,9 +182,9 @@ ReadResult Connection::readChunk(const Chunk& chunk, std::span<std::byte> into) 
   return read->result;
 }
 
-/// Makes room for a read of the most urgent request. Finished reads of less urgent requests, which wait for
-/// the window, give way: otherwise nothing would wake the writer. @return false if only reads that have not
-/// finished are in the way.
+/// Makes room for a read of the most urgent request. Drops finished reads of less urgent requests. They wait
+/// for the client's window, so that otherwise no event would resume the writer. @return false if there
+/// is no room because all remaining reads are unfinished.
 bool Connection::dropFinishedReads(uint32_t bytes) {
   while (cold_.size() >= kMaxColdReads || !reading_.tryTake(bytes)) {
     const auto finished = std::find_if(cold_.rbegin(), cold_.rend(),

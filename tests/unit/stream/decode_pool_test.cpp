@@ -76,7 +76,7 @@ TEST(DecodePool, queuesNoMoreJobsThanTheLimit) {
     for (; added < 2 * kMost; ++added) pool.add(jobs(1));
   });
   while (added < kMost) std::this_thread::yield();
-  for (int turn = 0; turn < 1000; ++turn) std::this_thread::yield();  // time in which it could add more
+  for (int turn = 0; turn < 1000; ++turn) std::this_thread::yield();  // time to add more jobs
   EXPECT_EQ(added, kMost);
   released.set_value();
   adder.join();
