@@ -47,6 +47,13 @@ else
   echo "make.sh: Xvfb or xdotool is missing: the window's pictures stay as they are" >&2
 fi
 
+# The page in a browser.
+if command -v Xvfb >/dev/null && command -v chromedriver >/dev/null && [[ -e "$work/armadillo.lode" && -x "$bin/wan" && "$EUID" == 0 ]]; then
+  ./browser_pictures.py "$bin" "$work"
+else
+  echo "make.sh: Xvfb, chromedriver, LODESTREAM_TEST_DATA, $bin/wan or root is missing: the page's pictures stay as they are" >&2
+fi
+
 # A refining model: each picture allows a smaller error than the one before.
 frames=()
 for pixels in 45 32 23 16 11 8 5.6 4 2.8 1; do
