@@ -19,7 +19,7 @@ from http_served import BIN, MODELS, Served
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "client" / "web" / "dist"
 WIDTH, HEIGHT = 960, 540
-CONVERGED = "window.lodestream && window.lodestream.state().converged"
+CONVERGED = "window.lodestream && window.lodestream.state().converged && window.lodestream.state().settled"
 
 # Counts the open edges of each list of parts from the core, in the vertex words that the page uploads.
 WATCH_EDGES = """

@@ -46,7 +46,6 @@ export class Session {
     this.canvas.addEventListener("webglcontextrestored", () => {
       if (this.model.isOpen) listener.contextRestored();
     });
-    this.renderer = makeRenderer(this.canvas);
     this.model = new CoreModel(host.core, {
       model: name,
       token: token(),
@@ -55,6 +54,14 @@ export class Session {
       has_cache: host.cache.canKeep,
     });
     this.stream = new Stream(this.model, host.pool, host.cache);
+    this.stream.pump(); // connects while the browser creates the context
+    try {
+      this.renderer = makeRenderer(this.canvas);
+    } catch (error) {
+      this.stream.close();
+      this.model.close();
+      throw error;
+    }
     this.picture = new Picture(this.model, this.renderer);
     find("#stage").prepend(this.canvas);
   }
@@ -106,6 +113,7 @@ export class Session {
     const { threshold_px, show } = settings;
     const request = { ...this.size(), threshold_px, show, seconds, ...input };
     const answer = this.model.frame(performance.now(), request);
+    this.stream.pump(); // sends requests before a long picture
     const drawn = this.picture.draw(answer, show, has_changed);
     return { ...answer, status: this.statusOfPicture(answer.status), drawn };
   }
