@@ -5,8 +5,11 @@
 #include <type_traits>
 #include <vector>
 
+#include <unistd.h>
+
 #include "common/byte_size.h"
 #include "common/command_line.h"
+#include "common/io/copied_input.h"
 #include "common/io/texture_finder.h"
 #include "common/printable.h"
 #include "server/app/command.h"
@@ -172,13 +175,31 @@ void runBuild(const BuildArguments& arguments) {
     printText(describe(report, options.output));
 }
 
+/// If the input is standard input, copies it into a file and makes the file the input.
+/// @return the copy, which must outlive the build; null if the input is a file. @throws Error.
+std::unique_ptr<const CopiedInput> takeStandardInput(ingest::BuildOptions& options) {
+  if (!namesStandardInput(options.input.string())) return nullptr;
+  if (options.resume)
+    throw Error(ErrorCode::kUsage,
+                "--resume needs the input a second time; save it to a file, and name the file");
+  const std::filesystem::path& output = options.output.empty() ? options.preview : options.output;
+  std::filesystem::path folder =
+      options.temporary_folder.empty() ? output.parent_path() : options.temporary_folder;
+  if (folder.empty()) folder = ".";
+  auto copied = std::make_unique<const CopiedInput>(STDIN_FILENO, folder, copyBytesIn(folder));
+  options.input = copied->path();
+  return copied;
+}
+
 }  // namespace
 
 void addBuildCommand(CLI::App& program) {
   const auto arguments = std::make_shared<BuildArguments>();
   ingest::BuildOptions& options = arguments->options;
   CLI::App* command = addCommand(program, "build", "Build a store from a PLY file");
-  command->add_option("input", options.input, "the PLY file")->required()->type_name("IN.ply");
+  command->add_option("input", options.input, "the PLY file; -: standard input")
+      ->required()
+      ->type_name("IN.ply");
   CLI::Option* const output =
       command->add_option("-o,--output", options.output, "the store to write")->type_name("OUT.lode");
   command
@@ -213,9 +234,10 @@ void addBuildCommand(CLI::App& program) {
                  "print progress as JSON lines; print the result only with --json")
       ->excludes(quiet);
   command->callback([arguments, output] {
-    if (output->count() > 0) return runBuild(*arguments);
-    if (arguments->options.preview.empty()) throw CLI::RequiredError("--output or --preview");
-    runPreview(*arguments);
+    if (output->count() == 0 && arguments->options.preview.empty())
+      throw CLI::RequiredError("--output or --preview");
+    const std::unique_ptr<const CopiedInput> copied = takeStandardInput(arguments->options);
+    output->count() > 0 ? runBuild(*arguments) : runPreview(*arguments);
   });
 }
 
