@@ -272,6 +272,18 @@ void warn(const BuildRecord& record) {
 
 }  // namespace
 
+std::shared_ptr<const CopiedInput> copyStandardInput() {
+  const fs::path stores = storesFolder();
+  makeOwnFolders(stores.parent_path(), kCacheFolderUse);
+  makeOwnFolder(stores, kCacheFolderUse);
+  return std::make_shared<const CopiedInput>(STDIN_FILENO, stores, copyBytesIn(stores));
+}
+
+bool isCopyOfInput(const fs::path& path) {
+  const fs::path stores = fs::absolute(storesFolder()).lexically_normal();
+  return path.parent_path().parent_path() == stores;
+}
+
 fs::path previewBeside(const fs::path& store) {
   return store.parent_path() / kPreviewFolder / store.filename();
 }
@@ -281,8 +293,9 @@ BuiltStore builtStore(const PlyFile& ply, bool announce, const std::stop_token& 
   PlyFile source{fs::absolute(ply.path).lexically_normal(), {}, ply.preview_only};
   if (!ply.textures_folder.empty())
     source.textures_folder = fs::absolute(ply.textures_folder).lexically_normal();
-  const fs::path stores = cacheFolder() / "stores";
-  const fs::path of_source = stores / hashOf(source.path.string());
+  const fs::path stores = storesFolder();
+  const fs::path of_source =
+      isCopyOfInput(source.path) ? source.path.parent_path() : stores / hashOf(source.path.string());
   const fs::path folder = of_source / hashOf(versionOf(source.path) + " " + versionOf(siblingServer()) +
                                              (ply.preview_only ? " preview" : ""));
   const fs::path store = folder / (source.path.stem().string() + ".lode");

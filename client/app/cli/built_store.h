@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -10,6 +11,7 @@
 #include "client/app/cli/build_step.h"
 #include "client/app/cli/store_cache.h"
 #include "client/app/cli/target.h"
+#include "common/io/copied_input.h"
 
 namespace lode::app {
 
@@ -20,6 +22,13 @@ struct BuiltStore {
   std::vector<std::string> warnings = {};  ///< warnings of the build
   bool is_preview = false;                 ///< the store is only a preview: PlyFile::preview_only
 };
+
+/// Copies standard input, a PLY file, into the cache. builtStore() builds the store of a copy beside it, and
+/// removes the copy when the store is complete. The destructor of the copy removes the store.
+/// @throws Error as CopiedInput does; kIo also if the cache cannot be used.
+std::shared_ptr<const CopiedInput> copyStandardInput();
+/// Returns true if the path is that of a copy that copyStandardInput() has made.
+bool isCopyOfInput(const std::filesystem::path& path);
 
 /// Returns the place of the preview that a build of a cached store makes. Both files have the same name, so
 /// that a server serves both stores under one name.

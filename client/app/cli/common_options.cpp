@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 #include <sys/stat.h>
 
+#include "client/app/cli/built_store.h"
 #include "client/app/cli/store_cache.h"
 #include "client/app/cli/target.h"
 #include "client/core/view/camera_path.h"
@@ -148,10 +149,12 @@ void addServerOptions(CLI::App& command, CommonOptions& options, const char* tar
 }
 
 void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {
-  addServerOptions(command, options,
-                   takes == Takes::kScenesToo
-                       ? "lode://HOST[:PORT]/MODEL (lodes:// with TLS), a store, a PLY or a scene (.json)"
-                       : "lode://HOST[:PORT]/MODEL (lodes:// with TLS), a store or a PLY");
+  addServerOptions(
+      command, options,
+      takes == Takes::kScenesToo
+          ? "lode://HOST[:PORT]/MODEL (lodes:// with TLS), a store, a PLY (-: from standard input) or a "
+            "scene (.json)"
+          : "lode://HOST[:PORT]/MODEL (lodes:// with TLS), a store or a PLY (-: from standard input)");
   auto* camera = command
                      .add_option("--camera", options.camera_file,
                                  "camera path (default: a camera that frames the model)")
@@ -181,6 +184,12 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes) {
 void addPreviewOption(CLI::App& command, CommonOptions& options) {
   command.add_flag("--preview", options.preview,
                    "show a PLY file as soon as it is read, by a coarse preview; its store is not built");
+}
+
+void takeStandardInput(CommonOptions& options) {
+  if (!namesStandardInput(options.target)) return;
+  options.copied = copyStandardInput();
+  options.target = options.copied->path().string();
 }
 
 Target targetOf(const CommonOptions& options, std::string_view name) {

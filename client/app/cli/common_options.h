@@ -3,12 +3,14 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "client/app/cli/target.h"
 #include "client/stream/streamer.h"
+#include "common/io/copied_input.h"
 
 namespace CLI {
 class App;
@@ -42,6 +44,9 @@ struct CommonOptions {
   float pixels = 1;
   double timeout_s = 120;
 
+  /// Copy of standard input, if the target was "-". Set by takeStandardInput().
+  std::shared_ptr<const CopiedInput> copied;
+
   PictureSize size() const { return parseSize(size_text); }
   std::chrono::milliseconds timeout() const;
   /// Returns stream options with the memory budget, the CA file, and the token from --token-file or
@@ -64,6 +69,10 @@ enum class Takes : uint8_t {
 /// Declares the options of addServerOptions(), and --camera, --up, --size, --pixels, --memory-budget,
 /// --cache, --textures and --offline.
 void addCommonOptions(CLI::App& command, CommonOptions& options, Takes takes = Takes::kModels);
+
+/// If the target is standard input ("-" or "/dev/stdin"), copies it into the cache and makes the copy the
+/// target. @throws Error as copyStandardInput() does.
+void takeStandardInput(CommonOptions& options);
 
 /// Declares --preview for commands that show a model once.
 void addPreviewOption(CLI::App& command, CommonOptions& options);

@@ -100,6 +100,7 @@ class Fetch {
       const double begin_ms = keys_.empty() ? 0 : msSince(start_);
       keys_.push_back(converge(target, camera.t));
       total_ms = keys_.back().converged() ? begin_ms + *keys_.back().converged_ms : msSince(start_);
+      is_preview_ = is_preview_ || showsPreview(keys_.back().status, target.model());
       if (!keys_.back().converged() && !keys_.back().lacksOnlyTiles()) break;
     }
     const KeyResult& last = keys_.back();
@@ -222,7 +223,10 @@ void declareFetch(CLI::App& program, int& /*exit_status*/) {
       ->check([](const std::string& name) { return name.empty() ? "its name is empty: name a file" : ""; })
       ->type_name("CUT.ply|.obj|.glb");
   command->add_flag("--json", options->json, "print one JSON object");
-  command->callback([options] { fetch(*options); });
+  command->callback([options] {
+    takeStandardInput(options->common);
+    fetch(*options);
+  });
 }
 
 }  // namespace lode::app

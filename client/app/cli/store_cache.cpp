@@ -109,6 +109,8 @@ fs::path cacheFolder() {
   return fs::temp_directory_path() / ("lodestream-" + std::to_string(getuid()));
 }
 
+fs::path storesFolder() { return cacheFolder() / "stores"; }
+
 fs::path ownCacheFolder() {
   fs::path folder = cacheFolder();
   refuseForeignFolder(folder, kCacheFolderUse);

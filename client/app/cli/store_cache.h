@@ -36,6 +36,9 @@ class FileLock {
 /// for temporary files.
 std::filesystem::path cacheFolder();
 
+/// Returns the folder for stores in cacheFolder(). It has one subfolder per source.
+std::filesystem::path storesFolder();
+
 constexpr FolderUse kCacheFolderUse{"the cache", "set XDG_CACHE_HOME to a folder that can be written"};
 
 /// Returns cacheFolder(). @throws Error kIo if the folder exists but belongs to another user, is a link, or

@@ -59,6 +59,12 @@ bool hasConverged(const stream::StreamStatus& status) {
   return status.current && status.cut && status.cut->converged && status.cut->lost_tiles == 0;
 }
 
+bool showsPreview(const stream::StreamStatus& status, const ModelSummary& model) {
+  if (model.nodes != 1 || !status.cut || status.cut->parts.size() != 1) return false;
+  const core::CutPart& part = status.cut->parts.front();
+  return part.lod == 0 && static_cast<double>(part.error_model) > model.lattice.step;
+}
+
 void refuseUnconverged(const std::string& where, const stream::StreamStatus& status,
                        const CommonOptions& options) {
   const std::string what = options.target + " did not converge at " + where;

@@ -7,6 +7,7 @@
 #include "client/app/cli/common_options.h"
 #include "client/core/engine.h"
 #include "client/stream/streamer.h"
+#include "common/codec/model_summary.h"
 
 namespace lode::app {
 
@@ -25,6 +26,10 @@ nlohmann::ordered_json prefetchReport(const core::PrefetchCounts& counts);
 /// view that shows the original triangles has converged, even if the eye is so near that a lattice step
 /// exceeds the error threshold.
 bool hasConverged(const stream::StreamStatus& status);
+
+/// Returns true if the cut shows the store of a preview: the finest LOD of the only node is further from the
+/// original surface than rounding to the lattice explains.
+bool showsPreview(const stream::StreamStatus& status, const ModelSummary& model);
 
 /// Throws an Error with the reason why a view did not converge, and the remedy.
 /// @param where  name of the view for the message, for example "key 2".

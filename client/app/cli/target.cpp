@@ -44,7 +44,8 @@ bool namesScene(std::string_view text) {
 
 bool looksLikeTarget(std::string_view word) {
   std::error_code failed;
-  return word.find_first_of("./") != word.npos || std::filesystem::is_regular_file(word, failed);
+  return word == "-" || word.find_first_of("./") != word.npos ||
+         std::filesystem::is_regular_file(word, failed);
 }
 
 std::string fullName(std::string_view target) {

@@ -25,7 +25,7 @@ using Target = std::variant<stream::ServedModel, StoreFile, PlyFile>;
 bool namesScene(std::string_view text);
 
 /// Returns true if a word can only be a TARGET, not a mistyped command: an address, a path with a slash or a
-/// dot, or the name of a file.
+/// dot, the name of a file, or "-".
 bool looksLikeTarget(std::string_view word);
 
 /// Returns a target's name, which does not depend on the working folder: a file's absolute path.

@@ -170,7 +170,6 @@ void render(const RenderOptions& options) {
 
   RenderedScene scene(options.common, !options.json);
   Shown shown;
-  shown.has_preview = scene.hasPreview();
   const render::DrawStyle style = styleOf(options.look);
   for (const Shot& shot : planShots(options, scene.path())) {
     RenderedScene::Picture picture = scene.draw(shot.t, target, style);
@@ -178,6 +177,7 @@ void render(const RenderOptions& options) {
       shown.first_unconverged = {shot.t, picture.status};
     if (!picture.is_drawn) break;
     shown.last = picture.status;
+    shown.has_preview = shown.has_preview || picture.has_preview;
     shown.legend = std::move(picture.legend);
     occlusion.darken(target, glm::radians(scene.path().fov_y_deg), style.show);
     target.resolve();
@@ -237,6 +237,7 @@ void declareRender(CLI::App& program, int& /*exit_status*/) {
   addLookOptions(*command, options->look);
   command->add_flag("--json", options->json, "print one JSON object");
   command->callback([options, video] {
+    takeStandardInput(options->common);
     if (video->count() > 0)
       renderVideo(*options);
     else

@@ -47,6 +47,7 @@ void declareView(CLI::App& program, int& exit_status) {
     if (options->common.target.empty() && !hasDisplay()) throw CLI::RequiredError("target");
     options->is_threshold_fixed = pixels->count() > 0;
     if (!options->screenshot.empty()) checkPictureFile(options->common.target, options->screenshot);
+    takeStandardInput(options->common);
     exit_status = Viewer(*options).run() ? command_line::kDone : command_line::kWorkFailed;
   });
 }

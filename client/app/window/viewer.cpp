@@ -19,6 +19,7 @@ namespace {
 constexpr double kIdleWaitS = 0.25;       ///< if all streams are settled
 constexpr double kStreamingWaitS = 0.01;  ///< if a stream is refining or the target is being opened
 constexpr double kCoarserWaitS = 0.002;   ///< if a coarser cut is about to be drawn
+constexpr double kFirstMeshWaitS = 0.2;   ///< longest time without a frame once the scene is open
 constexpr double kFramesOfFade = 4;       ///< parts fade only if a fade takes at least this many frames
 constexpr double kScaleBarPx = 150;       ///< longest scale bar on a standard display
 constexpr double kNoteS = 6;              ///< time for which a note stays on the panel
@@ -153,8 +154,13 @@ Difference Viewer::difference(const Input& input) const {
   return is_same_picture ? differenceOf(content_, drawn_.content) : kPicture;
 }
 
-/// Returns true if drawing should wait, because a much coarser cut will arrive soon.
+/// Returns true if the scene is open, but no mesh of it is on the GPU yet.
+bool Viewer::isAwaitingPicture() const { return rig_ && drawnThresholdPx() == 0 && !scene_->status().ended; }
+
+/// Returns true if drawing should wait, because the first mesh or a much coarser cut will arrive soon. Frames
+/// of an empty view would delay the first picture.
 bool Viewer::isWorthWaiting() const {
+  if (isAwaitingPicture() && secondsSince(opened_) < kFirstMeshWaitS) return true;
   return rig_ && pacing_.isWorthWaiting(drawnThresholdPx(), scene_->uploaded(), Clock::now());
 }
 
@@ -202,9 +208,10 @@ bool Viewer::darkensHollows() const {
 }
 
 /// Returns true if the next picture is drawn without antialiasing. While the CPU draws for a moving camera, a
-/// finer threshold is worth more than antialiasing.
+/// finer threshold is worth more than antialiasing. Before the model is there, antialiasing would only delay
+/// its first picture, because the driver compiles each shader again for a target with several samples.
 bool Viewer::isQuick() const {
-  return draws_in_software_ && rig_ && !pacing_.isResting() && options_.screenshot.empty();
+  return draws_in_software_ && (!rig_ || !pacing_.isResting()) && options_.screenshot.empty();
 }
 
 /// Returns the camera's view with the size of the drawn picture. Thresholds are in pixels of this picture.
@@ -322,7 +329,7 @@ void Viewer::describe() {
 /// Describes the step that the user waits for while the scene is open: the first picture, or the builds of
 /// stores whose previews are shown.
 void Viewer::describeWaiting() {
-  const bool is_waiting = drawnThresholdPx() == 0 && !scene_->status().ended;
+  const bool is_waiting = isAwaitingPicture();
   content_.waiting = is_waiting ? "Loading the first picture" : "";
   content_.waiting_part = -1;
   content_.waited_s = is_waiting ? secondsSince(started_) : 0;

@@ -59,6 +59,7 @@ class Viewer {
   void takeTimes();
   void stream();
   Difference difference(const Input& input) const;
+  bool isAwaitingPicture() const;
   bool isWorthWaiting() const;
   render::DrawTime time() const;
   bool darkensHollows() const;

@@ -208,7 +208,7 @@ void Viewer::moveCamera(Input input, double seconds) {
 
 /// Keeps the user's choices about the model for the next time that it is opened.
 void Viewer::keepChoices() const {
-  if (isInteractive() && !scene_->hasFixedUp())
+  if (isInteractive() && !scene_->hasFixedUp() && !options_.common.copied)
     KeptChoices(cacheFolder(), options_.common.target).keep(choices_);
 }
 

@@ -53,7 +53,7 @@ void Viewer::openWhenReady() {
   for (const std::string& model : scene_->missing())
     printOnOneLine("lodestream", options_.common.target + ": " + model);
   window_.setTitle(summary.name + " - Lodestream");
-  if (isInteractive()) recent_.add(options_.common.target);
+  if (isInteractive() && !options_.common.copied) recent_.add(options_.common.target);
 }
 
 /// Opens a file that was dropped on the window, or that the user has chosen on the start page.
@@ -72,6 +72,7 @@ void Viewer::openInstead(const std::string& file) {
   common.camera_file.clear();
   common.up_text.clear();
   common.offline = false;
+  common.copied.reset();
   common.memory_text = std::to_string(memory_bytes_);  // the settings may have changed the budget
   const ModelChoices choices = keptChoices(file);
   std::unique_ptr<ViewedScene> scene;

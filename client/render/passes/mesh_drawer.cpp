@@ -68,9 +68,7 @@ glm::vec3 toLinear(const glm::u8vec3& srgb) {
 
 }  // namespace
 
-MeshPrograms::MeshPrograms() {
-  for (const unsigned parts : {0u, unsigned{kFading}}) with(parts);
-}
+MeshPrograms::MeshPrograms() { with(0); }
 
 const GlProgram& MeshPrograms::with(unsigned parts) {
   GlProgram& program = programs_.at(parts);
@@ -110,6 +108,8 @@ void startPicture(const Framebuffer& target, const DrawStyle& style) {
 MeshDrawer::MeshDrawer() : array_(makeMeshArray()) {}
 
 void MeshDrawer::begin(const GlBuffer& states, AttributeSet attributes, const TextureResidency& textures) {
+  // Link the program for fading with the second picture, so that it neither delays the first nor a fade.
+  if (std::exchange(has_begun_, true)) programs_.with(MeshPrograms::kFading);
   attributes_ = attributes;
   textures_ = &textures;
   glVertexArrayVertexBuffer(array_.get(), kDraws, states.get(), 0, sizeof(DrawState));

@@ -28,7 +28,7 @@ class MeshPrograms {
     kSection = 32,  ///< removes the half beyond a section plane, and draws the cut surface
   };
 
-  /// Links only the programs for kSurface without textures, because linking delays the first picture. The
+  /// Links the program for kSurface without textures and fading, because linking delays the first picture. The
   /// others are linked when needed. @throws Error kInternal if the driver rejects a shader.
   MeshPrograms();
 
@@ -69,6 +69,7 @@ class MeshDrawer {
   void setTextures() const;
 
   MeshPrograms programs_;
+  bool has_begun_ = false;  ///< begin() was called
   GlVertexArray array_;
   AttributeSet attributes_;
   const TextureResidency* textures_ = nullptr;  ///< textures passed to begin()

@@ -232,6 +232,18 @@ TEST(FetchOfAFile, tellsThatItShowsOnlyAPreview) {
   }
 }
 
+TEST(FetchOfAFile, tellsTheStoreOfAPreviewFromASmallModel) {
+  const WorkFolder folder;
+  const std::filesystem::path ply = folder / "a.ply";
+  ASSERT_EQ(lodestreamd({"sample", "asteroid", "--triangles", "2000", "-o", ply}).status, 0);
+  ASSERT_EQ(
+      lodestreamd({"build", ply, "-o", folder / "a.lode", "--preview", folder / "a.preview.lode"}).status, 0);
+  for (const char* store : {"a.lode", "a.preview.lode"}) {
+    const Json json = Json::parse(lodestream({"fetch", folder / store, "--json"}).out, nullptr, false);
+    EXPECT_EQ(json["preview"], store == std::string("a.preview.lode")) << store;
+  }
+}
+
 TEST(FetchOfAFile, measuresTheErrorFromTheWallsOfARoomNotFromItsBox) {
   const WorkFolder folder;
   writeBytes(folder / "room.ply",

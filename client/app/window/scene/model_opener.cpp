@@ -21,7 +21,9 @@ bool isUnreachable(const Error& error) {
 
 std::string firstPhase(const Target& target) {
   if (const auto* ply = std::get_if<PlyFile>(&target)) {
-    return "Building " + ply->path.filename().string() + " (kept for the next time)";
+    return isCopyOfInput(ply->path)
+               ? "Building the model from standard input"
+               : "Building " + ply->path.filename().string() + " (kept for the next time)";
   }
   if (const auto* store = std::get_if<StoreFile>(&target))
     return "Opening " + store->path.filename().string();

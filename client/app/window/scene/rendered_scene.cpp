@@ -55,10 +55,6 @@ RenderedScene::RenderedScene(const CommonOptions& options, bool announce)
 
 RenderedScene::~RenderedScene() = default;
 
-bool RenderedScene::hasPreview() const {
-  return std::ranges::any_of(models_, [](const auto& model) { return model->target.is_preview; });
-}
-
 void RenderedScene::drawInstance(Model& model, const Placement& placement, const core::View& seen,
                                  const render::Framebuffer& target, render::DrawStyle style, double t) {
   model.renderer.uploadInRenderThread({.wait = true});
@@ -96,6 +92,8 @@ RenderedScene::Picture RenderedScene::draw(double t, const render::Framebuffer& 
     picture.has_converged = picture.has_converged && hasConverged(status);
     picture.is_drawn = status.current && status.cut && status.cut->converged;
     if (!picture.is_drawn) return picture;
+    picture.has_preview =
+        picture.has_preview || model.target.is_preview || showsPreview(status, model.summary);
     picture.max_error_px = std::max(picture.max_error_px, status.cut->max_error_px);
     if (!scene_.is_single_model)
       style.instance = {instanceNumber(number, instance), model.summary.name, instance + 1};

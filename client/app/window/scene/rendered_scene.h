@@ -26,7 +26,8 @@ class RenderedScene {
     bool has_converged = false;  ///< true if all instances have converged, see hasConverged()
     /// Status of the first instance that did not converge, else of the last instance.
     stream::StreamStatus status;
-    float max_error_px = 0;  ///< largest error of all instances
+    float max_error_px = 0;    ///< largest error of all instances
+    bool has_preview = false;  ///< true if a model is only a preview
     std::vector<render::LegendEntry> legend;
   };
 
@@ -35,8 +36,6 @@ class RenderedScene {
   RenderedScene(const CommonOptions& options, bool announce);
   ~RenderedScene();
 
-  /// Returns true if a model is only a preview, because of --preview.
-  bool hasPreview() const;
   /// Returns the camera path of --camera, or else the default camera as a path with one key.
   const core::CameraPath& path() const { return path_; }
   /// Draws the scene from the camera at time `t` of the path. Draws the instances one after another, each as
