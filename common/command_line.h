@@ -82,9 +82,11 @@ inline std::vector<const char*> withDefaultCommand(const CLI::App& program, int 
                                                    const DefaultCommand& default_command) {
   std::vector<const char*> words(argv, argv + argc);
   if (default_command.name == nullptr) return words;
+  const auto isOption = [](std::string_view word) { return word.size() > 1 && word.front() == '-'; };
   const bool is_default =
-      words.size() > 1 ? *words[1] != '-' && !hasCommand(program, words[1]) && default_command.takes(words[1])
-                       : default_command.stands_alone != nullptr && default_command.stands_alone();
+      words.size() > 1
+          ? !isOption(words[1]) && !hasCommand(program, words[1]) && default_command.takes(words[1])
+          : default_command.stands_alone != nullptr && default_command.stands_alone();
   if (is_default) words.insert(words.begin() + 1, default_command.name);
   return words;
 }

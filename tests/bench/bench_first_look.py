@@ -64,14 +64,19 @@ def difference(one, other):
     return sum(abs(a - b) for a, b in zip(one[::3], other[::3])) / len(one[::3])
 
 
+def new_home(stack, screen):
+    """Returns an environment with empty folders for settings and caches."""
+    home = stack.enter_context(tempfile.TemporaryDirectory())
+    (pathlib.Path(home) / "lodestream").mkdir(mode=0o700)
+    (pathlib.Path(home) / "lodestream" / "help-seen").touch()  # the first help would cover the model
+    return dict(os.environ, DISPLAY=screen.name, HOME=home, XDG_CACHE_HOME=home, XDG_CONFIG_HOME=home)
+
+
 def first_look(command, longest_s):
     """Returns the seconds until the picture is recognisable."""
     with contextlib.ExitStack() as stack:
         screen = Screen(stack)
-        home = stack.enter_context(tempfile.TemporaryDirectory())
-        environment = dict(os.environ, DISPLAY=screen.name, HOME=home, XDG_CACHE_HOME=home, XDG_CONFIG_HOME=home)
-        (pathlib.Path(home) / "lodestream").mkdir(mode=0o700)
-        (pathlib.Path(home) / "lodestream" / "help-seen").touch()  # the first help would cover the model
+        environment = new_home(stack, screen)
         start = time.monotonic()
         stack.enter_context(running(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
         seen = []

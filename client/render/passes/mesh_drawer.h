@@ -28,8 +28,8 @@ class MeshPrograms {
     kSection = 32,  ///< removes the half beyond a section plane, and draws the cut surface
   };
 
-  /// Links the program for kSurface without textures and fading, because linking delays the first picture. The
-  /// others are linked when needed. @throws Error kInternal if the driver rejects a shader.
+  /// Links the program for kSurface without textures and fading, because linking delays the first picture.
+  /// The others are linked when needed. @throws Error kInternal if the driver rejects a shader.
   MeshPrograms();
 
   /// Returns a program, and links it at the first use. @param parts  bits of Part.

@@ -108,9 +108,9 @@ TEST_F(TargetFile, isRefusedIfMissingOrADirectory) {
 }
 
 TEST(Target, isTakenForNoCommand) {
-  for (const std::string word : {"lode://h/a", "scan.ply", "scans/a", "/a", "./a"})
+  for (const std::string word : {"-", "lode://h/a", "scan.ply", "scans/a", "/a", "./a"})
     EXPECT_TRUE(looksLikeTarget(word)) << word;
-  for (const std::string word : {"", "feetch", "build", "-"}) EXPECT_FALSE(looksLikeTarget(word)) << word;
+  for (const std::string word : {"", "feetch", "build"}) EXPECT_FALSE(looksLikeTarget(word)) << word;
 }
 
 TEST(ServerUrl, namesAServerAndNoModel) {
