@@ -75,6 +75,8 @@ TEST_F(ACommandLine, prefersACommandToTheDefaultCommand) {
   EXPECT_EQ(said_, "tool: not known here: --fast x: see tool --help\n");
   run({""});
   EXPECT_EQ(status_, 0) << said_;
+  run({"-"});
+  EXPECT_EQ(thing_, "-");
 }
 
 TEST_F(ACommandLine, reportsAFailureInOneLine) {
