@@ -45,7 +45,7 @@ draco_source() {  # BUILD
 list_sources() {  # BUILD
   cd "$root"
   {
-    ninja -C "$1" -t deps | grep -oE '(client|common|proto)/[A-Za-z0-9_/.]+\.(h|cpp)$' &
+    ninja -C "$1" -t deps | grep -oE '(client|common|proto)/[A-Za-z0-9_/.]+\.(h|cpp)$' | grep -v _generated
     echo proto/lodestream.fbs
     git -c safe.directory='*' ls-files client/web/page client/web/module client/web/package-lock.json
   } | sort -u | xargs sha256sum
