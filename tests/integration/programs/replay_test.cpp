@@ -112,7 +112,7 @@ TEST_F(ReplayedTrace, isRefusedWithoutRequests) {
   Json trace = Json::parse(readBytes(trace_));
   trace["requests"] = Json::array();
   writeBytes(trace_, trace.dump());
-  expectFailure(loadtest(), {trace_, "nothing to replay"});
+  expectFailure(loadtest(), {trace_, "no requests to replay"});
 }
 
 TEST(Replay, refusesToRecordATraceOverItsInput) {
