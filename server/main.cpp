@@ -4,8 +4,8 @@
 
 namespace {
 
-void addCommands(CLI::App& program) {
-  lode::app::addBuildCommand(program);
+void addCommands(CLI::App& program, int& exit_status) {
+  lode::app::addBuildCommand(program, exit_status);
   lode::app::addDoctorCommand(program);
   lode::app::addServeCommand(program);
   lode::app::addInfoCommand(program);
@@ -20,9 +20,9 @@ int main(int argc, char** argv) {
   lode::endCleanlyWhenInterrupted();
   CLI::App program("Lodestream's server: builds stores from PLY files, serves, checks and exports them.",
                    "lodestreamd");
-  const auto declare = [&](int& /*exit_status*/) {
+  const auto declare = [&](int& exit_status) {
     program.set_version_flag("--version", "lodestreamd " LODE_VERSION);
-    addCommands(program);
+    addCommands(program, exit_status);
   };
   return lode::runCommandLine(program, argc, argv, declare,
                               {"give a smaller --memory or --memory-budget, or free memory"});

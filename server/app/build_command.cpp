@@ -1,4 +1,5 @@
 #include <csignal>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -29,8 +30,13 @@ struct BuildArguments {
   bool json = false, quiet = false, json_progress = false;
 };
 
-Json describeAsJson(const ingest::BuildReport& report) {
-  Json json = toJson(report.summary);
+/// Returns true if a part of a build writes no store.
+bool isWithoutStore(ingest::BuildPart part) {
+  return part == ingest::BuildPart::kPrepare || part == ingest::BuildPart::kSimplify;
+}
+
+Json describeAsJson(const ingest::BuildReport& report, ingest::BuildPart part) {
+  Json json = isWithoutStore(part) ? Json::object() : toJson(report.summary);
   json["seconds"] = report.seconds;
   json["cpu_seconds"] = report.cpu_seconds;
   json["peak_rss_bytes"] = report.peak_rss_bytes;
@@ -48,14 +54,25 @@ Json describeAsJson(const ingest::BuildReport& report) {
   return json;
 }
 
-std::string describe(const ingest::BuildReport& report, const std::filesystem::path& output) {
+std::string describe(const ingest::BuildReport& report, const ingest::BuildOptions& options) {
   const ModelSummary& summary = report.summary;
+  if (isWithoutStore(options.part)) {
+    char numbers[96];
+    std::snprintf(numbers, sizeof numbers, "%.1f s, %.1f CPU s, peak memory ", report.seconds,
+                  report.cpu_seconds);
+    const std::string part =
+        options.part == ingest::BuildPart::kPrepare
+            ? "prepared for " + counted(options.tasks, "task")
+            : "finished task " + std::to_string(options.task) + " of " + std::to_string(options.tasks);
+    return options.output.string() + ": " + part + "; " + numbers + describeBytes(report.peak_rss_bytes) +
+           "\n";
+  }
   char numbers[160];
   std::snprintf(
       numbers, sizeof numbers, "%.1f s, %.1f CPU s, %.2f M triangles a CPU second, peak memory ",
       report.seconds, report.cpu_seconds,
       report.cpu_seconds > 0 ? static_cast<double>(summary.triangles) / report.cpu_seconds / 1e6 : 0.0);
-  return output.string() + ": " + counted(summary.triangles, "triangle") + " in " +
+  return options.output.string() + ": " + counted(summary.triangles, "triangle") + " in " +
          counted(summary.nodes, "node") + ", " + describeBytes(summary.bytes) +
          (summary.dropped > 0 ? ", " + counted(summary.dropped, "flat or bad triangle") + " dropped" : "") +
          "; " + numbers + describeBytes(report.peak_rss_bytes) + "\n";
@@ -83,7 +100,7 @@ void checkPreview(const ingest::BuildOptions& options) {
 }
 
 ingest::BuildReport buildUnlessInterrupted(const BuildArguments& arguments) {
-  const bool is_kept = arguments.options.resume;
+  const bool is_kept = arguments.options.resume || arguments.options.part != ingest::BuildPart::kWhole;
   const Interruption interruption(
       is_kept ? "interrupted" : "interrupted; nothing was written, start it again",
       is_kept ? "; finished work is kept, run the same command again to continue" : "");
@@ -170,18 +187,19 @@ void runBuild(const BuildArguments& arguments) {
   const ingest::BuildReport report = buildUnlessInterrupted(arguments);
   printWarnings(report.warnings);
   if (arguments.json)
-    printJson(describeAsJson(report));
+    printJson(describeAsJson(report, options.part));
   else if (!arguments.quiet && !arguments.json_progress)
-    printText(describe(report, options.output));
+    printText(describe(report, options));
 }
 
 /// If the input is standard input, copies it into a file and makes the file the input.
 /// @return the copy, which must outlive the build; null if the input is a file. @throws Error.
 std::unique_ptr<const CopiedInput> takeStandardInput(ingest::BuildOptions& options) {
   if (!namesStandardInput(options.input.string())) return nullptr;
-  if (options.resume)
+  if (options.resume || options.part != ingest::BuildPart::kWhole)
     throw Error(ErrorCode::kUsage,
-                "--resume needs the input a second time; save it to a file, and name the file");
+                std::string(options.resume ? "--resume" : "--part") +
+                    " needs the input a second time; save it to a file, and name the file");
   const std::filesystem::path& output = options.output.empty() ? options.preview : options.output;
   std::filesystem::path folder =
       options.temporary_folder.empty() ? output.parent_path() : options.temporary_folder;
@@ -191,9 +209,57 @@ std::unique_ptr<const CopiedInput> takeStandardInput(ingest::BuildOptions& optio
   return copied;
 }
 
+/// Exit status of a part that failed for a reason that may pass: a job scheduler should run it again.
+/// Source: EX_TEMPFAIL of sysexits.h.
+constexpr int kTryAgain = 75;
+
+/// Adds the options of a build in parts. @return --part.
+CLI::Option* addParts(CLI::App& command, ingest::BuildOptions& options) {
+  const std::map<std::string, ingest::BuildPart> parts{{"prepare", ingest::BuildPart::kPrepare},
+                                                       {"simplify", ingest::BuildPart::kSimplify},
+                                                       {"finish", ingest::BuildPart::kFinish}};
+  CLI::Option* const part =
+      command
+          .add_option_function<std::string>(
+              "--part", [&options, parts](const std::string& name) { options.part = parts.at(name); },
+              "build in parts on several machines: prepare, then all tasks of simplify, then finish")
+          ->check(CLI::IsMember(parts))
+          ->type_name("PART");
+  command.add_option("--tasks", options.tasks, "with --part: number of tasks into which simplify is divided")
+      ->check(CLI::Range(1u, ingest::kMaxTasks))
+      ->needs(part);
+  command.add_option("--task", options.task, "with --part simplify: number of the task to run, from 0")
+      ->needs(part);
+  return part;
+}
+
+/// Checks the combination of --part, --tasks and --task. @throws CLI::ValidationError.
+void checkParts(const CLI::App& command, const ingest::BuildOptions& options) {
+  if (options.part == ingest::BuildPart::kWhole) return;
+  if (options.tasks == 0) throw CLI::RequiredError("--tasks");
+  const bool is_task = options.part == ingest::BuildPart::kSimplify;
+  if (is_task != (command.count("--task") > 0))
+    throw CLI::ValidationError("--task", "is for --part simplify, which needs it");
+  if (is_task && options.task >= options.tasks)
+    throw CLI::ValidationError("--task", "must be less than --tasks");
+}
+
+/// Runs a build or a part of one. @return the exit status. @throws Error.
+int runOrRetry(const BuildArguments& arguments) {
+  try {
+    runBuild(arguments);
+    return command_line::kDone;
+  } catch (const Error& error) {
+    const bool may_pass = error.code() == ErrorCode::kIo;
+    if (arguments.options.part == ingest::BuildPart::kWhole || !may_pass) throw;
+    printOnOneLine("lodestreamd", error.what());
+    return kTryAgain;
+  }
+}
+
 }  // namespace
 
-void addBuildCommand(CLI::App& program) {
+void addBuildCommand(CLI::App& program, int& exit_status) {
   const auto arguments = std::make_shared<BuildArguments>();
   ingest::BuildOptions& options = arguments->options;
   CLI::App* command = addCommand(program, "build", "Build a store from a PLY file");
@@ -227,17 +293,34 @@ void addBuildCommand(CLI::App& program) {
           "--restart-if-changed", options.restart_if_changed,
           "with --resume: start from the beginning if the input, its images or the options have changed")
       ->needs(resume);
+  addParts(*command, options)->excludes("--restart-if-changed");
+  command
+      ->add_option("--lattice-of", options.lattice_of,
+                   "build on the lattice of this store, so that unchanged parts of a model keep their bytes")
+      ->type_name("OLD.lode")
+      ->excludes("--step");
+  CLI::Option* const reuse =
+      command
+          ->add_option("--reuse", options.reuse_folder,
+                       "folder of finished parts of models: take equal parts from it, and add new parts")
+          ->type_name("DIR");
+  addByteSize(*command, "--reuse-size", options.reuse_bytes,
+              "with --reuse: remove parts that were unused for longest above this size (default: 16 GB)", 1)
+      ->needs(reuse);
   command->add_flag("--json", arguments->json, "print the result as one JSON object");
   CLI::Option* const quiet = command->add_flag("--quiet", arguments->quiet, "print warnings only");
   command
       ->add_flag("--json-progress", arguments->json_progress,
                  "print progress as JSON lines; print the result only with --json")
       ->excludes(quiet);
-  command->callback([arguments, output] {
-    if (output->count() == 0 && arguments->options.preview.empty())
-      throw CLI::RequiredError("--output or --preview");
+  command->callback([arguments, command, output, &exit_status] {
+    const bool is_part = arguments->options.part != ingest::BuildPart::kWhole;
+    if (output->count() == 0 && (is_part || arguments->options.preview.empty()))
+      throw CLI::RequiredError(is_part ? "--output" : "--output or --preview");
+    checkParts(*command, arguments->options);
     const std::unique_ptr<const CopiedInput> copied = takeStandardInput(arguments->options);
-    output->count() > 0 ? runBuild(*arguments) : runPreview(*arguments);
+    if (output->count() == 0) return runPreview(*arguments);
+    exit_status = runOrRetry(*arguments);
   });
 }
 

@@ -12,7 +12,7 @@
 /// failure.
 namespace lode::app {
 
-void addBuildCommand(CLI::App& program);
+void addBuildCommand(CLI::App& program, int& exit_status);
 void addDoctorCommand(CLI::App& program);
 void addServeCommand(CLI::App& program);
 void addInfoCommand(CLI::App& program);

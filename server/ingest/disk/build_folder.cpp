@@ -20,6 +20,16 @@
 namespace lode::ingest {
 namespace {
 
+constexpr const char *kJournal = "journal", *kFiles = "files";
+
+std::filesystem::path folderOf(const std::filesystem::path& output) {
+  return output.has_parent_path() ? output.parent_path() : std::filesystem::path(".");
+}
+
+std::filesystem::path buildFolderOf(const std::filesystem::path& output) {
+  return folderOf(output) / ("." + output.filename().string() + ".building");
+}
+
 void removeAll(const std::filesystem::path& path) noexcept {
   std::error_code ignored;
   std::filesystem::remove_all(path, ignored);
@@ -44,10 +54,15 @@ void syncFolder(const std::filesystem::path& path) {
 
 }  // namespace
 
+BuildFiles BuildFiles::of(const std::filesystem::path& output) {
+  const std::filesystem::path folder = buildFolderOf(output);
+  return {folder / kJournal, folder / kFiles};
+}
+
 BuildFolder::BuildFolder(const std::filesystem::path& output, const std::filesystem::path& temporary_parent)
     : output_(output),
-      output_folder_(output.has_parent_path() ? output.parent_path() : std::filesystem::path(".")),
-      path_(output_folder_ / ("." + output.filename().string() + ".building")),
+      output_folder_(folderOf(output)),
+      path_(buildFolderOf(output)),
       files_(filesIn(temporary_parent)) {
   lock();
 }
@@ -65,7 +80,7 @@ BuildFolder::~BuildFolder() {
 
 std::filesystem::path BuildFolder::filesIn(const std::filesystem::path& temporary_parent) const {
   const std::filesystem::path home = resolved(output_folder_);
-  if (resolved(temporary_parent) == home) return path_ / "files";
+  if (resolved(temporary_parent) == home) return path_ / kFiles;
   const std::string whole_name = (home / output_.filename()).string();
   char name[48];
   std::snprintf(name, sizeof name, ".lodestream-build-%016llx",

@@ -9,6 +9,14 @@
 
 namespace lode::ingest {
 
+/// Paths of a build whose temporary files lie in the folder of the output.
+struct BuildFiles {
+  std::filesystem::path journal;
+  std::filesystem::path folder;  ///< temporary files
+
+  static BuildFiles of(const std::filesystem::path& output);
+};
+
 /// Folder `.OUT.lode.building` beside the output. It holds a lock, the journal and the incomplete store, from
 /// which a later build can resume. It also holds the temporary files, unless the caller names another parent
 /// folder for them, where they get a subfolder named after a hash of the output's path. After keep(false),

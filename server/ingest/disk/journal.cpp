@@ -20,7 +20,7 @@ namespace lode::ingest {
 namespace {
 
 // Magic bytes, which end in the format version. Change the version whenever the format of any entry changes.
-constexpr std::array<char, 8> kMagic{'L', 'O', 'D', 'E', 'J', 'N', '0', '6'};
+constexpr std::array<char, 8> kMagic{'L', 'O', 'D', 'E', 'J', 'N', '0', '7'};
 
 /// Precedes the bytes of each entry. The checksum covers the other fields and the bytes.
 struct EntryHeader {
@@ -52,7 +52,7 @@ void writeToDisk(int file, const std::filesystem::path& path, uint64_t offset,
 }  // namespace
 
 Journal::Journal(std::filesystem::path path, int flags) : path_(std::move(path)) {
-  file_ = ::open(path_.c_str(), O_RDWR | O_CLOEXEC | flags, 0600);
+  file_ = ::open(path_.c_str(), flags | O_CLOEXEC, 0600);
   if (file_ < 0) fail(path_, "open");
 }
 
@@ -67,23 +67,35 @@ Journal::Journal(Journal&& other) noexcept
       entries_(other.entries_) {}
 
 Journal Journal::create(const std::filesystem::path& path) {
-  Journal journal(path, O_CREAT | O_TRUNC);
+  Journal journal(path, O_RDWR | O_CREAT | O_TRUNC);
   writeToDisk(journal.file_, path, 0, std::as_bytes(std::span(kMagic)));
   journal.end_ = kMagic.size();
   return journal;
 }
 
 Journal Journal::open(const std::filesystem::path& path, const Sink& sink) {
-  Journal journal(path, 0);
-  struct stat status {};
-  if (::fstat(journal.file_, &status) != 0) fail(path, "examine");
-  const auto file_bytes = static_cast<uint64_t>(status.st_size);
-  if (file_bytes == 0) return create(path);
-  journal.readHeader();
-  while (journal.readEntry(file_bytes, sink)) {
-  }
+  Journal journal(path, O_RDWR);
+  if (journal.fileBytes() == 0) return create(path);
+  journal.readEntries(sink);
   if (::ftruncate(journal.file_, static_cast<off_t>(journal.end_)) != 0) fail(path, "truncate");
   return journal;
+}
+
+void Journal::read(const std::filesystem::path& path, const Sink& sink) {
+  Journal(path, O_RDONLY).readEntries(sink);
+}
+
+uint64_t Journal::fileBytes() const {
+  struct stat status {};
+  if (::fstat(file_, &status) != 0) fail(path_, "examine");
+  return static_cast<uint64_t>(status.st_size);
+}
+
+void Journal::readEntries(const Sink& sink) {
+  const uint64_t file_bytes = fileBytes();
+  readHeader();
+  while (readEntry(file_bytes, sink)) {
+  }
 }
 
 void Journal::readHeader() {

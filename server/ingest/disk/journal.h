@@ -28,6 +28,10 @@ class Journal {
   /// @throws Error kIo, kFormat (not a journal of this version), and exceptions of the sink.
   static Journal open(const std::filesystem::path& path, const Sink& sink);
 
+  /// Passes the intact entries to `sink`. Does not change the file, so that any number of processes can read
+  /// it. @throws Error kIo, kFormat (not a journal of this version), and exceptions of the sink.
+  static void read(const std::filesystem::path& path, const Sink& sink);
+
   ~Journal();
   Journal(Journal&& other) noexcept;
   Journal& operator=(Journal&&) = delete;
@@ -38,7 +42,9 @@ class Journal {
 
  private:
   Journal(std::filesystem::path path, int flags);
+  void readEntries(const Sink& sink);
   void readHeader();
+  uint64_t fileBytes() const;
   bool readEntry(uint64_t file_bytes, const Sink& sink);
 
   std::filesystem::path path_;

@@ -34,19 +34,23 @@ Spool::Spool(TemporaryFile file) : path_(std::move(file.path)), lasts_(file.last
   if (file_ < 0) failSpool(path_, "create");
 }
 
-Spool::Spool(TemporaryFile file, uint64_t size)
+Spool::Spool(TemporaryFile file, uint64_t size) : Spool(std::move(file), size, O_RDWR) {
+  if (ftruncate(file_, static_cast<off_t>(size)) != 0) failSpool(path_, "truncate");
+}
+
+Spool Spool::forReading(std::filesystem::path path, uint64_t size) {
+  return {TemporaryFile{std::move(path), true}, size, O_RDONLY};
+}
+
+Spool::Spool(TemporaryFile file, uint64_t size, int flags)
     : path_(std::move(file.path)), lasts_(file.lasts), size_(size), written_(size) {
-  file_ = open(path_.c_str(), O_RDWR | O_CLOEXEC);
+  file_ = open(path_.c_str(), flags | O_CLOEXEC);
   if (file_ < 0) failSpool(path_, "open");
   const off_t there = lseek(file_, 0, SEEK_END);
   if (there < 0 || static_cast<uint64_t>(there) < size) {
     close(file_);
     throw Error(ErrorCode::kFormat,
                 "temporary file " + path_.string() + " was truncated; build without --resume");
-  }
-  if (ftruncate(file_, static_cast<off_t>(size)) != 0) {
-    close(file_);
-    failSpool(path_, "truncate");
   }
 }
 

@@ -26,6 +26,9 @@ class Spool {
   /// Opens the file of an earlier build and truncates it to `size` bytes. append() continues at that offset.
   /// @throws Error kFormat if the file is shorter.
   Spool(TemporaryFile file, uint64_t size);
+  /// Opens the first `size` bytes of another build's file for readAt() only, and keeps the file.
+  /// @throws Error kFormat if the file is shorter.
+  static Spool forReading(std::filesystem::path path, uint64_t size);
   ~Spool();
   Spool(Spool&& other) noexcept;
   Spool& operator=(Spool&&) = delete;
@@ -45,6 +48,7 @@ class Spool {
   void readAt(uint64_t offset, std::span<std::byte> bytes) const;
 
  private:
+  Spool(TemporaryFile file, uint64_t size, int flags);
   void writeBuffer();
 
   std::filesystem::path path_;

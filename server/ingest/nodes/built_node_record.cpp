@@ -43,7 +43,7 @@ void requirePosition(uint32_t near, const NodeMesh& mesh) {
 
 }  // namespace
 
-void putFinishedNode(RecordWriter& record, const Node& node, std::span<const PayloadSpool::Place> payloads) {
+void putFinishedNode(RecordWriter& record, const Node& node, std::span<const PayloadPlace> payloads) {
   record.put(node.key);
   record.put(node.box);
   record.put(node.child_mask);
@@ -85,7 +85,7 @@ FinishedNode getFinishedNode(RecordReader& record) {
 
 void putBuiltNode(RecordWriter& record, const BuiltNode& built) {
   const auto& [node, payloads, coarsest, original_triangles, inherited, references, samples] = built;
-  putFinishedNode(record, node, payloads);
+  putFinishedNode(record, node, std::vector<PayloadPlace>(node.lods.size()));
   putMesh(record, coarsest);
   record.put(original_triangles);
   record.put(inherited);
@@ -95,10 +95,8 @@ void putBuiltNode(RecordWriter& record, const BuiltNode& built) {
 }
 
 BuiltNode getBuiltNode(RecordReader& record) {
-  FinishedNode finished = getFinishedNode(record);
   BuiltNode built;
-  built.node = std::move(finished.node);
-  built.payloads = std::move(finished.payloads);
+  built.node = getFinishedNode(record).node;
   built.coarsest = getMesh(record);
   built.original_triangles = record.get<uint64_t>();
   built.inherited = record.get<LodError>();

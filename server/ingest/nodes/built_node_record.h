@@ -5,14 +5,20 @@
 
 namespace lode::ingest {
 
-/// A finished node and the places of its payloads in the spool. The node's LODs have no blob numbers yet;
-/// they get them when the store is written.
-struct FinishedNode {
-  Node node;
-  std::vector<PayloadSpool::Place> payloads;  ///< one place per LOD
+/// Place of a payload in its treelet's file.
+struct PayloadPlace {
+  uint64_t offset = 0;
+  uint32_t bytes = 0;
 };
 
-void putFinishedNode(RecordWriter& record, const Node& node, std::span<const PayloadSpool::Place> payloads);
+/// A finished node and the places of its payloads. The node's LODs have no blob numbers yet; they get them
+/// when the store is written.
+struct FinishedNode {
+  Node node;
+  std::vector<PayloadPlace> payloads;  ///< one place per LOD
+};
+
+void putFinishedNode(RecordWriter& record, const Node& node, std::span<const PayloadPlace> payloads);
 /// @throws Error kFormat, kLimit.
 FinishedNode getFinishedNode(RecordReader& record);
 

@@ -57,9 +57,8 @@ FinishedLod finishLod(SimplifiedMesh&& simplified, const LodInput& input,
   return finished;
 }
 
-NodeBuilder::NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads,
-                         const TemporaryFolder& folder)
-    : settings_(settings), partition_(partition), payloads_(payloads), folder_(folder) {}
+NodeBuilder::NodeBuilder(const Settings& settings, const Partition& partition, const TemporaryFolder& folder)
+    : settings_(settings), partition_(partition), folder_(folder) {}
 
 BuiltNode NodeBuilder::buildLeaf(uint32_t leaf, Room room) {
   BuiltNode built;
@@ -240,15 +239,16 @@ void NodeBuilder::addFarLods(BuiltNode& built, std::span<const size_t> targets) 
                        built.references);
   simplify(input.mesh(), depth, targets, [&](size_t, SimplifiedMesh&& simplified) {
     if (simplified.mesh.triangles.size() >= built.node.lods.back().triangles) return;
-    const FinishedLod lod = finishLod(std::move(simplified), input, built.samples, settings_.lattice.step,
-                                      settings_.crease, MeshSource::kFarLod);
+    FinishedLod lod = finishLod(std::move(simplified), input, built.samples, settings_.lattice.step,
+                                settings_.crease, MeshSource::kFarLod);
     addLod(built, lod);
     ++built.node.far_lods;
   });
 }
 
-void NodeBuilder::addLod(BuiltNode& built, const FinishedLod& lod) {
-  addLod(built, lod.simplified.mesh, lod.payload, errorOf(built, lod));
+/// Moves the payload out of `lod`.
+void NodeBuilder::addLod(BuiltNode& built, FinishedLod& lod) {
+  addLod(built, lod.simplified.mesh, std::move(lod.payload), errorOf(built, lod));
 }
 
 LodError NodeBuilder::errorOf(const BuiltNode& built, const FinishedLod& lod) const {
@@ -273,9 +273,8 @@ LodError NodeBuilder::errorOf(const Lod& lod) const noexcept {
   return {inSteps(lod.error_model), inSteps(lod.appearance_error_model)};
 }
 
-void NodeBuilder::addLod(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload,
-                         LodError error) {
-  built.payloads.push_back(payloads_.append(payload.bytes));
+void NodeBuilder::addLod(BuiltNode& built, const NodeMesh& mesh, EncodedPayload&& payload, LodError error) {
+  built.payloads.push_back(std::move(payload.bytes));
   const int depth = built.node.key.depth();
   Lod lod;
   lod.triangles = static_cast<uint32_t>(mesh.triangles.size());

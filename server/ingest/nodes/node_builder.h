@@ -13,7 +13,7 @@
 #include "server/ingest/measure/lod_input.h"
 #include "server/ingest/measure/surface_samples.h"
 #include "server/ingest/mesh/node_mesh.h"
-#include "server/ingest/nodes/node_spool.h"
+#include "server/ingest/nodes/lod_spool.h"
 #include "server/ingest/partition/normal_fans.h"
 #include "server/ingest/partition/partition.h"
 #include "server/ingest/plan/build_options.h"
@@ -52,8 +52,8 @@ struct LodError {
 
 /// A node with all its LODs, and the data that its parent needs.
 struct BuiltNode {
-  Node node;                                  ///< the node; its payloads have no blob numbers yet
-  std::vector<PayloadSpool::Place> payloads;  ///< place of each LOD's payload in the spool
+  Node node;                                     ///< the node; its payloads have no blob numbers yet
+  std::vector<std::vector<std::byte>> payloads;  ///< encoded payload of each LOD, until a file stores it
   NodeMesh coarsest;                ///< mesh of the coarsest LOD except far LODs; part of the parent's input
   uint64_t original_triangles = 0;  ///< number of triangles in the leaves below
   LodError inherited;               ///< largest error of the children's LODs that form this node's input
@@ -83,8 +83,7 @@ class NodeBuilder {
     bool is_tight = false;
   };
   /// @param folder  folder for LODs on disk.
-  NodeBuilder(const Settings& settings, const Partition& partition, PayloadSpool& payloads,
-              const TemporaryFolder& folder);
+  NodeBuilder(const Settings& settings, const Partition& partition, const TemporaryFolder& folder);
 
   BuiltNode buildLeaf(uint32_t leaf, Room room);
   /// @param children  children that have triangles, in octant order; the function moves their data out.
@@ -103,8 +102,8 @@ class NodeBuilder {
   void reduce(BuiltNode& built, NodeMesh mesh, bool is_original, Room room);
   void simplify(NodeMesh mesh, int depth, std::span<const size_t> targets, const SnapshotSink& sink) const;
   LodSpool spoolLods(NodeMesh mesh, NodeKey key, std::span<const size_t> targets) const;
-  void addLod(BuiltNode& built, const FinishedLod& lod);
-  void addLod(BuiltNode& built, const NodeMesh& mesh, const EncodedPayload& payload, LodError error);
+  void addLod(BuiltNode& built, FinishedLod& lod);
+  void addLod(BuiltNode& built, const NodeMesh& mesh, EncodedPayload&& payload, LodError error);
   /// Returns the error of an LOD in lattice steps: the LOD's deviation, combined with the lattice's rounding
   /// as an independent error. The result is never less than the distance of the LOD's boundary edges from
   /// the original ones, nor less than the error of the next finer LOD (I2 and I3 of docs/architecture.md).
@@ -113,7 +112,6 @@ class NodeBuilder {
 
   const Settings settings_;
   const Partition& partition_;
-  PayloadSpool& payloads_;
   const TemporaryFolder& folder_;
 };
 

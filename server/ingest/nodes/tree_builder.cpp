@@ -10,11 +10,11 @@
 #include <optional>
 #include <queue>
 #include <thread>
-#include <unordered_map>
+#include <utility>
 
 #include "common/error.h"
+#include "common/release_storage.h"
 #include "common/start_thread.h"
-#include "server/ingest/nodes/tree_plan.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
 #include "server/ingest/threads/helpers.h"
@@ -23,7 +23,6 @@ namespace lode::ingest {
 namespace {
 
 constexpr auto kProgressInterval = std::chrono::milliseconds(200);
-constexpr uint32_t kNoNode = ~0u;
 constexpr uint64_t kLargeShare = 2;  ///< a node that takes more than half of the memory is large
 
 uint64_t memoryOf(const BuiltNode& built) noexcept {
@@ -37,31 +36,40 @@ uint64_t memoryOf(const BuiltNode& built) noexcept {
 /// Shared state of the workers. The mutex guards everything that changes.
 class Scheduler {
  public:
-  Scheduler(const TreePlan& plan, SimplifyLog& log, NodeSpool& nodes, const TreeResources& resources,
-            uint32_t triangles_per_node)
-      : plan_(plan),
-        log_(log),
-        nodes_(nodes),
+  Scheduler(const TreeWork& work, const TreeResources& resources, uint32_t triangles_per_node,
+            BuiltTree& built)
+      : plan_(work.tree),
+        treelets_(work.treelets),
+        folder_(work.folder),
+        tree_(built),
         memory_bytes_(resources.memory_bytes -
-                      std::min(resources.memory_bytes, plan.size() * kNodeRecordBytes)),
+                      std::min(resources.memory_bytes, plan_.size() * kNodeRecordBytes)),
         leaf_bytes_(memoryOfNode(triangles_per_node)),
-        built_(plan.size()),
-        logged_(plan.size()),
-        input_triangles_(plan.size()),
-        waiting_for_(plan.size()) {
-    nodes.reserve(plan.size());
-    resume();
+        built_(plan_.size()),
+        is_given_(plan_.size()),
+        input_triangles_(plan_.size()),
+        waiting_for_(plan_.size()),
+        finished_(treelets_.size()),
+        open_(treelets_.size()) {}
+
+  /// Takes over the finished treelets, and finds out which nodes can be built first.
+  void prepare(const std::vector<bool>& is_wanted, const BuildProgress& progress) {
+    takeOver(is_wanted, progress);
     taken_ = done_;
-    for (uint32_t i = 0; i < plan.size(); ++i) {
-      if (logged_[i]) continue;
-      const std::vector<uint32_t> children = plan.children(i);
-      waiting_for_[i] = static_cast<uint8_t>(
-          std::count_if(children.begin(), children.end(), [&](uint32_t child) { return !logged_[child]; }));
-      if (children.empty()) {
+    for (uint32_t node = 0; node < plan_.size(); ++node) {
+      if (is_given_[node]) continue;
+      if (plan_.isLeaf(node)) {
         ++leaves_left_;
-      } else if (waiting_for_[i] == 0) {
-        ready_.push(i);
+        continue;
       }
+      for (const uint32_t child : plan_.children(node)) {
+        if (!is_given_[child]) {
+          ++waiting_for_[node];
+        } else if (const auto& file = finished_[treelets_.treeletOf(child)]) {
+          input_triangles_[node] += file->rootTriangles();
+        }
+      }
+      if (waiting_for_[node] == 0) ready_.push(node);
     }
   }
 
@@ -92,9 +100,8 @@ class Scheduler {
     changed_.notify_all();
   }
 
-  void finish() {
+  void finish() const {
     if (failure_) std::rethrow_exception(failure_);
-    writeLog();
   }
 
  private:
@@ -103,9 +110,11 @@ class Scheduler {
     uint64_t bytes = 0;
     bool is_large = false;  ///< the node is large relative to the available memory
   };
-  struct Finished {
-    uint32_t number = 0;
-    NodeSpool::Place place;
+  /// A treelet that is being written.
+  struct OpenTreelet {
+    explicit OpenTreelet(TreeletWriter&& its_writer) : writer(std::move(its_writer)) {}
+    std::mutex mutex;  ///< guards the writer
+    TreeletWriter writer;
   };
   /// Lends idle workers to a node, as far as memory allows.
   class IdleWorkers final : public Helpers {
@@ -119,17 +128,33 @@ class Scheduler {
     const uint64_t bytes_;
   };
 
+  /// Marks the nodes that need not be built. @param is_wanted  see TreeWork.
+  void takeOver(const std::vector<bool>& is_wanted, const BuildProgress& progress) {
+    for (uint32_t i = 0; i < treelets_.size(); ++i) {
+      const Treelet& treelet = treelets_[i];
+      if (is_wanted[i]) finished_[i] = folder_.find(treelet.name);
+      if (is_wanted[i] && !finished_[i]) continue;
+      if (finished_[i]) tree_.add(*finished_[i]);
+      done_ += treelet.nodes;
+      if (progress && is_wanted[i]) tell(progress, done_);
+    }
+    for (uint32_t node = 0; node < plan_.size(); ++node) {
+      const uint32_t treelet = treelets_.treeletOf(node);
+      is_given_[node] = finished_[treelet] || !is_wanted[treelet];
+    }
+  }
+
+  void tell(const BuildProgress& progress, size_t done) const {
+    progress("simplify", static_cast<double>(done) / static_cast<double>(plan_.size()), done, plan_.size());
+  }
+
   void reportProgress(const BuildProgress& progress, std::unique_lock<std::mutex>& lock) {
-    const bool is_logging = log_.isDue();
-    if (!progress && !is_logging) return;
+    if (!progress) return;
     const size_t done = done_;
     std::exception_ptr failure;
     lock.unlock();
     try {
-      if (is_logging) writeLog();
-      if (progress)
-        progress("simplify", static_cast<double>(done) / static_cast<double>(plan_.size()), done,
-                 plan_.size());
+      tell(progress, done);
     } catch (...) {
       failure = std::current_exception();
     }
@@ -161,7 +186,7 @@ class Scheduler {
       return started(number, bytes);
     }
     if (leaves_left_ == 0 || !hasRoomFor(leaf_bytes_)) return std::nullopt;
-    while (logged_[next_leaf_] || !plan_.isLeaf(next_leaf_)) ++next_leaf_;
+    while (is_given_[next_leaf_] || !plan_.isLeaf(next_leaf_)) ++next_leaf_;
     --leaves_left_;
     return started(next_leaf_++, leaf_bytes_);
   }
@@ -201,136 +226,87 @@ class Scheduler {
     return builder.buildInner(plan_.key(taken.number), children, room);
   }
 
+  /// Returns a node's children, and removes them from memory. Reads the roots of finished treelets.
   std::vector<BuiltNode> takeChildren(uint32_t number) {
     const std::vector<uint32_t> numbers = plan_.children(number);
     std::vector<BuiltNode> children(numbers.size());
-    std::unique_lock lock(mutex_);
-    for (size_t i = 0; i < children.size(); ++i) {
-      changed_.wait(lock, [&] { return being_logged_ != numbers[i] || failure_; });
-      std::unique_ptr<BuiltNode>& built = built_[numbers[i]];
-      if (!built) continue;
-      held_bytes_ -= memoryOf(*built);
-      children[i] = std::move(*built);
-      built.reset();
+    {
+      std::lock_guard lock(mutex_);
+      for (size_t i = 0; i < children.size(); ++i) {
+        std::unique_ptr<BuiltNode>& built = built_[numbers[i]];
+        if (!built) continue;
+        held_bytes_ -= memoryOf(*built);
+        children[i] = std::move(*built);
+        built.reset();
+      }
     }
-    lock.unlock();
-    for (size_t i = 0; i < children.size(); ++i) {
-      if (children[i].node.lods.empty()) children[i] = log_.readRoot(plan_.key(numbers[i]));
-    }
+    for (size_t i = 0; i < children.size(); ++i)
+      if (is_given_[numbers[i]]) children[i] = rootOf(treelets_.treeletOf(numbers[i]));
     return children;
   }
 
-  /// Restores the nodes that a killed build had finished. The nodes' meshes stay on disk until their parents
-  /// need them.
-  void resume() {
-    const std::vector<FinishedNode> before = log_.takeFinished();
-    if (before.empty()) return;
-    std::unordered_map<uint64_t, uint32_t> numbers;
-    for (uint32_t i = 0; i < plan_.size(); ++i) numbers.emplace(plan_.key(i).value, i);
-    for (const FinishedNode& finished : before) {
-      const auto at = numbers.find(finished.node.key.value);
-      if (at == numbers.end() || logged_[at->second]) failResume();
-      logged_[at->second] = true;
-      nodes_.append(finished.node, finished.payloads);
-      if (!plan_.isRoot(at->second))
-        input_triangles_[plan_.parent(at->second)] += finished.node.sourceLod().triangles;
-      ++done_;
-    }
-    for (uint32_t i = 0; i < plan_.size(); ++i) {
-      const bool is_open = logged_[i] && !plan_.isRoot(i) && !logged_[plan_.parent(i)];
-      if (is_open && !log_.hasRoot(plan_.key(i))) failResume();
-    }
-  }
-
-  [[noreturn]] static void failResume() {
-    throw Error(ErrorCode::kFormat, "the build journal belongs to another tree; build without --resume");
-  }
-
-  /// Logs the finished nodes that a resumed build can use. These are nodes with a logged parent, and inner
-  /// nodes whose parent is not built yet, together with the data that the parent needs. Logs a leaf only
-  /// after its parent, so a resumed build may rebuild leaves. Workers wait for the disk only if they need the
-  /// node that is being written.
-  void writeLog() {
-    std::vector<Finished> finished;
-    {
-      std::lock_guard lock(mutex_);
-      finished.swap(finished_);
-    }
-    std::sort(finished.begin(), finished.end(),
-              [](const Finished& a, const Finished& b) { return a.number > b.number; });  // parents first
-    std::vector<Finished> left;
-    for (const Finished& node : finished) {
-      if (tryToLogBelowParent(node.number) || tryToLogRoot(node.number)) {
-        log_.addFinished(nodes_.read(node.place));
-      } else {
-        left.push_back(node);
-      }
-    }
-    log_.write();
-    std::lock_guard lock(mutex_);
-    finished_.insert(finished_.end(), left.begin(), left.end());
-  }
-
-  bool tryToLogBelowParent(uint32_t number) {
-    std::lock_guard lock(mutex_);
-    const bool is_below = plan_.isRoot(number) || logged_[plan_.parent(number)];
-    if (is_below) logged_[number] = true;
-    return is_below;
-  }
-
-  /// Logs a node as the root of a finished subtree. @return false if the node is a leaf, or if its parent has
-  /// used it.
-  bool tryToLogRoot(uint32_t number) {
-    if (plan_.isLeaf(number)) return false;
-    std::unique_ptr<BuiltNode> root;
-    {
-      std::lock_guard lock(mutex_);
-      if (!built_[number]) return false;
-      root = std::move(built_[number]);
-      being_logged_ = number;
-      logged_[number] = true;
-    }
-    log_.addRoot(*root);
-    {
-      std::lock_guard lock(mutex_);
-      built_[number] = std::move(root);
-      being_logged_ = kNoNode;
-    }
-    changed_.notify_all();
-    return true;
+  BuiltNode rootOf(uint32_t treelet) const {
+    std::optional<TreeletFile> file = finished_[treelet];
+    if (!file) file = folder_.find(treelets_[treelet].name);
+    if (!file)
+      throw Error(ErrorCode::kIo, "a finished part of the build has disappeared; run the build again");
+    return file->readRoot();
   }
 
   void store(const Taken& taken, BuiltNode&& built) {
     const uint32_t number = taken.number;
-    const NodeSpool::Place place = nodes_.append(built.node, built.payloads);
+    write(treelets_.treeletOf(number), number, built);
     auto waiting = std::make_unique<BuiltNode>(std::move(built));
     std::lock_guard lock(mutex_);
-    held_bytes_ += memoryOf(*waiting);
     held_bytes_ -= taken.bytes;
-    finished_.push_back({number, place});
     ++done_;
-    if (!plan_.isRoot(number)) {
+    if (!plan_.isRoot(number) && !is_given_[plan_.parent(number)]) {
       const uint32_t parent = plan_.parent(number);
       input_triangles_[parent] += static_cast<uint32_t>(waiting->coarsest.triangles.size());
       if (--waiting_for_[parent] == 0) ready_.push(parent);
+      held_bytes_ += memoryOf(*waiting);
+      built_[number] = std::move(waiting);
     }
-    built_[number] = std::move(waiting);
     changed_.notify_all();
   }
 
+  /// Writes a node to its treelet, and completes the treelet after its root, which is built last. Frees the
+  /// node's payloads.
+  void write(uint32_t treelet, uint32_t number, BuiltNode& built) {
+    OpenTreelet& open = openTreelet(treelet);
+    {
+      std::lock_guard lock(open.mutex);
+      open.writer.add(built.node, built.payloads);
+      releaseStorage(built.payloads);
+    }
+    if (treelets_[treelet].root != number) return;
+    tree_.add(open.writer.finish(built));
+    folder_.share(treelets_[treelet].name);
+    std::lock_guard lock(mutex_);
+    open_[treelet].reset();
+  }
+
+  OpenTreelet& openTreelet(uint32_t treelet) {
+    std::lock_guard lock(mutex_);
+    std::unique_ptr<OpenTreelet>& open = open_[treelet];
+    if (!open) open = std::make_unique<OpenTreelet>(folder_.create(treelets_[treelet].name));
+    return *open;
+  }
+
   const TreePlan& plan_;
-  SimplifyLog& log_;
-  NodeSpool& nodes_;
+  const TreeletPlan& treelets_;
+  TreeletFolder& folder_;
+  BuiltTree& tree_;
   const uint64_t memory_bytes_, leaf_bytes_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<std::unique_ptr<BuiltNode>> built_;  ///< built nodes that their parents have not used yet
-  std::vector<Finished> finished_;                 ///< built nodes that the journal does not contain yet
-  std::vector<bool> logged_;                       ///< true for each node that the journal contains
-  uint32_t being_logged_ = kNoNode;  ///< node that the journal writes now, temporarily moved out of built_
+  std::vector<bool> is_given_;                     ///< true for each node that is finished or not wanted
   /// For each node, the number of triangles that its children built so far contribute to its input.
   std::vector<uint32_t> input_triangles_;
   std::vector<uint8_t> waiting_for_;  ///< number of children of each node that are not built yet
+  std::vector<std::optional<TreeletFile>> finished_;  ///< treelets that were finished before
+  std::vector<std::unique_ptr<OpenTreelet>> open_;    ///< treelets that are partly written
   std::priority_queue<uint32_t, std::vector<uint32_t>, std::greater<>> ready_;
   uint32_t next_leaf_ = 0;
   size_t leaves_left_ = 0, taken_ = 0, done_ = 0;
@@ -341,17 +317,16 @@ class Scheduler {
 
 }  // namespace
 
-void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, const TreeFiles& files,
-               const TreeResources& resources, const BuildProgress& progress) {
-  const TreePlan plan(partition.leaves);
-  Scheduler scheduler(plan, files.log, files.nodes, resources, settings.triangles_per_node);
+void buildTree(const NodeBuilder::Settings& settings, const Partition& partition, const TreeWork& work,
+               const TreeResources& resources, const BuildProgress& progress, BuiltTree& built) {
+  Scheduler scheduler(work, resources, settings.triangles_per_node, built);
+  scheduler.prepare(work.is_wanted, progress);
   {
     const std::vector<std::jthread> workers = startThreads(resources.threads, "to simplify", [&] {
-      scheduler.work([&] { return NodeBuilder(settings, partition, files.payloads, files.folder); });
+      scheduler.work([&] { return NodeBuilder(settings, partition, work.scratch); });
     });
     scheduler.waitUntilDone(progress);
   }
-  files.payloads.flush();
   scheduler.finish();
 }
 

@@ -19,10 +19,12 @@ BorderTable::BorderTable(const TemporaryFolder& folder, uint64_t memory_bytes)
       joined_(folder.lastingFile(kFile)) {}
 
 BorderTable::BorderTable(const TemporaryFolder& folder, RecordReader& record)
-    : joined_(folder.lastingFile(kFile), record.get<uint64_t>()),
+    : joined_(Spool::forReading(folder.path() / kFile, record.get<uint64_t>())),
       first_of_leaf_(record.getAll<uint64_t>()),
+      digests_(record.getAll<Digest>()),
       locked_below_root_(record.get<std::array<uint64_t, 8>>()) {
-  if (first_of_leaf_.empty() || !std::is_sorted(first_of_leaf_.begin(), first_of_leaf_.end()) ||
+  if (first_of_leaf_.empty() || digests_.size() != leafCount() ||
+      !std::is_sorted(first_of_leaf_.begin(), first_of_leaf_.end()) ||
       first_of_leaf_.back() != joined_.size() / sizeof(BorderVertex)) {
     throw Error(ErrorCode::kFormat, "the build's journal has a damaged border table; build without --resume");
   }
@@ -32,6 +34,7 @@ void BorderTable::save(RecordWriter& record) const {
   joined_.sync();
   record.put(joined_.size());
   record.putAll(first_of_leaf_);
+  record.putAll(digests_);
   record.put(locked_below_root_);
 }
 
@@ -89,17 +92,30 @@ void BorderTable::join(std::span<const NodeKey> leaves, const CreaseAngle& creas
   temporary_bytes_ += by_position_->temporaryBytes();
   by_position_.reset();
 
+  appendByLeaf(leaves.size(), advance);
+}
+
+/// Writes the shared vertices of all leaves to the table's file, in the order of the leaves.
+void BorderTable::appendByLeaf(size_t leaves, const std::function<void()>& advance) {
   by_leaf_->finish();
-  first_of_leaf_.assign(leaves.size() + 1, 0);
+  first_of_leaf_.assign(1, 0);
+  digests_.clear();
+  std::vector<std::byte> vertices;  // shared vertices of the current leaf
+  const auto endLeaf = [&] {
+    first_of_leaf_.push_back(first_of_leaf_.back() + vertices.size() / sizeof(BorderVertex));
+    digests_.push_back(digestOf(vertices));
+    joined_.append(vertices);
+    vertices.clear();
+  };
   while (const auto record = by_leaf_->next()) {
-    ++first_of_leaf_[record->key + 1];
-    joined_.append(record->bytes);
+    while (digests_.size() < record->key) endLeaf();
+    vertices.insert(vertices.end(), record->bytes.begin(), record->bytes.end());
     advance();
   }
+  while (digests_.size() < leaves) endLeaf();
   temporary_bytes_ += by_leaf_->temporaryBytes();
   by_leaf_.reset();
   joined_.flush();
-  for (size_t leaf = 0; leaf < leaves.size(); ++leaf) first_of_leaf_[leaf + 1] += first_of_leaf_[leaf];
 }
 
 /// Counts a position in locked_below_root_ once for each child of the root that has a leaf there.

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -9,6 +10,7 @@
 
 #include <glm/glm.hpp>
 
+#include "common/codec/blob.h"
 #include "common/lattice.h"
 #include "common/node_key.h"
 #include "server/ingest/disk/record_sorter.h"
@@ -60,18 +62,22 @@ class BorderTable {
   size_t leafCount() const noexcept { return first_of_leaf_.size() - 1; }
   /// Returns the number of locked positions in each child of the root, by octant.
   const std::array<uint64_t, 8>& lockedBelowRoot() const noexcept { return locked_below_root_; }
+  /// Returns the digest of a leaf's shared vertices. @pre join() has returned.
+  const Digest& digest(uint32_t leaf) const noexcept { return digests_[leaf]; }
   /// Returns a leaf's shared vertices, sorted by position and fan.
   std::vector<BorderVertex> read(uint32_t leaf) const;
   /// Bytes written to temporary files so far.
   uint64_t temporaryBytes() const noexcept { return temporary_bytes_ + joined_.size(); }
 
  private:
+  void appendByLeaf(size_t leaves, const std::function<void()>& advance);
   void countBelowRoot(std::span<const NodeKey> leaves, std::span<const ListedFan> sharing);
 
   std::unique_ptr<RecordSorter> by_position_, by_leaf_;  ///< null after join()
   uint64_t temporary_bytes_ = 0;
   Spool joined_;
   std::vector<uint64_t> first_of_leaf_;
+  std::vector<Digest> digests_;
   std::array<uint64_t, 8> locked_below_root_{};
 };
 

@@ -24,7 +24,7 @@ LeafWelder::LeafWelder(BorderTable& table, AttributeSet attributes, const Crease
     : attributes_(attributes),
       crease_(crease),
       welded_(helpers, [&table, sink = std::move(sink)](Welded&& welded) {
-        sink(welded.mesh.bytes());
+        sink(welded.mesh.bytes(), welded.digest);
         for (size_t i = 0; i < welded.border.size(); ++i) {
           for (ListedFan& fan : welded.fans[i]) {
             fan.leaf = welded.leaf;
@@ -57,6 +57,7 @@ LeafWelder::Welded LeafWelder::weld(uint32_t leaf, std::span<const std::byte> re
   Welded welded;
   welded.leaf = leaf;
   putLeaf(welded.mesh, mesh);
+  welded.digest = digestOf(welded.mesh.bytes());
   const std::vector<uint32_t> border = findBorder(mesh);
   for (const uint32_t position : border) welded.border.push_back(mesh.positions[position]);
   if (attributes_.has(AttributeSet::kNormal)) {

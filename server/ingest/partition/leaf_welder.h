@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "common/codec/blob.h"
 #include "server/ingest/disk/record_bytes.h"
 #include "server/ingest/mesh/mesh_welder.h"
 #include "server/ingest/partition/border_table.h"
@@ -19,8 +20,9 @@ namespace lode::ingest {
 /// the leaf, or more than two. Do not use the table elsewhere until finish() has returned.
 class LeafWelder {
  public:
-  /// A function that receives each leaf's mesh as putLeaf() wrote it, in the order of add().
-  using Sink = std::function<void(std::span<const std::byte> mesh)>;
+  /// A function that receives each leaf's mesh as putLeaf() wrote it, and the mesh's digest, in the order of
+  /// add().
+  using Sink = std::function<void(std::span<const std::byte> mesh, const Digest& digest)>;
 
   /// @param helpers  threads that weld in parallel with the caller. @param sink  add() and finish() call the
   /// sink.
@@ -38,6 +40,7 @@ class LeafWelder {
   struct Welded {
     uint32_t leaf = 0;
     RecordWriter mesh;
+    Digest digest;
     std::vector<PositionCode> border;
     std::vector<std::vector<ListedFan>> fans;  ///< fans of the leaf, one list per border position
   };

@@ -25,6 +25,7 @@ void Partition::save(RecordWriter& record) const {
   meshes.sync();
   record.putAll(leaves);
   record.putAll(begin);
+  record.putAll(digests);
   record.put(triangles);
   border.save(record);
 }
@@ -32,13 +33,14 @@ void Partition::save(RecordWriter& record) const {
 Partition Partition::load(const TemporaryFolder& folder, AttributeSet attributes, RecordReader& record) {
   auto leaves = record.getAll<NodeKey>();
   auto begin = record.getAll<uint64_t>();
-  if (leaves.empty() || begin.size() != leaves.size() + 1 || !std::is_sorted(begin.begin(), begin.end()) ||
-      begin.back() > kMaxLeafFileBytes) {
+  auto digests = record.getAll<Digest>();
+  if (leaves.empty() || begin.size() != leaves.size() + 1 || digests.size() != leaves.size() ||
+      !std::is_sorted(begin.begin(), begin.end()) || begin.back() > kMaxLeafFileBytes) {
     throw Error(ErrorCode::kFormat, "the build's journal has a damaged partition; build without --resume");
   }
   const auto triangles = record.get<uint64_t>();
-  Spool meshes(folder.lastingFile(kLeafFile), begin.back());
-  Partition result{attributes, std::move(leaves), std::move(begin),
+  Spool meshes = Spool::forReading(folder.path() / kLeafFile, begin.back());
+  Partition result{attributes, std::move(leaves), std::move(begin),           std::move(digests),
                    triangles,  std::move(meshes), BorderTable(folder, record)};
   if (result.border.leafCount() != result.leaves.size()) {
     throw Error(ErrorCode::kFormat, "the build's journal has a damaged partition; build without --resume");
@@ -52,13 +54,15 @@ Partition partition(const PartitionInput& input) {
   Partition result{input.attributes,
                    {},
                    {0},
+                   {},
                    0,
                    Spool(input.folder.lastingFile(Partition::kLeafFile)),
                    BorderTable(input.folder, input.memory_bytes)};
   FixedHelpers helpers(input.threads - 1);
   LeafWelder welder(result.border, input.attributes, input.crease, helpers,
-                    [&](std::span<const std::byte> mesh) {
+                    [&](std::span<const std::byte> mesh, const Digest& digest) {
                       result.meshes.append(mesh);
+                      result.digests.push_back(digest);
                       result.begin.push_back(result.meshes.size());
                     });
   const auto takeLeaf = [&](NodeKey key, std::span<const std::byte> records, uint32_t triangles) {

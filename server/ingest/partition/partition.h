@@ -23,6 +23,7 @@ struct Partition {
   std::vector<NodeKey> leaves;  ///< keys of the leaves, in Morton order
   /// Offset of each leaf in `meshes`; the last element is the end of the last leaf.
   std::vector<uint64_t> begin;
+  std::vector<Digest> digests;  ///< digest of each leaf's mesh
   uint64_t triangles = 0;
   Spool meshes;  ///< meshes as putLeaf() writes them
   BorderTable border;

@@ -10,6 +10,7 @@
 #include "common/error.h"
 #include "common/io/output_target.h"
 #include "server/ingest/pipeline/build_session.h"
+#include "server/ingest/pipeline/parts.h"
 #include "server/ingest/pipeline/stages.h"
 #include "server/ingest/plan/machine.h"
 #include "server/ingest/plan/memory_plan.h"
@@ -33,9 +34,14 @@ BuildOptions withDefaults(BuildOptions options) {
   if (!options.preview.empty()) options.preview = outputOf(options.preview);
   if (options.memory_bytes == 0) options.memory_bytes = defaultMemoryBytes();
   if (options.threads == 0) options.threads = defaultThreads();
-  if (options.temporary_folder.empty()) {
-    options.temporary_folder = options.output.has_parent_path() ? options.output.parent_path() : ".";
+  const std::filesystem::path beside = options.output.has_parent_path() ? options.output.parent_path() : ".";
+  if (options.temporary_folder.empty()) options.temporary_folder = beside;
+  options.scratch_folder = options.temporary_folder;
+  if (options.part != BuildPart::kWhole) {
+    options.temporary_folder = beside;
+    options.resume = true;
   }
+  if (options.reuse_bytes == 0) options.reuse_bytes = kReuseBytes;
   if (options.triangles_per_node < kMinTrianglesPerNode) {
     throw Error(ErrorCode::kUsage,
                 "--triangles-per-node must be at least " + std::to_string(kMinTrianglesPerNode));
@@ -53,6 +59,7 @@ void runStages(BuildSession& session) {
   PackStage pack(session, textures, simplify);
   const std::array<Stage*, 6> in_order{&scan, &textures, &dereference, &partition, &simplify, &pack};
   for (Stage* stage : in_order) {
+    if (stage == &simplify && session.options().part == BuildPart::kPrepare) return session.noteTasks();
     session.run(*stage);
     if (stage == &scan) scan.writePreview();
   }
@@ -63,6 +70,8 @@ void runStages(BuildSession& session) {
 /// same way.
 std::string_view resumeHint(const Error& error, const BuildSession& session) noexcept {
   if (error.code() == ErrorCode::kIo) return "run the same command again to continue";
+  if (session.options().part == BuildPart::kFinish)
+    return "correct the fault, and run the same command again";
   return session.lacksMemory() ? "run the same command with more --memory to continue" : "";
 }
 
@@ -95,6 +104,8 @@ void buildPreview(const BuildOptions& options, std::vector<std::string>& warning
 BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
   const BuildOptions options = withDefaults(given);
   shareHeaps(options.memory_bytes);
+  if (options.part == BuildPart::kSimplify) return runTask(options, progress);
+  if (options.part == BuildPart::kFinish) requirePrepared(options);
   BuildSession session(options, progress);
   try {
     if (given.output.extension() != ".lode")
@@ -104,10 +115,10 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
     return session.takeReport();
   } catch (const Error& error) {
     const std::string_view hint = resumeHint(error, session);
-    if (!given.resume || hint.empty() || !session.keep()) throw;
+    if (!options.resume || hint.empty() || !session.keep()) throw;
     throw Error(error.code(), std::string(error.what()) + "; finished work is kept, " + std::string(hint));
   } catch (const std::exception&) {
-    if (given.resume) session.keep();
+    if (options.resume) session.keep();
     throw;
   }
 }

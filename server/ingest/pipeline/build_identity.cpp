@@ -116,11 +116,14 @@ FileFingerprint fingerprint(const std::filesystem::path& path) {
   return result;
 }
 
+uint64_t programContent() { return fingerprint("/proc/self/exe").content; }
+
 BuildIdentity BuildIdentity::of(const BuildOptions& options) {
   BuildIdentity identity;
   identity.input = fingerprint(options.input);
   identity.textures = texturesOf(options);
-  identity.program = fingerprint("/proc/self/exe").content;
+  if (!options.lattice_of.empty()) identity.lattice_of = fingerprint(options.lattice_of);
+  identity.program = programContent();
   std::error_code ignored;
   identity.temporary_folder = std::filesystem::weakly_canonical(options.temporary_folder, ignored).string();
   identity.options = options;
@@ -134,6 +137,7 @@ void BuildIdentity::save(RecordWriter& record) const {
     record.putText(texture.name);
     saveFile(record, texture.image);
   }
+  saveFile(record, lattice_of);
   record.put(program);
   record.putText(temporary_folder);
   forEachResultOption([&](const auto& option) { record.put(options.*option.member); });
@@ -146,6 +150,7 @@ BuildIdentity BuildIdentity::load(RecordReader& record) {
     std::string name = record.getText();
     identity.textures.push_back({std::move(name), loadFile(record)});
   }
+  identity.lattice_of = loadFile(record);
   identity.program = record.get<uint64_t>();
   identity.temporary_folder = record.getText();
   forEachResultOption([&](const auto& option) { loadOption(record, identity.options.*option.member); });
@@ -154,28 +159,31 @@ BuildIdentity BuildIdentity::load(RecordReader& record) {
 
 /// Compares the fingerprints of textures. Assumes that the inputs are equal and therefore name the same
 /// textures in the same order.
-std::string BuildIdentity::textureDifference(const BuildIdentity& now) const {
+std::string BuildIdentity::textureDifference(const BuildIdentity& now, const std::string& anew) const {
   for (size_t i = 0; i < std::min(textures.size(), now.textures.size()); ++i) {
     const FileFingerprint &then = textures[i].image, &today = now.textures[i].image;
     if (then == today) continue;
     if (!then.path.empty() && !today.path.empty() && then.path != today.path)
       return "the texture image " + quotedText(textures[i].name, 4096) + " was " +
-             quotedText(then.path, 4096) + " when the build began; use the same, or build without --resume";
+             quotedText(then.path, 4096) + " when the build began; use the same, or " + anew;
     const char* const what = then.path.empty()    ? " did not exist when the build began; remove it"
                              : today.path.empty() ? " no longer exists; restore it"
                                                   : " has changed since the build began; restore the old one";
-    return "the texture image " + quotedText(textures[i].name, 4096) + what + ", or build without --resume";
+    return "the texture image " + quotedText(textures[i].name, 4096) + what + ", or " + anew;
   }
   return {};
 }
 
-std::string BuildIdentity::difference(const BuildIdentity& now) const {
-  const std::string begun = "it began with ", same = "; use the same, or build without --resume";
+std::string BuildIdentity::difference(const BuildIdentity& now, const std::string& anew) const {
+  const std::string begun = "it began with ", same = "; use the same, or " + anew;
   if (input.path != now.input.path) return begun + "the input " + input.path + same;
   if (now.input.bytes == 0) return "the input " + input.path + " cannot be read; restore it";
-  if (input != now.input) return "the input has changed since it began; build without --resume";
-  if (std::string texture = textureDifference(now); !texture.empty()) return texture;
-  if (program != now.program) return begun + "another version of lodestreamd; build without --resume";
+  if (input != now.input) return "the input has changed since it began; " + anew;
+  if (std::string texture = textureDifference(now, anew); !texture.empty()) return texture;
+  if (lattice_of.path != now.lattice_of.path)
+    return begun + (lattice_of.path.empty() ? "no --lattice-of" : "--lattice-of " + lattice_of.path) + same;
+  if (lattice_of != now.lattice_of) return "the store of --lattice-of has changed since it began; " + anew;
+  if (program != now.program) return begun + "another version of lodestreamd; " + anew;
   if (const std::string option = changedOption(options, now.options); !option.empty())
     return begun + option + same;
   if (temporary_folder != now.temporary_folder) return begun + "--tmp " + temporary_folder + same;

@@ -25,6 +25,9 @@ struct FileFingerprint {
 /// that reads the file reports the error.
 FileFingerprint fingerprint(const std::filesystem::path& path);
 
+/// Returns FileFingerprint::content of the running program.
+uint64_t programContent();
+
 /// All inputs and options that determine a store's bytes. A build resumes only if its identity is unchanged.
 /// The number of threads and the memory budget are not part of the identity (I6 in docs/architecture.md).
 struct BuildIdentity {
@@ -34,6 +37,7 @@ struct BuildIdentity {
   };
   FileFingerprint input;
   std::vector<Texture> textures;  ///< images that the input names
+  FileFingerprint lattice_of;     ///< BuildOptions::lattice_of; an empty path if that is empty
   uint64_t program = 0;           ///< FileFingerprint::content of the executable
   std::string temporary_folder;
   ResultOptions options;
@@ -45,10 +49,11 @@ struct BuildIdentity {
   static BuildIdentity load(RecordReader& record);
 
   /// Describes the first difference from `now`, and its remedy. Returns an empty string if nothing differs.
-  std::string difference(const BuildIdentity& now) const;
+  /// @param anew  advice to start again, such as "build without --resume".
+  std::string difference(const BuildIdentity& now, const std::string& anew = "build without --resume") const;
 
  private:
-  std::string textureDifference(const BuildIdentity& now) const;
+  std::string textureDifference(const BuildIdentity& now, const std::string& anew) const;
 };
 
 }  // namespace lode::ingest

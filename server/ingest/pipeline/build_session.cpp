@@ -1,38 +1,12 @@
 #include "server/ingest/pipeline/build_session.h"
 
-#include <chrono>
 #include <utility>
 
 #include "common/error.h"
-#include "server/ingest/plan/machine.h"
+#include "server/ingest/pipeline/stage_clock.h"
 #include "server/store/reader.h"
 
 namespace lode::ingest {
-namespace {
-
-/// Measures the wall time and CPU time of a stage, from construction to finish().
-class StageClock {
- public:
-  StageClock(BuildReport& report, std::string name) : report_(report), name_(std::move(name)) {}
-
-  void finish(uint64_t items, uint64_t temporary_bytes) {
-    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_start_;
-    report_.stages.push_back(
-        {name_, wall.count(), cpuSeconds() - cpu_start_, items, temporary_bytes, peakRssBytes()});
-    report_.seconds += report_.stages.back().seconds;
-    report_.cpu_seconds += report_.stages.back().cpu_seconds;
-    report_.peak_rss_bytes = peakRssBytes();
-  }
-
- private:
-  BuildReport& report_;
-  const std::string name_;
-  const std::chrono::steady_clock::time_point wall_start_ = std::chrono::steady_clock::now();
-  const double cpu_start_ = cpuSeconds();
-};
-
-}  // namespace
-
 BuildSession::BuildSession(const BuildOptions& options, const BuildProgress& progress)
     : options_(options),
       progress_(progress),
@@ -153,6 +127,13 @@ void BuildSession::noteFinished(const Stage& stage) {
 void BuildSession::note(BuildEntry entry, std::span<const std::byte> bytes) {
   folder_.syncFiles();
   journal_->append(static_cast<uint32_t>(entry), bytes);
+}
+
+void BuildSession::noteTasks() {
+  RecordWriter record;
+  record.put(options_.tasks);
+  note(BuildEntry::kTasks, record.bytes());
+  keep();
 }
 
 void BuildSession::warn(std::string warning) {

@@ -29,6 +29,8 @@ class BuildSession {
   /// earlier stages.
   void run(Stage& stage);
   BuildReport takeReport() { return std::move(report_); }
+  /// Notes the number of tasks, and keeps the finished work for them.
+  void noteTasks();
   /// Keeps the finished work so that a later build can resume. @return false if no work is finished.
   bool keep() noexcept;
   /// Returns true if the build failed for lack of memory.

@@ -53,20 +53,18 @@ void packTextures(const StagedTextures& textures, const UvGrid& grid, const Spoo
   writer.addTextures(set);
 }
 
-ModelSummary pack(store::Writer& writer, ModelSummary summary, NodeSpool& nodes, const PayloadSpool& payloads,
+ModelSummary pack(store::Writer& writer, ModelSummary summary, BuiltTree& tree,
                   const BuildProgress& progress) {
   std::vector<Node> packed;
-  packed.reserve(nodes.size());
-  for (const NodeSpool::Place& place : nodes.takeSorted()) {
-    const std::vector<std::byte> bytes = nodes.read(place);
-    RecordReader record(bytes);
-    FinishedNode finished = getFinishedNode(record);
+  packed.reserve(tree.size());
+  for (const BuiltTree::Place& place : tree.sorted()) {
+    FinishedNode finished = tree.read(place);
     if (finished.node.far_lods > 1)
       removeRedundantFarLods(finished,
                              *std::ranges::lower_bound(packed, finished.node.key.parent(), {}, &Node::key));
     for (size_t r = finished.node.lods.size(); r-- > 0;) {
-      const PayloadSpool::Place payload = finished.payloads[r];
-      if (payload.bytes > 0) finished.node.lods[r].payload = writer.addBlob(payloads.read(payload));
+      const PayloadPlace payload = finished.payloads[r];
+      if (payload.bytes > 0) finished.node.lods[r].payload = writer.addBlob(tree.readPayload(place, payload));
     }
     packed.push_back(std::move(finished.node));
     if (progress && packed.size() % 256 == 1) {

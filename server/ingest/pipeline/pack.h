@@ -2,7 +2,7 @@
 
 #include "common/codec/model_summary.h"
 #include "server/ingest/nodes/built_node_record.h"
-#include "server/ingest/nodes/node_spool.h"
+#include "server/ingest/nodes/built_tree.h"
 #include "server/ingest/plan/build_options.h"
 #include "server/ingest/textures/textures.h"
 #include "server/store/writer.h"
@@ -23,8 +23,8 @@ void removeRedundantFarLods(FinishedNode& finished, const Node& parent);
 /// Writes the payloads and the hierarchy to a store: coarse nodes first, siblings together, and the coarse
 /// LODs of each node first.
 /// @param writer   writer of the store; the store can contain textures already.
-/// @param summary  see store::Writer::finish(). @param nodes  all nodes; pack() empties the spool.
-ModelSummary pack(store::Writer& writer, ModelSummary summary, NodeSpool& nodes, const PayloadSpool& payloads,
+/// @param summary  see store::Writer::finish().
+ModelSummary pack(store::Writer& writer, ModelSummary summary, BuiltTree& tree,
                   const BuildProgress& progress);
 
 }  // namespace lode::ingest

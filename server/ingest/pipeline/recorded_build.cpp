@@ -16,8 +16,8 @@ void RecordedBuild::add(uint32_t kind, std::span<const std::byte> bytes) {
     case BuildEntry::kSorting:
       sorting.assign(bytes.begin(), bytes.end());
       break;
-    case BuildEntry::kNodes:
-      finished.add(record);
+    case BuildEntry::kTasks:
+      tasks = record.get<uint32_t>();
       break;
     case BuildEntry::kScanned:
     case BuildEntry::kTextures:

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "common/mesh.h"
-#include "server/ingest/nodes/simplify_log.h"
 #include "server/ingest/pipeline/build_identity.h"
 #include "server/ingest/soup/dereference.h"
 #include "server/ingest/soup/lattice_choice.h"
@@ -25,7 +24,8 @@ enum class BuildEntry : uint32_t {
   kSorting = 4,       ///< progress of dereference with its sorted runs; each entry replaces the previous one
   kDereferenced = 5,  ///< triangles are sorted; written only if they were sorted on disk
   kPartitioned = 6,
-  kNodes = 7,  ///< the nodes that were finished since the previous kNodes entry
+  kTasks =
+      7,  ///< number of tasks that a build in parts is prepared for; each entry replaces the previous one
   kSimplified = 8,
   kPacked = 9,  ///< the store is complete and has its final name
 };
@@ -53,7 +53,7 @@ struct RecordedBuild {
   std::optional<BuildIdentity> identity;
   std::map<BuildEntry, std::vector<std::byte>> stages;  ///< entries of finished stages
   std::vector<std::byte> sorting;                       ///< last kSorting entry, or empty
-  FinishedNodes finished;
+  uint32_t tasks = 0;                                   ///< last kTasks entry, or 0
 
   /// Adds an entry. @throws Error kFormat, kLimit.
   void add(uint32_t kind, std::span<const std::byte> bytes);

@@ -8,13 +8,11 @@
 #include "server/ingest/disk/journal.h"
 #include "server/ingest/mesh/cell_code.h"
 #include "server/ingest/mesh/soup_triangle.h"
-#include "server/ingest/nodes/lod_targets.h"
-#include "server/ingest/nodes/simplify_log.h"
-#include "server/ingest/nodes/tree_builder.h"
 #include "server/ingest/pipeline/pack.h"
 #include "server/ingest/ply/ply_reader.h"
 #include "server/ingest/preview/preview.h"
 #include "server/ingest/soup/dereference.h"
+#include "server/ingest/soup/former_lattice.h"
 #include "server/ingest/soup/lost_triangles.h"
 #include "server/ingest/soup/scan.h"
 #include "server/store/writer.h"
@@ -32,6 +30,26 @@ std::vector<TextureImage> findImages(BuildSession& session, std::span<const std:
     if (image.needs_memory)
       session.refuseForMemory(textureInWords(options.input, image.name) + " " + image.problem);
   return images;
+}
+
+/// Chooses the lattice as the options say. @throws Error kInput if the model does not fit on it.
+LatticeChoice chooseLattice(BuildSession& session, const PackedInput& input) {
+  const BuildOptions& options = session.options();
+  const LatticeChoice chosen = ingest::chooseLattice(input, options.input, options.step_model);
+  if (options.lattice_of.empty()) {
+    if (options.reuse_folder.empty() || options.step_model > 0) return chosen;
+    try {
+      const FormerLattice former = FormerLattice::of(options.output);
+      return former.suits(chosen) ? former.chosenFor(chosen) : chosen;
+    } catch (const Error&) {  // no store to replace
+      return chosen;
+    }
+  }
+  const FormerLattice former = FormerLattice::of(options.lattice_of);
+  if (!former.reaches(chosen))
+    throw Error(ErrorCode::kInput, options.input.string() + ": extends beyond the lattice of " +
+                                       options.lattice_of.string() + "; build without --lattice-of");
+  return former.chosenFor(chosen);
 }
 
 constexpr std::string_view kRunsFile = "runs";
@@ -72,24 +90,6 @@ class SortLog {
   CheckpointClock clock_{last_run_};
 };
 
-constexpr double kRounding = 1.0001;  ///< factor that keeps an error an upper bound despite rounding
-
-/// Returns an upper bound on the number of triangles that the root's children pass to the root. The bound
-/// grows with the number of locked vertices, which several leaves share.
-uint64_t mostTrianglesOfRoot(const Partition& partition, uint32_t triangles_per_node) {
-  std::array<bool, 8> has_leaves{};
-  for (const NodeKey leaf : partition.leaves) has_leaves[leaf.ancestorAt(1).octant()] = true;
-  uint64_t triangles = 0;
-  for (size_t octant = 0; octant < has_leaves.size(); ++octant) {
-    if (!has_leaves[octant]) continue;
-    triangles += mostTriangles({.depth = 1,
-                                .locked = partition.border.lockedBelowRoot()[octant],
-                                .original_triangles = partition.triangles,
-                                .triangles_per_node = triangles_per_node});
-  }
-  return std::min(triangles, partition.triangles);
-}
-
 }  // namespace
 
 ScanStage::ScanStage(BuildSession& session)
@@ -124,7 +124,7 @@ Stage::Work ScanStage::run() {
 
 void ScanStage::noteFacts(const PackedInput& input, uint64_t dropped_triangles) {
   BuildFacts& facts = session_.facts();
-  facts.choice = chooseLattice(input, session_.options().input);
+  facts.choice = chooseLattice(session_, input);
   facts.soup_attributes = input.attributes();
   facts.uv_grid = input.uvGrid();
   facts.dropped_triangles = dropped_triangles;
@@ -302,66 +302,6 @@ void PartitionStage::load(RecordReader& record, bool is_used_up) {
     partition_.emplace(Partition::load(session_.files(), session_.facts().soup_attributes, record));
 }
 
-SimplifyStage::SimplifyStage(BuildSession& session, PartitionStage& partition)
-    : Stage({.name = "simplify",
-             .entry = BuildEntry::kSimplified,
-             .used_up_by = BuildEntry::kPacked,
-             .files = {PayloadSpool::kFile, NodeSpool::kFile}}),
-      session_(session),
-      partition_(partition) {}
-
-NodeBuilder::Settings SimplifyStage::settings() const {
-  const BuildFacts& facts = session_.facts();
-  const BuildOptions& options = session_.options();
-  return {facts.choice.lattice,
-          facts.choice.extent,
-          facts.payloadAttributes(),
-          options.triangles_per_node,
-          options.simplifier,
-          static_cast<float>(kRounding * facts.counts.snap_error_steps),
-          CreaseAngle(options.crease_angle_deg)};
-}
-
-void SimplifyStage::warnOfSmallMemory() {
-  const BuildOptions& options = session_.options();
-  const Partition& partition = partition_.partition();
-  const bool is_one_node = partition.leaves.size() == 1;
-  const std::string words = smallBudgetInWords(options.memory_bytes, options.triangles_per_node, is_one_node);
-  if (!words.empty()) return session_.warn(words);
-  if (is_one_node) return;
-  const uint64_t root = mostTrianglesOfRoot(partition, options.triangles_per_node);
-  const uint64_t root_bytes = memoryForLargeNode(root, session_.facts().payloadAttributes());
-  if (options.memory_bytes < root_bytes)
-    session_.warn(budgetBelowInWords(root_bytes, "a root of up to " + std::to_string(root) + " triangles"));
-}
-
-/// Builds all nodes, except those that an earlier, killed build had finished.
-Stage::Work SimplifyStage::run() {
-  warnOfSmallMemory();
-  FinishedNodes finished = std::exchange(session_.recorded().finished, {});
-  nodes_.emplace(session_.files().file(NodeSpool::kFile));
-  if (finished.nodes.empty()) {
-    payloads_.emplace(session_.files());
-  } else {
-    payloads_.emplace(session_.files(), finished.payload_bytes);
-  }
-  SimplifyLog log(session_.files(), *payloads_, std::move(finished),
-                  [&](std::span<const std::byte> entry) { session_.note(BuildEntry::kNodes, entry); });
-  buildTree(settings(), partition_.partition(),
-            {.payloads = *payloads_, .folder = session_.files(), .log = log, .nodes = *nodes_},
-            {session_.plan().threads, session_.plan().node_bytes}, session_.progress());
-  partition_.release();
-  return {nodes_->size(), payloads_->size()};
-}
-
-void SimplifyStage::load(RecordReader& /*record*/, bool is_used_up) {
-  const FinishedNodes finished = std::exchange(session_.recorded().finished, {});
-  if (is_used_up) return;
-  nodes_.emplace(session_.files().file(NodeSpool::kFile));
-  payloads_.emplace(session_.files(), finished.payload_bytes);
-  for (const FinishedNode& node : finished.nodes) nodes_->append(node.node, node.payloads);
-}
-
 PackStage::PackStage(BuildSession& session, const TextureStage& textures, SimplifyStage& simplified)
     : Stage({.name = "pack", .entry = BuildEntry::kPacked, .used_up_by = BuildEntry::kPacked}),
       session_(session),
@@ -385,8 +325,7 @@ Stage::Work PackStage::run() {
   store::Writer writer(session_.options().output, session_.store());
   if (summary.attributes.has(AttributeSet::kTexture))
     packTextures(textures_.textures(), session_.facts().uv_grid, textures_.tiles(), writer);
-  summary =
-      pack(writer, std::move(summary), simplified_.nodes(), simplified_.payloads(), session_.progress());
+  summary = pack(writer, std::move(summary), simplified_.tree(), session_.progress());
   build_id_ = summary.build_id;
   const uint64_t payloads = summary.payloads;
   session_.setSummary(std::move(summary));

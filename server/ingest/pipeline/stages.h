@@ -9,8 +9,7 @@
 #include "common/codec/model_summary.h"
 #include "server/ingest/disk/record_sorter.h"
 #include "server/ingest/disk/spool.h"
-#include "server/ingest/nodes/node_builder.h"
-#include "server/ingest/nodes/node_spool.h"
+#include "server/ingest/nodes/built_tree.h"
 #include "server/ingest/partition/partition.h"
 #include "server/ingest/pipeline/build_session.h"
 #include "server/ingest/preview/texture_colours.h"
@@ -114,27 +113,25 @@ class PartitionStage final : public Stage {
   std::optional<Partition> partition_;
 };
 
-/// Builds all nodes bottom-up and simplifies, measures and encodes their LODs.
+/// Builds all nodes bottom-up and simplifies, measures and encodes their LODs, except the nodes of treelets
+/// that an earlier build or the tasks of this build have finished.
 class SimplifyStage final : public Stage {
  public:
   SimplifyStage(BuildSession& session, PartitionStage& partition);
 
   Work run() override;
-  /// Records nothing, because the journal already has an entry for each group of finished nodes.
-  void save(RecordWriter& /*record*/) const override {}
+  void save(RecordWriter& record) const override { record.putAll(treelets_); }
   void load(RecordReader& record, bool is_used_up) override;
 
-  NodeSpool& nodes() noexcept { return *nodes_; }
-  const PayloadSpool& payloads() const noexcept { return *payloads_; }
+  BuiltTree& tree() noexcept { return tree_; }
 
  private:
-  NodeBuilder::Settings settings() const;
   void warnOfSmallMemory();
 
   BuildSession& session_;
   PartitionStage& partition_;
-  std::optional<PayloadSpool> payloads_;
-  std::optional<NodeSpool> nodes_;
+  std::vector<Digest> treelets_;  ///< names of all treelets
+  BuiltTree tree_;
 };
 
 /// Writes the store and renames it to the output's name.

@@ -32,6 +32,9 @@ struct ResultOptions {
   /// Crease angle. Computed normals are smooth across an edge if the normals of its two faces differ by less
   /// than this angle. With the default, chamfers of 45 degrees stay sharp, and nine-sided bores look round.
   float crease_angle_deg = 44;
+  /// Distance between neighbouring lattice points, rounded down to a valid one (see isLatticeStep()); 0:
+  /// follows from the lengths of edges.
+  float step_model = 0;
   /// If true, drops faces and vertices with bad indices or coordinates, sets bad attributes to zero, and
   /// counts both. If false, such input fails the build.
   bool skip_bad = false;
@@ -61,11 +64,26 @@ void forEachResultOption(Visit&& visit) {
       "--crease-angle", &ResultOptions::crease_angle_deg,
       "if the file has no normals: an edge is sharp if its faces meet at a larger angle; 180: no sharp edges",
       0, 180, "DEGREES"});
+  visit(
+      ResultOption<float>{"--step", &ResultOptions::step_model,
+                          "round coordinates to multiples of this length, or of the next smaller valid one, "
+                          "so that separately built neighbours meet; 0: choose by the lengths of edges",
+                          0, 1e18F, "LENGTH"});
   visit(ResultOption<bool>{"--skip-bad", &ResultOptions::skip_bad,
                            "drop faces and vertices with bad indices or coordinates, set NaN and infinite "
                            "attributes to 0, and count both"});
   visit(ResultOption<bool>{"--strict", &ResultOptions::strict, "treat warnings as errors"});
 }
+
+/// Part of a build whose simplification is divided into tasks for several machines; see docs/cluster.md.
+enum class BuildPart : uint8_t {
+  kWhole,     ///< the whole build, in one process
+  kPrepare,   ///< all stages before simplify
+  kSimplify,  ///< one task of simplify; needs kPrepare
+  kFinish,    ///< the rest of simplify, and pack; needs all tasks
+};
+
+constexpr uint32_t kMaxTasks = 1 << 16;
 
 struct BuildOptions : ResultOptions {
   std::filesystem::path input, output;
@@ -73,16 +91,30 @@ struct BuildOptions : ResultOptions {
   /// Folder to search first for the images that the input names; empty: only the input's folder. The images
   /// are part of the build's identity (BuildIdentity), but the folder is not.
   std::filesystem::path textures_folder;
-  std::filesystem::path temporary_folder;  ///< parent of the temporary files; empty: the output's folder
-  uint64_t memory_bytes = 0;               ///< memory budget; 0: defaultMemoryBytes()
-  unsigned threads = 0;                    ///< number of threads; 0: one per core
+  /// Parent of the temporary files; empty: the output's folder. A build in parts keeps the files that its
+  /// parts share in the output's folder.
+  std::filesystem::path temporary_folder;
+  std::filesystem::path scratch_folder;  ///< parent of the files of a single part; set by build()
+  uint64_t memory_bytes = 0;             ///< memory budget; 0: defaultMemoryBytes()
+  unsigned threads = 0;                  ///< number of threads; 0: one per core
   /// True continues a killed or failed build of the same input, output and options. If this build fails for
   /// lack of memory or through an I/O error, it keeps its own finished work, too.
   bool resume = false;
   /// With `resume`: starts from the beginning, instead of failing, if the earlier build had another input or
   /// other options, or if its journal is damaged.
   bool restart_if_changed = false;
+  BuildPart part = BuildPart::kWhole;
+  uint32_t tasks = 0;  ///< number of tasks, the same in all parts
+  uint32_t task = 0;   ///< number of the task to run, with BuildPart::kSimplify
+  /// Folder of finished treelets (see TreeletFolder) that builds share; empty: none.
+  std::filesystem::path reuse_folder;
+  /// Store on whose lattice to build; empty: the lattice follows from the input. With `reuse_folder`, the
+  /// store at `output` counts, if its lattice suits.
+  std::filesystem::path lattice_of;
+  uint64_t reuse_bytes = 0;  ///< size to which the build trims `reuse_folder`; 0: kReuseBytes
 };
+
+constexpr uint64_t kReuseBytes = 16ull << 30;
 
 struct BuildReport {
   struct Stage {

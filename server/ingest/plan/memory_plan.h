@@ -25,7 +25,7 @@ struct MemoryPlan {
 /// requested number of threads.
 MemoryPlan planMemory(uint64_t memory_bytes, unsigned threads, uint32_t triangles_per_node) noexcept;
 
-constexpr uint64_t kNodeRecordBytes = 96;  ///< memory per node of a tree that is being simplified
+constexpr uint64_t kNodeRecordBytes = 128;  ///< memory per node of a tree that is being simplified
 
 /// Returns the memory that it takes to simplify and measure a node. @param triangles  number of triangles in
 /// the mesh from which the node's LODs are made.

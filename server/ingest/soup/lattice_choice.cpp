@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 #include <limits>
 #include <string>
@@ -173,11 +174,23 @@ LatticeOrProblem chooseLattice(const UsedVertices& used) {
   return {{}, "the coordinates are too small or too large to store; scale the model to another unit"};
 }
 
-LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name) {
+LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name,
+                            double most_step_model) {
   const UsedVertices used = findUsedVertices(input);
   const LatticeOrProblem chosen = chooseLattice(used);
   if (!chosen.lattice) throw Error(ErrorCode::kInput, name.string() + ": " + std::string(chosen.problem));
-  return {*chosen.lattice, chosen.lattice->snap(used.max), used.min, used.max};
+  Lattice lattice = *chosen.lattice;
+  if (most_step_model > 0) {
+    lattice = latticeOf(stepAtMost(most_step_model), used.min);
+    const double least = finestStep(used.min, used.max);
+    if (lattice.step < least) {
+      char number[32];
+      std::snprintf(number, sizeof number, "%.9g", least);
+      throw Error(ErrorCode::kInput,
+                  name.string() + ": the model is too large for this --step; use " + number + " or more");
+    }
+  }
+  return {lattice, lattice.snap(used.max), used.min, used.max, 0};
 }
 
 }  // namespace lode::ingest

@@ -61,10 +61,13 @@ struct LatticeChoice {
   Lattice lattice;
   glm::uvec3 extent{0};       ///< largest lattice coordinates of the used vertices
   glm::dvec3 min{0}, max{0};  ///< box of the used vertices in the file
+  /// Smallest value for errorOfSnapping() of the model; more than 0 on the lattice of an earlier store.
+  float least_snap_error_steps = 0;
 };
 
-/// Chooses the lattice of a packed input. @param name  path for messages. @throws Error kInput if no lattice
-/// is suitable.
-LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name);
+/// Chooses the lattice of a packed input. @param name  path for messages. @param most_step_model  step to
+/// use, rounded down to a valid one; 0: chooses the step. @throws Error kInput if no lattice is suitable.
+LatticeChoice chooseLattice(const PackedInput& input, const std::filesystem::path& name,
+                            double most_step_model = 0);
 
 }  // namespace lode::ingest

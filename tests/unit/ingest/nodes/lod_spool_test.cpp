@@ -1,7 +1,8 @@
+#include "server/ingest/nodes/lod_spool.h"
+
 #include <gtest/gtest.h>
 
 #include "server/ingest/disk/temporary_folder.h"
-#include "server/ingest/nodes/node_spool.h"
 
 namespace lode::ingest {
 namespace {

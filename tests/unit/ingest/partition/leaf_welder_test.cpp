@@ -29,7 +29,7 @@ std::vector<std::vector<BorderVertex>> bordersOfARow(unsigned threads) {
   const TemporaryFolder folder(testing::TempDir());
   BorderTable table(folder, 1 << 20);
   FixedHelpers helpers(threads - 1);
-  LeafWelder welder(table, {}, CreaseAngle(50), helpers, [](std::span<const std::byte>) {});
+  LeafWelder welder(table, {}, CreaseAngle(50), helpers, [](std::span<const std::byte>, const Digest&) {});
   std::vector<NodeKey> leaves;
   for (uint32_t leaf = 0; leaf < 8; ++leaf) {
     leaves.push_back(kRootKey.child(leaf));
@@ -65,7 +65,7 @@ std::vector<PositionCode> positionsOfARow(unsigned threads) {
   BorderTable table(folder, 1 << 20);
   FixedHelpers helpers(threads - 1);
   std::vector<PositionCode> positions;
-  LeafWelder welder(table, {}, CreaseAngle(50), helpers, [&](std::span<const std::byte> mesh) {
+  LeafWelder welder(table, {}, CreaseAngle(50), helpers, [&](std::span<const std::byte> mesh, const Digest&) {
     RecordReader record(mesh);
     const NodeMesh leaf = getLeaf(record, {});
     positions.insert(positions.end(), leaf.positions.begin(), leaf.positions.end());
@@ -91,7 +91,9 @@ TEST(LeafWelder, endsItsThreadsWhenAbandoned) {
     FixedHelpers helpers(8);
     std::list<LeafWelder> welders;
     for (int i = 0; i < 8; ++i)
-      welders.emplace_back(table, AttributeSet(), CreaseAngle(50), helpers, [](std::span<const std::byte>) {})
+      welders
+          .emplace_back(table, AttributeSet(), CreaseAngle(50), helpers,
+                        [](std::span<const std::byte>, const Digest&) {})
           .add(0, squareAt(0));
     EXPECT_GT(test::ownEntries("task"), threads_before);
   }

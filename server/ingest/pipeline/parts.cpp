@@ -1,0 +1,83 @@
+#include "server/ingest/pipeline/parts.h"
+
+#include <string>
+#include <utility>
+
+#include "common/error.h"
+#include "server/ingest/disk/build_folder.h"
+#include "server/ingest/disk/journal.h"
+#include "server/ingest/nodes/task_plan.h"
+#include "server/ingest/nodes/tree_builder.h"
+#include "server/ingest/pipeline/stage_clock.h"
+#include "server/ingest/pipeline/treelets_of_build.h"
+#include "server/ingest/plan/memory_plan.h"
+
+namespace lode::ingest {
+namespace {
+
+/// Reads the journal of the prepared build. @throws Error kInput if this part belongs to another build.
+RecordedBuild readPrepared(const BuildOptions& options, const BuildFiles& files) {
+  const std::string output = options.output.string();
+  std::error_code ignored;
+  if (!std::filesystem::exists(files.journal, ignored))
+    throw Error(ErrorCode::kInput,
+                output + ": is not prepared, or finished already; run --part prepare first");
+  RecordedBuild recorded;
+  Journal::read(files.journal,
+                [&](uint32_t kind, std::span<const std::byte> bytes) { recorded.add(kind, bytes); });
+  if (!recorded.identity || recorded.tasks == 0)
+    throw Error(ErrorCode::kInput, output + ": --part prepare has not finished; run it again");
+  const std::string difference =
+      recorded.identity->difference(BuildIdentity::of(options), "run --part prepare again");
+  if (!difference.empty())
+    throw Error(ErrorCode::kInput, "this part does not belong to the build of " + output + ": " + difference);
+  if (recorded.tasks != options.tasks)
+    throw Error(ErrorCode::kInput, output + ": was prepared for --tasks " + std::to_string(recorded.tasks) +
+                                       "; use the same, or run --part prepare again");
+  return recorded;
+}
+
+}  // namespace
+
+void requirePrepared(const BuildOptions& options) { readPrepared(options, BuildFiles::of(options.output)); }
+
+BuildReport runTask(const BuildOptions& options, const BuildProgress& progress) {
+  const BuildFiles files = BuildFiles::of(options.output);
+  const RecordedBuild recorded = readPrepared(options, files);
+  RecordReader record(recorded.stages.at(BuildEntry::kPartitioned));
+  const auto facts = record.get<BuildFacts>();
+  record.getTexts();  // warnings, which `finish` reports
+  const TemporaryFolder folder = TemporaryFolder::lasting(files.folder);
+  const Partition partition = Partition::load(folder, facts.soup_attributes, record);
+  const TreeletsOfBuild work(facts, options, partition);
+  const std::vector<uint32_t> task_of = planTasks(work.treelets, options.tasks);
+  std::vector<bool> is_wanted(task_of.size());
+  for (size_t i = 0; i < task_of.size(); ++i) is_wanted[i] = task_of[i] == options.task;
+
+  BuildReport report;
+  StageClock clock(report, "simplify");
+  TreeletFolder treelets(files.folder / kTreeletFolder, options.reuse_folder);
+  const TemporaryFolder scratch(options.scratch_folder);
+  const MemoryPlan plan = planMemory(options.memory_bytes, options.threads, options.triangles_per_node);
+  BuiltTree built;
+  buildTree(work.settings, partition,
+            {.tree = work.tree,
+             .treelets = work.treelets,
+             .is_wanted = std::move(is_wanted),
+             .folder = treelets,
+             .scratch = scratch},
+            {plan.threads, plan.node_bytes}, progress, built);
+  clock.finish(built.size(), built.bytes());
+  return report;
+}
+
+void requireAllTasks(const BuildOptions& options, const TreeletPlan& treelets, const TreeletFolder& folder) {
+  const std::vector<uint32_t> task_of = planTasks(treelets, options.tasks);
+  for (uint32_t i = 0; i < treelets.size(); ++i) {
+    if (task_of[i] == options.tasks || folder.has(treelets[i].name)) continue;
+    throw Error(ErrorCode::kIo, "task " + std::to_string(task_of[i]) + " of " +
+                                    std::to_string(options.tasks) + " is not finished; run it again");
+  }
+}
+
+}  // namespace lode::ingest
