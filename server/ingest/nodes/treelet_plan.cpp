@@ -1,12 +1,20 @@
 #include "server/ingest/nodes/treelet_plan.h"
 
+#include <utility>
+
 #include "server/ingest/disk/record_bytes.h"
 
 namespace lode::ingest {
+namespace {
+
+constexpr uint32_t kNone = ~0u;
+
+}  // namespace
 
 TreeletPlan::TreeletPlan(const TreePlan& tree, std::span<const LeafOfTreelet> leaves, const Digest& settings)
     : tree_(tree), treelet_of_(tree.size()) {
   findRoots();
+  listBelow();
   computeNames(leaves, settings);
 }
 
@@ -27,6 +35,14 @@ void TreeletPlan::findRoots() {
     treelet_of_[node] = is_root ? treelet : treelet_of_[tree_.parent(node)];
     ++treelets_[treelet_of_[node]].nodes;
   }
+}
+
+/// Lists the treelets below each treelet.
+void TreeletPlan::listBelow() {
+  first_below_.assign(treelets_.size(), kNone);
+  next_beside_.assign(treelets_.size(), kNone);
+  for (auto number = static_cast<uint32_t>(treelets_.size() - 1); number-- > 0;)
+    next_beside_[number] = std::exchange(first_below_[above_[number]], number);
 }
 
 void TreeletPlan::computeNames(std::span<const LeafOfTreelet> leaves, const Digest& settings) {
@@ -53,8 +69,8 @@ void TreeletPlan::computeNames(std::span<const LeafOfTreelet> leaves, const Dige
 
 std::vector<uint32_t> TreeletPlan::below(uint32_t number) const {
   std::vector<uint32_t> found;
-  for (uint32_t below = 0; below < number; ++below)
-    if (above_[below] == number) found.push_back(below);
+  for (uint32_t below = first_below_[number]; below != kNone; below = next_beside_[below])
+    found.push_back(below);
   return found;
 }
 

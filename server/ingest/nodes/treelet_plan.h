@@ -53,11 +53,13 @@ class TreeletPlan {
 
  private:
   void findRoots();
+  void listBelow();
   void computeNames(std::span<const LeafOfTreelet> leaves, const Digest& settings);
 
   const TreePlan& tree_;
   std::vector<Treelet> treelets_;
   std::vector<uint32_t> above_;  ///< number of the treelet directly above each; the last one has none
+  std::vector<uint32_t> first_below_, next_beside_;  ///< lists of the treelets directly below each treelet
   std::vector<uint32_t> treelet_of_;
 };
 

@@ -35,11 +35,12 @@ BuildOptions withDefaults(BuildOptions options) {
   if (options.memory_bytes == 0) options.memory_bytes = defaultMemoryBytes();
   if (options.threads == 0) options.threads = defaultThreads();
   const std::filesystem::path beside = options.output.has_parent_path() ? options.output.parent_path() : ".";
-  if (options.temporary_folder.empty()) options.temporary_folder = beside;
   options.scratch_folder = options.temporary_folder;
+  if (options.temporary_folder.empty()) options.temporary_folder = beside;
   if (options.part != BuildPart::kWhole) {
     options.temporary_folder = beside;
     options.resume = true;
+    options.restart_if_changed = options.part == BuildPart::kPrepare;
   }
   if (options.reuse_bytes == 0) options.reuse_bytes = kReuseBytes;
   if (options.triangles_per_node < kMinTrianglesPerNode) {
@@ -75,6 +76,13 @@ std::string_view resumeHint(const Error& error, const BuildSession& session) noe
   return session.lacksMemory() ? "run the same command with more --memory to continue" : "";
 }
 
+BuildReport reportOf(const ModelSummary& finished, const BuildOptions& options) {
+  BuildReport report;
+  report.summary = finished;
+  report.warnings.push_back(options.output.string() + ": is finished already");
+  return report;
+}
+
 }  // namespace
 
 void buildPreview(const BuildOptions& options, std::vector<std::string>& warnings,
@@ -105,7 +113,11 @@ BuildReport build(const BuildOptions& given, const BuildProgress& progress) {
   const BuildOptions options = withDefaults(given);
   shareHeaps(options.memory_bytes);
   if (options.part == BuildPart::kSimplify) return runTask(options, progress);
-  if (options.part == BuildPart::kFinish) requirePrepared(options);
+  if (options.part == BuildPart::kFinish) {
+    if (const std::optional<ModelSummary> finished = finishedBefore(options))
+      return reportOf(*finished, options);
+    requirePrepared(options);
+  }
   BuildSession session(options, progress);
   try {
     if (given.output.extension() != ".lode")

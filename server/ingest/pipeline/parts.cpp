@@ -11,6 +11,7 @@
 #include "server/ingest/pipeline/stage_clock.h"
 #include "server/ingest/pipeline/treelets_of_build.h"
 #include "server/ingest/plan/memory_plan.h"
+#include "server/store/reader.h"
 
 namespace lode::ingest {
 namespace {
@@ -20,13 +21,12 @@ RecordedBuild readPrepared(const BuildOptions& options, const BuildFiles& files)
   const std::string output = options.output.string();
   std::error_code ignored;
   if (!std::filesystem::exists(files.journal, ignored))
-    throw Error(ErrorCode::kInput,
-                output + ": is not prepared, or finished already; run --part prepare first");
+    throw Error(ErrorCode::kIo, output + ": is not prepared; run --part prepare first");
   RecordedBuild recorded;
   Journal::read(files.journal,
                 [&](uint32_t kind, std::span<const std::byte> bytes) { recorded.add(kind, bytes); });
   if (!recorded.identity || recorded.tasks == 0)
-    throw Error(ErrorCode::kInput, output + ": --part prepare has not finished; run it again");
+    throw Error(ErrorCode::kIo, output + ": --part prepare has not finished; run it again");
   const std::string difference =
       recorded.identity->difference(BuildIdentity::of(options), "run --part prepare again");
   if (!difference.empty())
@@ -40,6 +40,18 @@ RecordedBuild readPrepared(const BuildOptions& options, const BuildFiles& files)
 }  // namespace
 
 void requirePrepared(const BuildOptions& options) { readPrepared(options, BuildFiles::of(options.output)); }
+
+std::optional<ModelSummary> finishedBefore(const BuildOptions& options) {
+  std::error_code error;
+  if (std::filesystem::exists(BuildFiles::of(options.output).journal, error) ||
+      !std::filesystem::is_regular_file(options.output, error))
+    return std::nullopt;
+  const auto built = std::filesystem::last_write_time(options.output, error);
+  if (error || std::filesystem::last_write_time(options.input, error) > built || error) return std::nullopt;
+  ModelSummary summary = store::Reader(options.output).summary();
+  if (summary.triangles_per_node != options.triangles_per_node) return std::nullopt;
+  return summary;
+}
 
 BuildReport runTask(const BuildOptions& options, const BuildProgress& progress) {
   const BuildFiles files = BuildFiles::of(options.output);
@@ -57,7 +69,8 @@ BuildReport runTask(const BuildOptions& options, const BuildProgress& progress) 
   BuildReport report;
   StageClock clock(report, "simplify");
   TreeletFolder treelets(files.folder / kTreeletFolder, options.reuse_folder);
-  const TemporaryFolder scratch(options.scratch_folder);
+  // Without --tmp, `finish` also removes what a killed task leaves.
+  const TemporaryFolder scratch(options.scratch_folder.empty() ? files.folder : options.scratch_folder);
   const MemoryPlan plan = planMemory(options.memory_bytes, options.threads, options.triangles_per_node);
   BuiltTree built;
   buildTree(work.settings, partition,

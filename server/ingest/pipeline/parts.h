@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "server/ingest/nodes/treelet_folder.h"
 #include "server/ingest/nodes/treelet_plan.h"
 #include "server/ingest/plan/build_options.h"
@@ -9,8 +11,14 @@
 /// store.
 namespace lode::ingest {
 
+/// Returns the summary of the store if nothing is prepared, but the store exists and is newer than the input:
+/// a scheduler may run `finish` again after it has succeeded on a machine that is lost since.
+/// @throws Error if the file at the output's path is no readable store.
+std::optional<ModelSummary> finishedBefore(const BuildOptions& options);
+
 /// Checks that the output was prepared for parts with the same input and options.
-/// @param options  options with all defaults filled in. @throws Error kInput, kIo, kFormat.
+/// @param options  options with all defaults filled in. @throws Error kIo if the preparation is missing or
+/// incomplete, kInput if it belongs to another build, kFormat.
 void requirePrepared(const BuildOptions& options);
 
 /// Builds the treelets of one task. Takes over treelets that the same task finished before. Several processes

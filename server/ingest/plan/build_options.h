@@ -94,7 +94,7 @@ struct BuildOptions : ResultOptions {
   /// Parent of the temporary files; empty: the output's folder. A build in parts keeps the files that its
   /// parts share in the output's folder.
   std::filesystem::path temporary_folder;
-  std::filesystem::path scratch_folder;  ///< parent of the files of a single part; set by build()
+  std::filesystem::path scratch_folder;  ///< parent of the files of a single task; set by build()
   uint64_t memory_bytes = 0;             ///< memory budget; 0: defaultMemoryBytes()
   unsigned threads = 0;                  ///< number of threads; 0: one per core
   /// True continues a killed or failed build of the same input, output and options. If this build fails for

@@ -71,7 +71,7 @@ class BuildInParts : public testing::Test {
     int killed = 0;
     for (int i = 0; i < 10; ++i) {
       Program program("lodestreamd", words);
-      std::this_thread::sleep_for(part(random) * whole_ / 2);
+      std::this_thread::sleep_for(part(random) * whole_ / 3);
       program.signal(SIGKILL);
       const Outcome outcome = program.wait();
       if (outcome.status == 0) return killed;
@@ -97,7 +97,7 @@ TEST_F(BuildInParts, givesTheSameBytesAfterKillsOfEachPart) {
     killed += killTenTimes(finish(3), 100 + seed);
     expectDone();
   }
-  EXPECT_GT(killed, 5) << "too few parts were killed";
+  EXPECT_GT(killed, 2) << "too few parts were killed";
 }
 
 TEST_F(BuildInParts, givesTheSameBytesIfItsTasksRunAtTheSameTimeAndTwice) {
@@ -114,6 +114,11 @@ TEST_F(BuildInParts, givesTheSameBytesIfItsTasksRunAtTheSameTimeAndTwice) {
 }
 
 TEST_F(BuildInParts, endsWithStatus75IfARetryMayHelp) {
+  for (const Strings& words : {task(0, 2), finish(2)}) {
+    const Outcome unprepared = lodestreamd(words);
+    EXPECT_EQ(unprepared.status, kTryAgain);
+    EXPECT_NE(unprepared.err.find("run --part prepare first"), std::string::npos) << unprepared.err;
+  }
   expectSuccess(prepare(2));
   expectSuccess(task(0, 2));
   const Outcome early = lodestreamd(finish(2));
@@ -148,9 +153,6 @@ TEST_F(BuildInParts, endsWithStatus75IfTheDiskIsFull) {
 }
 
 TEST_F(BuildInParts, endsWithStatus1IfNoRetryHelps) {
-  const Outcome unprepared = lodestreamd(task(0, 2));
-  EXPECT_EQ(unprepared.status, 1);
-  EXPECT_NE(unprepared.err.find("run --part prepare first"), std::string::npos) << unprepared.err;
   expectSuccess(prepare(2));
   const Outcome other = lodestreamd(task(0, 3));
   EXPECT_EQ(other.status, 1);
@@ -174,6 +176,16 @@ TEST_F(BuildInParts, endsWithStatus2IfTheOptionsDoNotFit) {
     expectOneLine(outcome.err);
   }
   EXPECT_EQ(folder_.contents(), before_);
+}
+
+TEST_F(BuildInParts, succeedsIfFinishRunsAgainAfterItHasSucceeded) {
+  expectSuccess(prepare(1));
+  expectSuccess(task(0, 1));
+  expectSuccess(finish(1));
+  const Outcome again = lodestreamd(finish(1));
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_NE(again.err.find("is finished already"), std::string::npos) << again.err;
+  expectDone();
 }
 
 TEST_F(BuildInParts, reportsEachPartAsJson) {

@@ -31,14 +31,15 @@ TEST(TreeletPlan, putsEachNodeIntoOneTreeletBelowItsRoot) {
   }
 }
 
-TEST(TreeletPlan, beginsATreeletAtEachNodeWithMoreThanEightLeaves) {
-  const LeavesOfTree leaves(2);  // 64 leaves below 8 nodes below the root
-  const TreePlan tree(leaves.keys);
-  const TreeletPlan treelets(tree, leaves.marks, digest("settings"));
-  EXPECT_EQ(treelets.size(), 1u) << "8 leaves below a node lie in the treelet of its parent";
-  const LeavesOfTree deeper(3);
-  const TreePlan deeper_tree(deeper.keys);
-  EXPECT_EQ(TreeletPlan(deeper_tree, deeper.marks, digest("settings")).size(), 9u);
+TEST(TreeletPlan, beginsATreeletAtEachNodeWithMoreThanTwoLeaves) {
+  const NodeKey two = kRootKey.child(0), three = kRootKey.child(1);
+  const TreePlan tree({two.child(0), two.child(7), three.child(1), three.child(2), three.child(3)});
+  const TreeletPlan treelets(tree, std::vector<LeafOfTreelet>(5), digest("settings"));
+  ASSERT_EQ(treelets.size(), 2u);
+  EXPECT_EQ(tree.key(treelets[0].root), three);
+  EXPECT_EQ(treelets[0].nodes, 4u);
+  EXPECT_EQ(tree.key(treelets[1].root), kRootKey);
+  EXPECT_EQ(treelets[1].nodes, 4u) << "two leaves, their parent and the root";
 }
 
 TEST(TreeletPlan, isOneTreeletOfOneNodeIfTheRootIsALeaf) {
@@ -69,12 +70,12 @@ size_t differentNames(const LeavesOfTree& a, const LeavesOfTree& b) {
 }
 
 TEST(TreeletPlan, renamesOnlyTheTreeletsFromAChangedLeafToTheRoot) {
-  const LeavesOfTree before(4);  // 1 + 8 + 64 treelets
+  const LeavesOfTree before(4);
   EXPECT_EQ(differentNames(before, before), 0u);
   for (const size_t leaf : {0u, 1234u, 4095u}) {
     LeavesOfTree after = before;
     after.marks[leaf].digest = digest("edited");
-    EXPECT_EQ(differentNames(before, after), 3u) << leaf;
+    EXPECT_EQ(differentNames(before, after), 4u) << leaf;
   }
 }
 
@@ -82,7 +83,7 @@ TEST(TreeletPlan, renamesATreeletIfALeafIsMissing) {
   LeavesOfTree before(3), after = before;
   after.keys.erase(after.keys.begin() + 100);
   after.marks.erase(after.marks.begin() + 100);
-  EXPECT_EQ(differentNames(before, after), 2u);
+  EXPECT_EQ(differentNames(before, after), 3u);
 }
 
 TEST(TreeletPlan, givesAllTreeletsOtherNamesIfTheSettingsDiffer) {
@@ -141,7 +142,7 @@ TEST(TaskPlan, givesTasksSimilarWork) {
 }
 
 TEST(TaskPlan, givesASmallModelToTheFirstTask) {
-  const LeavesOfTree leaves(1);
+  const LeavesOfTree leaves(1);  // one treelet
   const TreePlan tree(leaves.keys);
   const TreeletPlan treelets(tree, leaves.marks, digest("settings"));
   EXPECT_EQ(planTasks(treelets, 5), std::vector<uint32_t>{0});

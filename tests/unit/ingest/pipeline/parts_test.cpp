@@ -194,14 +194,14 @@ TEST_F(Parts, rebuildATreeletThatIsDamagedWhenFinishReadsIt) {
 
 TEST_F(Parts, areRefusedWithoutPreparation) {
   for (const BuildPart each : {BuildPart::kSimplify, BuildPart::kFinish})
-    expectRefusal(part(each, 2), ErrorCode::kInput, "run --part prepare first");
+    expectRefusal(part(each, 2), ErrorCode::kIo, "run --part prepare first");
 }
 
 TEST_F(Parts, areRefusedWhileThePreparationIsIncomplete) {
   options_.memory_bytes = 2 * kMega;
   interruptAt(part(BuildPart::kPrepare, 2), "partition", 1);
   for (const BuildPart each : {BuildPart::kSimplify, BuildPart::kFinish})
-    expectRefusal(part(each, 2), ErrorCode::kInput, "--part prepare has not finished; run it again");
+    expectRefusal(part(each, 2), ErrorCode::kIo, "--part prepare has not finished; run it again");
   std::filesystem::remove_all(folder_ / ".a.lode.building");
 }
 
@@ -214,15 +214,33 @@ TEST_F(Parts, areRefusedWithOtherOptionsTasksOrInput) {
     other.triangles_per_node = 129;
     expectRefusal(other, ErrorCode::kInput, "--triangles-per-node 128; use the same, or run --part prepare");
   }
-  BuildOptions other = part(BuildPart::kPrepare, 2);
-  other.crease_angle_deg = 12;
-  expectRefusal(other, ErrorCode::kInput, "--crease-angle 44");
   const auto time = std::filesystem::last_write_time(options_.input);
   std::filesystem::last_write_time(options_.input, time + std::chrono::seconds(9));
   for (const BuildPart each : {BuildPart::kSimplify, BuildPart::kFinish})
     expectRefusal(part(each, 2), ErrorCode::kInput, "input has changed since it began; run --part prepare");
   std::filesystem::last_write_time(options_.input, time);
   finish(2);
+  expectDone();
+}
+
+TEST_F(Parts, canBePreparedAgainWithOtherOptions) {
+  prepare(2);
+  simplifyAll(2);
+  BuildOptions other = part(BuildPart::kPrepare, 2);
+  other.triangles_per_node = 129;
+  build(other);
+  expectRefusal(part(BuildPart::kSimplify, 2), ErrorCode::kInput, "--triangles-per-node 129");
+  prepare(2);
+  simplifyAll(2);
+  finish(2);
+  expectDone();
+}
+
+TEST_F(Parts, leaveNothingOfAKilledTaskBehind) {
+  prepare(1);
+  std::filesystem::create_directories(folder_ / ".a.lode.building/files/.lodestream-build-killed");
+  simplify(0, 1);
+  finish(1);
   expectDone();
 }
 
