@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <csignal>
 #include <map>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "common/io/texture_finder.h"
 #include "common/printable.h"
 #include "server/app/command.h"
+#include "server/app/input_list.h"
 #include "server/app/interruption.h"
 #include "server/app/json_output.h"
 #include "server/app/progress_bar.h"
@@ -27,6 +29,7 @@ namespace {
 
 struct BuildArguments {
   ingest::BuildOptions options;
+  std::vector<std::string> inputs;  ///< words that name the input; see listInputs()
   bool json = false, quiet = false, json_progress = false;
 };
 
@@ -86,10 +89,12 @@ void checkOutput(const ingest::BuildOptions& options, const std::filesystem::pat
     if (std::filesystem::equivalent(read, output, ignored))
       throw Error(ErrorCode::kUsage, output.string() + " is " + what + "; name another output");
   };
-  refuseIf(options.input, "the input itself");
-  TextureFinder finder(options.input, options.textures_folder);
-  for (const std::string& name : ingest::readPlyHeader(options.input).texture_files)
-    refuseIf(finder.find(name).path, "a texture image of the input");
+  for (const std::filesystem::path& input : ingest::inputsOf(options)) {
+    refuseIf(input, "the input itself");
+    TextureFinder finder(input, options.textures_folder);
+    for (const std::string& name : ingest::readPlyHeader(input).texture_files)
+      refuseIf(finder.find(name).path, "a texture image of the input");
+  }
 }
 
 /// Checks the path of a preview that a build writes beside its output. @throws Error kUsage.
@@ -192,6 +197,17 @@ void runBuild(const BuildArguments& arguments) {
     printText(describe(report, options));
 }
 
+/// Sets the inputs that the command line names. @throws Error.
+void takeInputs(BuildArguments& arguments) {
+  std::vector<std::filesystem::path> inputs = listInputs(arguments.inputs);
+  const bool has_stream =
+      std::ranges::any_of(inputs, [](const auto& input) { return namesStandardInput(input.string()); });
+  if (has_stream && inputs.size() > 1)
+    throw Error(ErrorCode::kUsage, "standard input cannot be one of several inputs; save it to a file");
+  arguments.options.input = inputs.front();
+  arguments.options.more_inputs.assign(inputs.begin() + 1, inputs.end());
+}
+
 /// If the input is standard input, copies it into a file and makes the file the input.
 /// @return the copy, which must outlive the build; null if the input is a file. @throws Error.
 std::unique_ptr<const CopiedInput> takeStandardInput(ingest::BuildOptions& options) {
@@ -263,7 +279,11 @@ void addBuildCommand(CLI::App& program, int& exit_status) {
   const auto arguments = std::make_shared<BuildArguments>();
   ingest::BuildOptions& options = arguments->options;
   CLI::App* command = addCommand(program, "build", "Build a store from a PLY file");
-  command->add_option("input", options.input, "the PLY file; -: standard input")
+  command
+      ->add_option(
+          "input", arguments->inputs,
+          "the PLY file (-: standard input), or several files of one model; a folder: its files *.ply; "
+          "@LIST: the files that LIST names, one per line")
       ->required()
       ->type_name("IN.ply");
   CLI::Option* const output =
@@ -318,6 +338,7 @@ void addBuildCommand(CLI::App& program, int& exit_status) {
     if (output->count() == 0 && (is_part || arguments->options.preview.empty()))
       throw CLI::RequiredError(is_part ? "--output" : "--output or --preview");
     checkParts(*command, arguments->options);
+    takeInputs(*arguments);
     const std::unique_ptr<const CopiedInput> copied = takeStandardInput(arguments->options);
     if (output->count() == 0) return runPreview(*arguments);
     exit_status = runOrRetry(*arguments);

@@ -77,7 +77,9 @@ class Doctor {
     // A build ignores the images of a model without texture coordinates.
     const uint64_t image_bytes = planMemory(budget(), 1, 1).image_bytes;
     if (report_.attributes.has(AttributeSet::kTexture))
-      tryTo([&] { images_ = surveyTextures(options_.input, options_.textures_folder, names, image_bytes); });
+      tryTo([&] {
+        images_ = surveyTextures(imagesOf(options_.input, names), options_.textures_folder, image_bytes);
+      });
     for (TextureImage& image : images_)
       if (image.problem.empty()) decodeImage(image, image_bytes);
     TextureFinder finder(options_.input, options_.textures_folder);

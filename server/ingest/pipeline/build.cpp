@@ -64,7 +64,7 @@ void runStages(BuildSession& session) {
     session.run(*stage);
     if (stage == &scan) scan.writePreview();
   }
-  session.noteTextureFiles(scan.textureFiles());
+  for (const NamedImage& image : scan.namedImages()) session.noteTextureFile(image.name);
 }
 
 /// Returns a hint on how to resume after a failure, or an empty string if a resumed build would fail in the
@@ -100,8 +100,8 @@ void buildPreview(const BuildOptions& options, std::vector<std::string>& warning
   TextureColours textures;
   if (model.input.attributes().has(AttributeSet::kTexture)) {
     const uint64_t image_bytes = memory_bytes / 2;
-    textures = {surveyTextures(options.input, options.textures_folder, model.texture_files, image_bytes),
-                model.input.uvGrid(), image_bytes};
+    textures = {surveyTextures(model.images, options.textures_folder, image_bytes), model.input.uvGrid(),
+                image_bytes};
   }
   if (!writePreview(target, model.input, chooseLattice(model.input, options.input), textures))
     throw Error(ErrorCode::kInput,

@@ -43,12 +43,14 @@ uint64_t hashContent(int file, uint64_t bytes) {
 std::vector<BuildIdentity::Texture> texturesOf(const BuildOptions& options) {
   std::vector<BuildIdentity::Texture> textures;
   try {
-    const PlyHeader header = readPlyHeader(options.input);
-    if (header.texture_files.size() > kMaxTextures) return textures;
-    TextureFinder finder(options.input, options.textures_folder);
-    for (const std::string& name : header.texture_files) {
-      const TextureFile file = finder.find(name);
-      textures.push_back({name, file.problem.empty() ? fingerprint(file.path) : FileFingerprint()});
+    for (const std::filesystem::path& input : inputsOf(options)) {
+      const PlyHeader header = readPlyHeader(input);
+      if (textures.size() + header.texture_files.size() > kMaxTextures) return {};
+      TextureFinder finder(input, options.textures_folder);
+      for (const std::string& name : header.texture_files) {
+        const TextureFile file = finder.find(name);
+        textures.push_back({name, file.problem.empty() ? fingerprint(file.path) : FileFingerprint()});
+      }
     }
   } catch (const Error&) {
     textures.clear();
@@ -120,7 +122,7 @@ uint64_t programContent() { return fingerprint("/proc/self/exe").content; }
 
 BuildIdentity BuildIdentity::of(const BuildOptions& options) {
   BuildIdentity identity;
-  identity.input = fingerprint(options.input);
+  for (const std::filesystem::path& input : inputsOf(options)) identity.inputs.push_back(fingerprint(input));
   identity.textures = texturesOf(options);
   if (!options.lattice_of.empty()) identity.lattice_of = fingerprint(options.lattice_of);
   identity.program = programContent();
@@ -131,7 +133,8 @@ BuildIdentity BuildIdentity::of(const BuildOptions& options) {
 }
 
 void BuildIdentity::save(RecordWriter& record) const {
-  saveFile(record, input);
+  record.put(static_cast<uint32_t>(inputs.size()));
+  for (const FileFingerprint& input : inputs) saveFile(record, input);
   record.put(static_cast<uint32_t>(textures.size()));
   for (const Texture& texture : textures) {
     record.putText(texture.name);
@@ -145,7 +148,7 @@ void BuildIdentity::save(RecordWriter& record) const {
 
 BuildIdentity BuildIdentity::load(RecordReader& record) {
   BuildIdentity identity;
-  identity.input = loadFile(record);
+  for (auto count = record.get<uint32_t>(); count > 0; --count) identity.inputs.push_back(loadFile(record));
   for (auto count = record.get<uint32_t>(); count > 0; --count) {
     std::string name = record.getText();
     identity.textures.push_back({std::move(name), loadFile(record)});
@@ -176,9 +179,15 @@ std::string BuildIdentity::textureDifference(const BuildIdentity& now, const std
 
 std::string BuildIdentity::difference(const BuildIdentity& now, const std::string& anew) const {
   const std::string begun = "it began with ", same = "; use the same, or " + anew;
-  if (input.path != now.input.path) return begun + "the input " + input.path + same;
-  if (now.input.bytes == 0) return "the input " + input.path + " cannot be read; restore it";
-  if (input != now.input) return "the input has changed since it began; " + anew;
+  if (inputs.size() != now.inputs.size()) return begun + std::to_string(inputs.size()) + " inputs" + same;
+  for (size_t i = 0; i < inputs.size(); ++i) {
+    const FileFingerprint &then = inputs[i], &today = now.inputs[i];
+    if (then.path != today.path) return begun + "the input " + then.path + same;
+    if (today.bytes == 0) return "the input " + then.path + " cannot be read; restore it";
+    if (then != today)
+      return (inputs.size() > 1 ? "the input " + then.path : std::string("the input")) +
+             " has changed since it began; " + anew;
+  }
   if (std::string texture = textureDifference(now, anew); !texture.empty()) return texture;
   if (lattice_of.path != now.lattice_of.path)
     return begun + (lattice_of.path.empty() ? "no --lattice-of" : "--lattice-of " + lattice_of.path) + same;

@@ -35,7 +35,7 @@ struct BuildIdentity {
     std::string name;       ///< name as written in the input
     FileFingerprint image;  ///< fingerprint of the image, with an empty path if no file was found
   };
-  FileFingerprint input;
+  std::vector<FileFingerprint> inputs;
   std::vector<Texture> textures;  ///< images that the input names
   FileFingerprint lattice_of;     ///< BuildOptions::lattice_of; an empty path if that is empty
   uint64_t program = 0;           ///< FileFingerprint::content of the executable

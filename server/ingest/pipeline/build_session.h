@@ -51,7 +51,7 @@ class BuildSession {
   /// Adds a warning to the report. @throws Error kInput with --strict.
   void warn(std::string warning);
   void warn(const std::vector<std::string>& warnings);
-  void noteTextureFiles(std::vector<std::string> names) { report_.texture_files = std::move(names); }
+  void noteTextureFile(std::string name) { report_.texture_files.push_back(std::move(name)); }
   /// Ends a build that would succeed with more memory. @throws Error kLimit always.
   [[noreturn]] void refuseForMemory(const std::string& problem);
   /// Syncs the folder of temporary files to disk, then appends an entry to the journal.

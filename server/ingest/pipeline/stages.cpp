@@ -22,13 +22,13 @@ namespace {
 
 /// Finds the images that an input names. Fails if an image does not fit in memory, because a store without
 /// this image would depend on --memory. @throws Error kLimit.
-std::vector<TextureImage> findImages(BuildSession& session, std::span<const std::string> names) {
+std::vector<TextureImage> findImages(BuildSession& session, std::span<const NamedImage> names) {
   const BuildOptions& options = session.options();
   std::vector<TextureImage> images =
-      surveyTextures(options.input, options.textures_folder, names, session.plan().image_bytes);
+      surveyTextures(names, options.textures_folder, session.plan().image_bytes);
   for (const TextureImage& image : images)
     if (image.needs_memory)
-      session.refuseForMemory(textureInWords(options.input, image.name) + " " + image.problem);
+      session.refuseForMemory(textureInWords(image.ply, image.name) + " " + image.problem);
   return images;
 }
 
@@ -105,16 +105,16 @@ Stage::Work ScanStage::run() {
     // Check the images before the long scan, so that errors appear at once.
     const PlyReader reader(options.input, {.skip_bad = options.skip_bad});
     if (reader.attributes().has(AttributeSet::kTexture))
-      images_ = findImages(session_, reader.header().texture_files);
+      images_ = findImages(session_, listImages(inputsOf(options), options.textures_folder).images);
   }
   std::vector<std::string> warnings;
   ScannedModel scanned = scan(options, session_.files(), session_.progress(), warnings);
   session_.warn(warnings);
   noteFacts(scanned.input, scanned.counts.dropped_triangles);
   if (scanned.input.attributes().has(AttributeSet::kTexture)) {
-    texture_files_ = std::move(scanned.texture_files);
-    if (texture_files_.empty()) session_.warn(options.input.string() + ": " + kNoTextureFile);
-  } else if (!scanned.texture_files.empty()) {
+    named_images_ = std::move(scanned.images);
+    if (named_images_.empty()) session_.warn(options.input.string() + ": " + kNoTextureFile);
+  } else if (!scanned.images.empty()) {
     session_.warn(options.input.string() +
                   ": names texture files, but has no texture coordinates; the build ignores the files");
   }
@@ -147,17 +147,26 @@ TextureColours ScanStage::textureColours() const {
   const BuildOptions& options = session_.options();
   const uint64_t image_bytes = session_.plan().image_bytes;
   if (!images_.empty()) return {images_, input_->uvGrid(), image_bytes};
-  return {surveyTextures(options.input, options.textures_folder, texture_files_, image_bytes),
-          input_->uvGrid(), image_bytes};
+  return {surveyTextures(named_images_, options.textures_folder, image_bytes), input_->uvGrid(), image_bytes};
 }
 
 void ScanStage::save(RecordWriter& record) const {
-  record.putTexts(texture_files_);
+  std::vector<std::string> files, names;
+  for (const NamedImage& image : named_images_) {
+    files.push_back(image.ply.string());
+    names.push_back(image.name);
+  }
+  record.putTexts(files);
+  record.putTexts(names);
   input_->save(record);
 }
 
 void ScanStage::load(RecordReader& record, bool is_used_up) {
-  texture_files_ = record.getTexts();
+  const std::vector<std::string> files = record.getTexts(), names = record.getTexts();
+  if (files.size() != names.size())
+    throw Error(ErrorCode::kFormat,
+                "the build's journal has a damaged list of images; build without --resume");
+  for (size_t i = 0; i < names.size(); ++i) named_images_.push_back({files[i], names[i]});
   if (!is_used_up) input_ = std::make_unique<PackedInput>(PackedInput::load(session_.files(), record));
 }
 
@@ -171,7 +180,7 @@ TextureStage::TextureStage(BuildSession& session, ScanStage& scan)
 
 Stage::Work TextureStage::run() {
   std::vector<TextureImage> images = scan_.takeImages();
-  if (images.empty()) images = findImages(session_, scan_.textureFiles());
+  if (images.empty()) images = findImages(session_, scan_.namedImages());
   tiles_.emplace(session_.files().lastingFile(StagedTextures::kFile));
   textures_ = stageTextures(session_.options(), images, session_.facts().uv_grid, *tiles_,
                             session_.plan().image_bytes, session_.progress());

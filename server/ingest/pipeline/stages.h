@@ -13,6 +13,7 @@
 #include "server/ingest/partition/partition.h"
 #include "server/ingest/pipeline/build_session.h"
 #include "server/ingest/preview/texture_colours.h"
+#include "server/ingest/soup/input_images.h"
 #include "server/ingest/soup/packed_input.h"
 #include "server/ingest/textures/texture_images.h"
 #include "server/ingest/textures/textures.h"
@@ -29,10 +30,9 @@ class ScanStage final : public Stage {
   void save(RecordWriter& record) const override;
   void load(RecordReader& record, bool is_used_up) override;
 
-  /// Returns the names of texture files in the header, or an empty list if the file has no texture
-  /// coordinates.
-  const std::vector<std::string>& textureFiles() const noexcept { return texture_files_; }
-  /// Moves out the images that run() found for textureFiles(). Returns an empty list after load().
+  /// Returns the images that the headers name, or an empty list if the files have no texture coordinates.
+  const std::vector<NamedImage>& namedImages() const noexcept { return named_images_; }
+  /// Moves out the images that run() found for namedImages(). Returns an empty list after load().
   std::vector<TextureImage> takeImages() { return std::move(images_); }
   /// Writes the preview that the options name. Writes none if a resumed build no longer needs the input.
   /// Warns if the preview needs more than half of the memory.
@@ -44,7 +44,7 @@ class ScanStage final : public Stage {
   TextureColours textureColours() const;
 
   BuildSession& session_;
-  std::vector<std::string> texture_files_;
+  std::vector<NamedImage> named_images_;
   std::vector<TextureImage> images_;
   std::unique_ptr<PackedInput> input_;
 };
@@ -54,7 +54,7 @@ class TextureStage final : public Stage {
  public:
   TextureStage(BuildSession& session, ScanStage& scan);
 
-  bool isNeeded() const override { return !scan_.textureFiles().empty(); }
+  bool isNeeded() const override { return !scan_.namedImages().empty(); }
   Work run() override;
   void save(RecordWriter& record) const override;
   void load(RecordReader& record, bool is_used_up) override;

@@ -87,6 +87,9 @@ constexpr uint32_t kMaxTasks = 1 << 16;
 
 struct BuildOptions : ResultOptions {
   std::filesystem::path input, output;
+  /// More PLY files of the same model, whose triangles follow those of `input`. All files must have the same
+  /// attributes.
+  std::vector<std::filesystem::path> more_inputs;
   std::filesystem::path preview;  ///< store to write as soon as the input is read; empty: none
   /// Folder to search first for the images that the input names; empty: only the input's folder. The images
   /// are part of the build's identity (BuildIdentity), but the folder is not.
@@ -113,6 +116,13 @@ struct BuildOptions : ResultOptions {
   std::filesystem::path lattice_of;
   uint64_t reuse_bytes = 0;  ///< size to which the build trims `reuse_folder`; 0: kReuseBytes
 };
+
+/// Returns all input files, in the order of their triangles.
+inline std::vector<std::filesystem::path> inputsOf(const BuildOptions& options) {
+  std::vector<std::filesystem::path> inputs{options.input};
+  inputs.insert(inputs.end(), options.more_inputs.begin(), options.more_inputs.end());
+  return inputs;
+}
 
 constexpr uint64_t kReuseBytes = 16ull << 30;
 

@@ -30,39 +30,104 @@ AttributeSet takenAttributes(AttributeSet attributes, const PlyCounts& counts) n
 
 namespace {
 
-void checkVertices(const PlyHeader& header, const std::string& name) {
-  const PlyElement* const vertices = header.find("vertex");
-  if (vertices == nullptr || vertices->count <= UINT32_MAX) return;
-  throw Error(ErrorCode::kLimit, name + ": " + std::to_string(vertices->count) +
-                                     " vertices, more than 4294967295; split the model");
+/// The input files of a model, and what they have in common.
+struct Inputs {
+  std::vector<PlyReader> readers;
+  std::vector<std::string> names;  ///< paths for messages
+  InputImages images;
+  bool has_double_positions = false;
+
+  const PlyReader& first() const noexcept { return readers.front(); }
+};
+
+Inputs openInputs(const BuildOptions& options) {
+  const std::vector<std::filesystem::path> paths = inputsOf(options);
+  Inputs inputs;
+  uint64_t vertices = 0;
+  for (const std::filesystem::path& path : paths) {
+    const PlyReader& reader = inputs.readers.emplace_back(path, PlyReadOptions{.skip_bad = options.skip_bad});
+    inputs.names.push_back(path.string());
+    if (const PlyElement* const element = reader.header().find("vertex")) vertices += element->count;
+    if (vertices > UINT32_MAX)
+      throw Error(ErrorCode::kLimit, path.string() + ": " + std::to_string(vertices) +
+                                         " vertices, more than 4294967295; split the model");
+    if (reader.attributes() != inputs.first().attributes() ||
+        reader.faceAttributes() != inputs.first().faceAttributes())
+      throw Error(ErrorCode::kInput, path.string() + ": has other properties than " + inputs.names.front() +
+                                         "; export all files with the same properties");
+    inputs.has_double_positions |= hasDoublePositions(reader.header());
+  }
+  inputs.images = listImages(paths, options.textures_folder);
+  return inputs;
 }
 
-/// @param attributes  attributes to use from the file.
-ScannedModel pack(PlyReader& reader, AttributeSet attributes, const TemporaryFolder& folder,
+/// Makes the faces of one file refer to the vertices and images of the whole model.
+class FacesOfModel {
+ public:
+  FacesOfModel(uint64_t first_vertex, std::span<const uint16_t> images)
+      : first_vertex_(first_vertex), images_(images) {}
+
+  const PlyFaces& renumbered(const PlyFaces& faces) {
+    faces_ = faces;
+    for (uint64_t& corner : faces_.corners) corner += first_vertex_;
+    for (uint16_t& material : faces_.materials)
+      if (material < images_.size()) material = images_[material];
+    return faces_;
+  }
+
+ private:
+  const uint64_t first_vertex_;
+  const std::span<const uint16_t> images_;
+  PlyFaces faces_;
+};
+
+void add(PlyCounts& sum, const PlyCounts& counts) {
+  sum.vertices += counts.vertices;
+  sum.faces += counts.faces;
+  sum.triangles += counts.triangles;
+  sum.dropped_faces += counts.dropped_faces;
+  sum.dropped_triangles += counts.dropped_triangles;
+  sum.skipped_bad += counts.skipped_bad;
+  sum.normals += counts.normals;
+  sum.lengthless_normals += counts.lengthless_normals;
+}
+
+/// @param attributes  attributes to use from the files.
+ScannedModel pack(Inputs& inputs, AttributeSet attributes, const TemporaryFolder& folder,
                   const BuildProgress& progress) {
   ScannedModel model{
-      PackedInput(folder, attributes, hasDoublePositions(reader.header()), reader.faceAttributes()),
+      PackedInput(folder, attributes, inputs.has_double_positions, inputs.first().faceAttributes()),
       {},
-      reader.header().texture_files};
-  model.counts = reader.read(
-      [&](uint64_t, std::span<const PlyVertex> vertices) { model.input.addVertices(vertices); },
-      [&](const PlyFaces& faces) { model.input.addFaces(faces); },
-      [&](uint64_t done, uint64_t total) {
-        if (progress)
-          progress("scan", total ? static_cast<double>(done) / static_cast<double>(total) : 1, done, total);
-      });
+      inputs.images.images};
+  const size_t files = inputs.readers.size();
+  for (size_t i = 0; i < files; ++i) {
+    FacesOfModel of_model(model.input.vertexCount(), inputs.images.of_file[i]);
+    const auto addFaces = [&](const PlyFaces& faces) {
+      model.input.addFaces(i == 0 ? faces : of_model.renumbered(faces));
+    };
+    add(model.counts,
+        inputs.readers[i].read(
+            [&](uint64_t, std::span<const PlyVertex> vertices) { model.input.addVertices(vertices); },
+            addFaces,
+            [&](uint64_t done, uint64_t total) {
+              const double part = total ? static_cast<double>(done) / static_cast<double>(total) : 1;
+              if (progress)
+                progress("scan", (static_cast<double>(i) + part) / static_cast<double>(files), done, total);
+            }));
+  }
   model.input.flush();
   return model;
 }
 
-ScannedModel packTaken(PlyReader& reader, const TemporaryFolder& folder, const BuildProgress& progress) {
+ScannedModel packTaken(Inputs& inputs, const TemporaryFolder& folder, const BuildProgress& progress) {
+  const AttributeSet all = inputs.first().attributes();
   AttributeSet taken;
   {
-    ScannedModel model = pack(reader, reader.attributes(), folder, progress);
-    taken = takenAttributes(reader.attributes(), model.counts);
-    if (taken == reader.attributes()) return model;
+    ScannedModel model = pack(inputs, all, folder, progress);
+    taken = takenAttributes(all, model.counts);
+    if (taken == all) return model;
   }
-  return pack(reader, taken, folder, progress);
+  return pack(inputs, taken, folder, progress);
 }
 
 std::vector<std::string> warningsOf(const PlyReader& reader, const PlyCounts& counts) {
@@ -98,14 +163,13 @@ void checkFaces(const PlyCounts& counts, const std::filesystem::path& name) {
 
 ScannedModel scan(const BuildOptions& options, const TemporaryFolder& folder, const BuildProgress& progress,
                   std::vector<std::string>& warnings) {
-  const std::string name = options.input.string();
-  PlyReader reader(options.input, {.skip_bad = options.skip_bad});
-  checkVertices(reader.header(), name);
-  ScannedModel model = packTaken(reader, folder, progress);
+  Inputs inputs = openInputs(options);
+  ScannedModel model = packTaken(inputs, folder, progress);
   checkFaces(model.counts, options.input);
-  model.input.setUvGrid(chooseUvGrid(model.input.usedUvRange(), name));
-  for (const std::string& warning : warningsOf(reader, model.counts))
-    warnings.push_back(std::string(name).append(": ").append(warning));
+  model.input.setUvGrid(chooseUvGrid(model.input.usedUvRange(), inputs.names.front()));
+  for (size_t i = 0; i < inputs.readers.size(); ++i)
+    for (const std::string& warning : warningsOf(inputs.readers[i], inputs.readers[i].counts()))
+      warnings.push_back(inputs.names[i] + ": " + warning);
   return model;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <optional>
 #include <utility>
 
 #include "common/byte_size.h"
@@ -62,21 +63,22 @@ void checkTiles(const std::filesystem::path& ply, const std::vector<TextureImage
 
 }  // namespace
 
-std::vector<TextureImage> surveyTextures(const std::filesystem::path& ply,
+std::vector<TextureImage> surveyTextures(std::span<const NamedImage> names,
                                          const std::filesystem::path& textures_folder,
-                                         std::span<const std::string> names, uint64_t memory_bytes) {
+                                         uint64_t memory_bytes) {
   if (names.size() > kMaxTextures)
-    throw Error(ErrorCode::kInput, ply.string() + ": " + std::to_string(names.size()) +
+    throw Error(ErrorCode::kInput, names.front().ply.string() + ": " + std::to_string(names.size()) +
                                        " texture files; the limit is " + std::to_string(kMaxTextures) +
                                        "; merge some of them");
   std::vector<TextureImage> images;
-  TextureFinder finder(ply, textures_folder);
-  for (const std::string& name : names) {
-    TextureFile file = finder.find(name);
-    images.push_back({name, std::move(file.path), std::move(file.problem), false, 0, {}});
+  std::optional<TextureFinder> finder;
+  for (const auto& [ply, name] : names) {
+    if (images.empty() || images.back().ply != ply) finder.emplace(ply, textures_folder);
+    TextureFile file = finder->find(name);
+    images.push_back({ply, name, std::move(file.path), std::move(file.problem), false, 0, {}});
     if (images.back().problem.empty()) examine(images.back(), memory_bytes);
   }
-  checkTiles(ply, images);
+  if (!images.empty()) checkTiles(images.front().ply, images);
   return images;
 }
 

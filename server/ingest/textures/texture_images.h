@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/ingest/soup/input_images.h"
 #include "server/ingest/textures/image_decoder.h"
 
 namespace lode::ingest {
@@ -17,6 +18,7 @@ constexpr const char* kNoTextureFile =
 
 /// An image that a model names, and its header.
 struct TextureImage {
+  std::filesystem::path ply;   ///< PLY file that names the image
   std::string name;            ///< name as written in the PLY file
   std::filesystem::path path;  ///< path of the image; empty if no file was found
   /// Reason why the image cannot be used, with the remedy; empty if the image can be used.
@@ -33,9 +35,8 @@ struct TextureImage {
 /// @param textures_folder  folder of --textures; empty: none.
 /// @param memory_bytes  limit per image (MemoryPlan::image_bytes). An image that needs more gets a `problem`.
 /// @throws Error kInput if the number of images or of their tiles exceeds a store's limit. Thread safe.
-std::vector<TextureImage> surveyTextures(const std::filesystem::path& ply,
-                                         const std::filesystem::path& textures_folder,
-                                         std::span<const std::string> names, uint64_t memory_bytes);
+std::vector<TextureImage> surveyTextures(std::span<const NamedImage> names,
+                                         const std::filesystem::path& textures_folder, uint64_t memory_bytes);
 
 /// Reads the bytes of an image file. @throws Error kInput if the file cannot be read, kLimit if the file is
 /// larger than `memory_bytes`. The message begins with the problem. Thread safe.

@@ -58,7 +58,7 @@ class Stager {
 
   StagedTextures::Texture stage(const TextureImage& image) {
     StagedTextures::Texture staged{presentable(image.name), 0, 0, {}};
-    const std::string words = textureInWords(options_.input, image.name);
+    const std::string words = textureInWords(image.ply, image.name);
     std::string problem = image.problem;
     threads_ = encoderThreads(options_.memory_bytes, image.memoryBytes(), options_.threads);
     if (problem.empty()) {

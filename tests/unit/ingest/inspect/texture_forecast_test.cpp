@@ -19,7 +19,7 @@ constexpr uint64_t kMemoryBytes = 1ull << 30;
 class ForecastTextures : public testing::Test {
  protected:
   std::vector<TextureImage> surveyed(const std::vector<std::string>& names) const {
-    return surveyTextures(folder_ / "a.ply", {}, names, kMemoryBytes);
+    return surveyTextures(imagesOf(folder_ / "a.ply", names), {}, kMemoryBytes);
   }
 
   /// Bytes that a build writes in the stage "textures".
@@ -64,7 +64,7 @@ TEST_F(ForecastTextures, countsEachImageInBytesAndTheLargestInMemory) {
 TEST_F(ForecastTextures, countsNothingForImagesThatAreLeftOut) {
   writeBytes(folder_ / "a.png", pngOf(makePhoto(100, 100)));
   const std::vector<TextureImage> images =
-      surveyTextures(folder_ / "a.ply", {}, std::vector<std::string>{"a.png", "gone.png"}, 1000);
+      surveyTextures(imagesOf(folder_ / "a.ply", std::vector<std::string>{"a.png", "gone.png"}), {}, 1000);
   const TextureForecast forecast = forecastTextures(images, kMemoryBytes, 1);
   EXPECT_EQ(forecast.tile_bytes, 0u);
   EXPECT_EQ(forecast.memory_bytes, 0u);

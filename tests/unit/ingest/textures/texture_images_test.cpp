@@ -24,7 +24,7 @@ class TextureImages : public testing::Test {
 
   std::vector<TextureImage> surveyed(const std::vector<std::string>& names,
                                      uint64_t memory_bytes = kAmple) const {
-    return surveyTextures(models_ / "a.ply", {}, names, memory_bytes);
+    return surveyTextures(imagesOf(models_ / "a.ply", names), {}, memory_bytes);
   }
 
   test::WorkFolder folder_;
