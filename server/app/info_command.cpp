@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <memory>
+#include <vector>
 
 #include "common/byte_size.h"
 #include "server/app/command.h"
@@ -20,6 +22,32 @@ uint64_t countLods(const store::Reader& reader) {
   uint64_t lods = 0;
   for (const Node& node : reader.nodes()) lods += node.lods.size();
   return lods;
+}
+
+/// The largest input of the nodes of one depth: the triangles of their children from which LODs are made.
+struct LargestInput {
+  uint32_t depth = 0, nodes = 0;
+  uint64_t triangles = 0;
+};
+
+/// Depths whose inputs describe() prints. Inputs grow towards the root, because nodes lock their borders.
+constexpr int kDepthsNearRoot = 3;
+
+std::vector<LargestInput> inputsNearRoot(const store::Reader& reader) {
+  std::vector<LargestInput> inputs;
+  for (const Node& node : reader.nodes()) {
+    const auto depth = static_cast<uint32_t>(node.key.depth());
+    if (depth >= kDepthsNearRoot) break;  // nodes are in key order
+    if (node.isLeaf()) continue;
+    uint64_t triangles = 0;
+    for (unsigned octant = 0; octant < 8; ++octant)
+      if (node.child_mask >> octant & 1)
+        triangles += reader.find(node.key.child(octant))->sourceLod().triangles;
+    if (inputs.empty() || inputs.back().depth != depth) inputs.push_back({.depth = depth});
+    ++inputs.back().nodes;
+    inputs.back().triangles = std::max(inputs.back().triangles, triangles);
+  }
+  return inputs;
 }
 
 uint64_t bytesOf(const Texture& texture) {
@@ -64,6 +92,13 @@ std::string describe(const store::Reader& reader, uint64_t lods) {
   line("step", json["step"].dump());
   line("attributes", attributes.empty() ? "none" : attributes);
   line("max error", json["max_error"].dump());
+  for (const LargestInput& input : inputsNearRoot(reader)) {
+    char budgets[32];
+    std::snprintf(budgets, sizeof budgets, "%.1f",
+                  static_cast<double>(input.triangles) / summary.triangles_per_node);
+    line("input of depth", std::to_string(input.depth) + ": at most " + std::to_string(input.triangles) +
+                               " triangles a node, " + budgets + " times its capacity");
+  }
   for (const Texture& texture : reader.textures().textures) line("texture", describe(texture));
   return text;
 }
@@ -114,6 +149,10 @@ void runInfo(const InfoArguments& arguments) {
   if (!arguments.json) return printText(describe(reader, lods));
   Json json = toJson(reader.summary());
   json["lods"] = lods;
+  json["largest_inputs"] = Json::array();
+  for (const LargestInput& input : inputsNearRoot(reader))
+    json["largest_inputs"].push_back(
+        {{"depth", input.depth}, {"nodes", input.nodes}, {"triangles", input.triangles}});
   json["textures"] = Json::array();
   for (const Texture& texture : reader.textures().textures)
     json["textures"].push_back(textureAsJson(texture));

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cstring>
 #include <optional>
+#include <string>
+
+#include "common/error.h"
+#include "common/limits.h"
 
 namespace lode::ingest {
 namespace {
@@ -10,6 +14,15 @@ namespace {
 constexpr uint64_t kFansPerReport = 1 << 16;
 
 }  // namespace
+
+void refuseTooManyLocked(const std::array<uint64_t, 8>& locked, const std::filesystem::path& input) {
+  const uint64_t most = *std::ranges::max_element(locked);
+  if (most <= kMaxLodTriangles) return;
+  throw Error(ErrorCode::kLimit, input.string() + ": a node below the root would lock " +
+                                     std::to_string(most) + " vertices, and an LOD has at most " +
+                                     std::to_string(kMaxLodTriangles) +
+                                     " triangles; build several stores and show them as a scene");
+}
 
 BorderTable::BorderTable(const TemporaryFolder& folder, uint64_t memory_bytes)
     : by_position_(std::make_unique<RecordSorter>(sizeof(ListedFan), memory_bytes / 2,

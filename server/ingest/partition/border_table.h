@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
@@ -31,6 +32,11 @@ struct BorderVertex {
 
 /// Returns the entries at a position, one per fan. @param border  entries sorted by position.
 std::span<const BorderVertex> sharedAt(std::span<const BorderVertex> border, PositionCode position) noexcept;
+
+/// Refuses a model whose nodes near the root would lock more vertices than an LOD of a store can have
+/// triangles, before hours of simplification.
+/// @param locked  see BorderTable::lockedBelowRoot(). @throws Error kLimit.
+void refuseTooManyLocked(const std::array<uint64_t, 8>& locked, const std::filesystem::path& input);
 
 /// Finds the vertices that several leaves share. Collects the border vertices of all leaves and joins
 /// vertices at the same position. Returns the shared vertices of each leaf, with lock depths and common

@@ -303,6 +303,7 @@ Stage::Work PartitionStage::run() {
                                         .threads = plan.threads,
                                         .folder = session_.files(),
                                         .progress = session_.progress()}));
+  refuseTooManyLocked(partition_->border.lockedBelowRoot(), options.input);
   return {partition_->triangles, partition_->meshes.size() + partition_->border.temporaryBytes()};
 }
 

@@ -66,6 +66,8 @@ TEST_F(ServerCommands, printTheJsonThatScriptsRelyOn) {
   expectKeys(info["box"], {"min", "max"});
   EXPECT_EQ(info["attributes"], (Json{"normal", "color"}));
   EXPECT_EQ(info["triangles"], built["triangles"]);
+  EXPECT_EQ(info["largest_inputs"][0]["nodes"], 1);
+  EXPECT_GT(info["largest_inputs"][0]["triangles"], 0);
 
   const Json cut = Json::parse(run("export a.lode --triangles 3000 -o cut.ply --json").out);
   expectKeys(cut, {"triangles", "nodes", "bytes", "max_error"});

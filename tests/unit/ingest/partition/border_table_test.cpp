@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "common/codec/surface_normals.h"
+#include "common/error.h"
+#include "common/limits.h"
 #include "server/ingest/partition/leaf_mesh.h"
 
 namespace lode::ingest {
@@ -64,6 +66,14 @@ TEST(BorderTable, countsLockedVerticesOnceInEachChildOfTheRoot) {
   table.save(saved);
   RecordReader reader(saved.bytes());
   EXPECT_EQ(BorderTable(folder, reader).lockedBelowRoot(), expected);
+}
+
+TEST(BorderTable, refusesMoreLockedVerticesThanAnLodCanHaveTriangles) {
+  std::array<uint64_t, 8> locked{};
+  locked[5] = kMaxLodTriangles;
+  EXPECT_NO_THROW(refuseTooManyLocked(locked, "a.ply"));
+  ++locked[5];
+  EXPECT_THROW(refuseTooManyLocked(locked, "a.ply"), Error);
 }
 
 TEST(BorderTable, leavesVerticesThatOnlyOneLeafListsUnlocked) {
