@@ -1,11 +1,14 @@
 #include <array>
 #include <charconv>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "common/byte_size.h"
 #include "common/command_line.h"
 #include "common/printable.h"
 #include "server/app/command.h"
+#include "server/app/input_list.h"
 #include "server/app/json_output.h"
 #include "server/ingest/inspect/doctor.h"
 
@@ -14,6 +17,7 @@ namespace {
 
 struct DoctorArguments {
   ingest::DoctorOptions options;
+  std::vector<std::string> inputs;  ///< words that name the input; see listInputs()
   bool json = false;
 };
 
@@ -170,7 +174,47 @@ std::string describe(const ingest::DoctorReport& report) {
   return sheet.text();
 }
 
-void runDoctor(const DoctorArguments& arguments) {
+/// Returns "A.ply, B.ply: 61 places of their borders meet".
+std::string describe(const ingest::BorderGap& gap, std::span<const std::filesystem::path> inputs) {
+  const std::string names = inputs[gap.first].string() + ", " + inputs[gap.second].string() + ": ";
+  const std::string places = counted(gap.places, "place") + " of their borders";
+  if (gap.apart == 0) return names + places + " meet";
+  return names + std::to_string(gap.apart) + " of " + places + " lie apart, by up to " +
+         describe(gap.farthest_model);
+}
+
+/// Examines several files of one model, and compares their borders.
+void examineAll(const DoctorArguments& arguments, std::span<const std::filesystem::path> inputs) {
+  std::vector<ingest::OpenBorder> borders;
+  Json json{{"files", Json::array()}, {"borders", Json::array()}};
+  std::string fatal;
+  for (const std::filesystem::path& input : inputs) {
+    ingest::DoctorOptions options = arguments.options;
+    options.input = input;
+    ingest::DoctorReport report = ingest::examine(options);
+    if (arguments.json)
+      json["files"].push_back(describeAsJson(report));
+    else
+      printText(input.string() + "\n" + describe(report) + "\n");
+    for (const auto& problem : report.problems)
+      if (problem.is_fatal && fatal.empty()) fatal = problem.text;
+    borders.push_back(report.topology ? std::move(report.topology->border) : ingest::OpenBorder());
+  }
+  for (const ingest::BorderGap& gap : ingest::compareBorders(borders)) {
+    if (!arguments.json) printText(describe(gap, inputs) + "\n");
+    json["borders"].push_back({{"files", {inputs[gap.first].string(), inputs[gap.second].string()}},
+                               {"places", gap.places},
+                               {"apart", gap.apart},
+                               {"farthest", gap.farthest_model}});
+  }
+  if (arguments.json) printJson(json);
+  if (!fatal.empty()) throw Error(ErrorCode::kInput, fatal);
+}
+
+void runDoctor(DoctorArguments& arguments) {
+  const std::vector<std::filesystem::path> inputs = listInputs(arguments.inputs);
+  if (inputs.size() > 1) return examineAll(arguments, inputs);
+  arguments.options.input = inputs.front();
   const ingest::DoctorReport report = ingest::examine(arguments.options);
   if (arguments.json)
     printJson(describeAsJson(report));
@@ -188,7 +232,11 @@ void addDoctorCommand(CLI::App& program) {
   ingest::DoctorOptions& options = arguments->options;
   CLI::App* command =
       addCommand(program, "doctor", "Describe a PLY file, its problems and the cost of a build");
-  command->add_option("input", options.input, "the PLY file")->required()->type_name("IN.ply");
+  command
+      ->add_option("input", arguments->inputs,
+                   "the PLY file; or several files, a folder or @LIST, to compare their borders too")
+      ->required()
+      ->type_name("IN.ply");
   addByteSize(*command, "--memory", options.memory_bytes,
               "approximate memory for counting edges and pieces, and memory limit of the forecast build, "
               "such as 512MB (default: half of the memory that the process may use)");

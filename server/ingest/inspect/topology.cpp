@@ -1,6 +1,7 @@
 #include "server/ingest/inspect/topology.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/codec/octahedral.h"
 #include "server/ingest/soup/lattice_choice.h"
@@ -131,8 +132,10 @@ void TopologyCounter::addEdges() {
 void TopologyCounter::countEdges() {
   edges_.finish();
   uint64_t key = 0, uses = 0, forward = 0;
+  std::vector<uint32_t> ends;  // vertices of open edges
   const auto countOne = [&] {
-    topology_.open_edges += uses == 1;
+    if (uses == 1 && topology_.open_edges++ < kMaxBorderEdges)
+      ends.insert(ends.end(), {static_cast<uint32_t>(key >> 32), static_cast<uint32_t>(key)});
     topology_.non_manifold_edges += uses > 2;
     topology_.misoriented_edges += uses == 2 && forward != 1;
     uses = forward = 0;
@@ -144,6 +147,18 @@ void TopologyCounter::countEdges() {
     forward += static_cast<uint8_t>(use->bytes[0]);
   }
   countOne();
+  placeBorder(std::move(ends));
+}
+
+/// Reads the positions of the ends of open edges. @param ends  two vertices for each edge.
+void TopologyCounter::placeBorder(std::vector<uint32_t> ends) {
+  OpenBorder& border = topology_.border;
+  for (size_t i = 0; i < ends.size(); i += 2)
+    border.edge_model += glm::distance(input_.positionOf(ends[i]), input_.positionOf(ends[i + 1]));
+  if (!ends.empty()) border.edge_model /= static_cast<double>(ends.size()) / 2;
+  std::sort(ends.begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  for (const uint32_t end : ends) border.places.push_back(input_.positionOf(end));
 }
 
 }  // namespace lode::ingest

@@ -10,6 +10,7 @@
 
 #include "server/ingest/disk/record_sorter.h"
 #include "server/ingest/disk/temporary_folder.h"
+#include "server/ingest/inspect/border_gaps.h"
 #include "server/ingest/inspect/piece_counter.h"
 #include "server/ingest/inspect/same_places.h"
 #include "server/ingest/soup/face_batch.h"
@@ -17,6 +18,8 @@
 #include "server/ingest/soup/packed_input.h"
 
 namespace lode::ingest {
+
+constexpr uint64_t kMaxBorderEdges = 1 << 20;  ///< largest number of open edges whose places are kept
 
 /// Topology of a file's faces. As in a build, vertices at exactly the same position count as one vertex,
 /// except in the numbers of duplicate and unused vertices.
@@ -36,6 +39,7 @@ struct Topology {
   uint64_t lost_triangles = 0;
   double lattice_step = 0;  ///< step of the lattice that a build chooses; 0 if there is no suitable lattice
   std::string_view lattice_problem;  ///< reason why there is no suitable lattice, and a remedy
+  OpenBorder border;                 ///< the first kMaxBorderEdges open edges
   /// Box of the vertices that faces use; zero if there are none.
   glm::dvec3 used_min{0}, used_max{0};
 };
@@ -71,6 +75,7 @@ class TopologyCounter {
   bool isOpposed() const;
   void addEdges();
   void countEdges();
+  void placeBorder(std::vector<uint32_t> ends);
 
   const TemporaryFolder& folder_;
   const bool has_normals_;

@@ -182,11 +182,12 @@ std::string BuildIdentity::difference(const BuildIdentity& now, const std::strin
   if (inputs.size() != now.inputs.size()) return begun + std::to_string(inputs.size()) + " inputs" + same;
   for (size_t i = 0; i < inputs.size(); ++i) {
     const FileFingerprint &then = inputs[i], &today = now.inputs[i];
-    if (then.path != today.path) return begun + "the input " + then.path + same;
-    if (today.bytes == 0) return "the input " + then.path + " cannot be read; restore it";
+    const std::string the_input = "the input " + then.path;
+    if (then.path != today.path) return begun + the_input + same;
+    if (today.bytes == 0) return the_input + " cannot be read; restore it";
     if (then != today)
-      return (inputs.size() > 1 ? "the input " + then.path : std::string("the input")) +
-             " has changed since it began; " + anew;
+      return (inputs.size() > 1 ? the_input : std::string("the input")) + " has changed since it began; " +
+             anew;
   }
   if (std::string texture = textureDifference(now, anew); !texture.empty()) return texture;
   if (lattice_of.path != now.lattice_of.path)

@@ -10,7 +10,7 @@
 #include "common/node_key.h"
 #include "server/ingest/nodes/treelet_plan.h"
 
-namespace lode::ingest::test {
+namespace lode::test {
 
 inline Digest digest(std::string_view text) { return digestOf(std::as_bytes(std::span(text))); }
 
@@ -20,7 +20,7 @@ struct LeavesOfTree {
   explicit LeavesOfTree(int depth) { add(kRootKey, depth); }
 
   std::vector<NodeKey> keys;
-  std::vector<LeafOfTreelet> marks;
+  std::vector<ingest::LeafOfTreelet> marks;
 
  private:
   void add(NodeKey key, int depth) {
@@ -33,4 +33,4 @@ struct LeavesOfTree {
   }
 };
 
-}  // namespace lode::ingest::test
+}  // namespace lode::test

@@ -25,7 +25,7 @@ namespace {
 
 using test::readBytes;
 
-constexpr uint32_t kRed = 0xc01010ff, kBlue = 0x1010c0ff;
+constexpr uint32_t kRedFace = 0xc01010ff, kBlueFace = 0x1010c0ff;
 
 uint32_t codeOf(const VertexAttributes& attributes) {
   const glm::u8vec4 c = attributes.colour;
@@ -107,19 +107,19 @@ class FaceColours : public testing::Test {
 };
 
 TEST_F(FaceColours, keepTheirBordersHardInAllLods) {
-  const auto store = builtGrid([](int x, int) { return x < kSide / 2 ? kRed : kBlue; });
+  const auto store = builtGrid([](int x, int) { return x < kSide / 2 ? kRedFace : kBlueFace; });
   const store::Reader reader(store);
   EXPECT_TRUE(reader.summary().attributes.has(AttributeSet::kColour | AttributeSet::kAlpha));
-  EXPECT_EQ(coloursOf(reader), (std::set<uint32_t>{kRed, kBlue}));
+  EXPECT_EQ(coloursOf(reader), (std::set<uint32_t>{kRedFace, kBlueFace}));
   expectSound(store);
   const uint64_t coarsest = trianglesAtTheRoot(reader);
   EXPECT_LE(coarsest, trianglesAtTheRoot(store::Reader(builtGrid({}))) * 5 / 4);
 }
 
 TEST_F(FaceColours, keepIslandsOfAColour) {
-  const auto store = builtGrid([](int x, int y) { return (x / 8 + y / 8) % 2 == 0 ? kRed : kBlue; });
+  const auto store = builtGrid([](int x, int y) { return (x / 8 + y / 8) % 2 == 0 ? kRedFace : kBlueFace; });
   const store::Reader reader(store);
-  EXPECT_EQ(coloursOf(reader), (std::set<uint32_t>{kRed, kBlue}));
+  EXPECT_EQ(coloursOf(reader), (std::set<uint32_t>{kRedFace, kBlueFace}));
   expectSound(store);
 }
 
@@ -132,9 +132,9 @@ TEST_F(FaceColours, addNoSeamsIfAllEqual) {
     return vertices;
   };
   const uint64_t grey = verticesOf(store::Reader(builtGrid({})));
-  const store::Reader reader(builtGrid([](int, int) { return kRed; }));
+  const store::Reader reader(builtGrid([](int, int) { return kRedFace; }));
   EXPECT_EQ(verticesOf(reader), grey);
-  EXPECT_EQ(coloursOf(reader), std::set<uint32_t>{kRed});
+  EXPECT_EQ(coloursOf(reader), std::set<uint32_t>{kRedFace});
 }
 
 TEST_F(FaceColours, giveASoundStoreIfEveryFaceDiffers) {
@@ -157,7 +157,7 @@ TEST_F(FaceColours, giveTheSameBytesForAnyNumberOfThreadsAndAnyMemory) {
 
 TEST_F(FaceColours, surviveAnInterruptionInEachStage) {
   BuildOptions options;
-  options.input = writeGrid([](int x, int y) { return x < y ? kRed : kBlue; });
+  options.input = writeGrid([](int x, int y) { return x < y ? kRedFace : kBlueFace; });
   options.output = folder_ / "a.lode";
   options.triangles_per_node = 256;
   build(options);
