@@ -22,6 +22,11 @@
 namespace lode::store {
 namespace {
 
+/// Largest number of bytes of neighbouring blobs that one read fetches while a store is opened.
+/// Bounds the memory that opening needs beside the index itself.
+constexpr size_t kMaxRunBytes = 4u << 20;
+static_assert(kMaxRunBytes >= kMaxPageBytes);
+
 [[noreturn]] void failReading(const std::string& what) { throw Error(ErrorCode::kFormat, what); }
 
 /// An open file; closed on destruction.
@@ -66,15 +71,31 @@ class File {
 struct Reader::State {
   explicit State(const std::filesystem::path& file_path) : path(file_path), file(file_path) {}
 
+  /// First bytes of the file; `bytes` has zeros after the end of a shorter file.
+  struct Head {
+    std::array<std::byte, kForeignHeadBytes> bytes{};
+    size_t size = 0;
+  };
+  struct PageRef {
+    NodeKey owner;
+    uint32_t blob = 0;
+  };
+
   void open();
-  void refuseForeignFile(uint64_t file_bytes) const;
+  Head readHead(uint64_t file_bytes) const;
+  void refuseForeignFile(const Head& head, uint64_t file_bytes) const;
   void readIndex();
   void readHierarchy();
+  void addPage(const PageRef& ref, std::span<const std::byte> bytes, std::vector<PageRef>& below);
+  void checkPageRef(const PageRef& ref, std::vector<bool>& seen) const;
   void readTextures();
   void checkSummary(const HierarchyTotals& totals) const;
   void checkRefs() const;
   void resolve(const BlobRef& ref, const std::string& user) const;
+  void checkBlob(uint32_t number, std::span<const std::byte> bytes) const;
   std::vector<std::byte> readBlob(uint32_t number) const;
+  template <typename Action>
+  void readPages(std::span<const PageRef> pages, Action&& action) const;
 
   std::filesystem::path path;
   File file;
@@ -110,28 +131,32 @@ void Reader::State::open() {
   checkRefs();
 }
 
+Reader::State::Head Reader::State::readHead(uint64_t file_bytes) const {
+  Head head;
+  head.size = std::min<uint64_t>(file_bytes, head.bytes.size());
+  file.readAt(0, std::span(head.bytes).first(head.size));
+  return head;
+}
+
 /// Refuses files of other formats, and stores that are too short for a header. @throws Error kInput, kFormat.
-void Reader::State::refuseForeignFile(uint64_t file_bytes) const {
-  std::array<std::byte, kForeignHeadBytes> bytes{};
-  const auto start = std::span(bytes).first(std::min<uint64_t>(file_bytes, bytes.size()));
-  file.readAt(0, start);
-  const std::string_view head(reinterpret_cast<const char*>(start.data()), start.size());
-  if (const auto foreign = foreignFileInWords(path, head)) throw Error(ErrorCode::kInput, *foreign);
-  if (file_bytes < kHeaderBytes + kFooterBytes && beginsAsStore(start))
+void Reader::State::refuseForeignFile(const Head& head, uint64_t file_bytes) const {
+  const std::string_view text(reinterpret_cast<const char*>(head.bytes.data()), head.size);
+  if (const auto foreign = foreignFileInWords(path, text)) throw Error(ErrorCode::kInput, *foreign);
+  if (file_bytes < kHeaderBytes + kFooterBytes && beginsAsStore(std::span(head.bytes).first(head.size)))
     failReading("truncated: it has only " + std::to_string(file_bytes) + " bytes");
 }
 
+/// Reads the header with the first read, and the blob table with the footer behind it with the second.
 void Reader::State::readIndex() {
   const uint64_t file_bytes = file.size();
-  refuseForeignFile(file_bytes);
-  std::array<std::byte, kHeaderBytes> header_bytes{};
-  file.readAt(0, std::span(header_bytes).first(std::min<uint64_t>(file_bytes, kHeaderBytes)));
+  const Head head = readHead(file_bytes);
+  refuseForeignFile(head, file_bytes);
+  const auto header_bytes = std::span(head.bytes).first<kHeaderBytes>();
   const FileHeader header = decodeHeader(header_bytes, file_bytes);
-  std::array<std::byte, kFooterBytes> footer{};
-  file.readAt(file_bytes - kFooterBytes, footer);
-  checkFooter(footer, header_bytes);
-  std::vector<std::byte> table(size_t{header.blobs} * kTableEntryBytes);
-  file.readAt(header.table_offset, table);
+  std::vector<std::byte> tail(file_bytes - header.table_offset);
+  file.readAt(header.table_offset, tail);
+  checkFooter(std::span(tail).last<kFooterBytes>(), header_bytes);
+  const auto table = std::span<const std::byte>(tail).first(size_t{header.blobs} * kTableEntryBytes);
   uint64_t offset = kHeaderBytes;
   for (const TableEntry& entry : decodeTable(table, header)) {
     blobs.push_back({offset, entry.bytes, entry.checksum, entry.digest});
@@ -148,40 +173,72 @@ void Reader::State::readIndex() {
   summary.textures = {summary.textures.number, textures_blob.bytes, textures_blob.digest};
 }
 
-/// Reads all pages from the root down. Terminates for any file, because a second reference to a page is an
-/// error.
+/// Reads all pages, one level of pages after the other from the root down. Terminates for any file, because a
+/// second reference to a page is an error.
 void Reader::State::readHierarchy() {
-  struct Todo {
-    NodeKey owner;
-    uint32_t blob;
-  };
-  std::vector<Todo> todo{{kRootKey, summary.root_page.number}};
   std::vector<bool> seen(blobs.size());
-  while (!todo.empty()) {
-    const Todo next = todo.back();
-    todo.pop_back();
-    if (seen[next.blob - 1])
-      failReading("blob " + std::to_string(next.blob) + ": two nodes refer to this page");
-    seen[next.blob - 1] = true;
-    if (blobs[next.blob - 1].bytes > kMaxPageBytes)
-      throw Error(ErrorCode::kLimit, "blob " + std::to_string(next.blob) +
-                                         ": a page larger than the limit of " +
-                                         std::to_string(kMaxPageBytes) + " bytes");
-    HierarchyPage page = decodePage(readBlob(next.blob), next.owner, next.owner == kRootKey);
-    for (Node& node : page.nodes) {
-      if (pageOwner(node.key) != next.owner)
-        failReading("node " + describeKey(node.key) + ": is in the wrong page");
-      if (ownsPage(node) != static_cast<bool>(node.child_page))
-        failReading("node " + describeKey(node.key) + ": has an unnecessary page, or its page is missing");
-      if (node.child_page) {
-        resolve(node.child_page, "node " + describeKey(node.key));
-        todo.push_back({node.key, node.child_page.number});
-      }
-      nodes.push_back(std::move(node));
-    }
-    if (nodes.size() > summary.nodes) failReading("the pages hold more nodes than the header says");
+  std::vector<PageRef> level{{kRootKey, summary.root_page.number}};
+  while (!level.empty()) {
+    for (const PageRef& page : level) checkPageRef(page, seen);
+    std::ranges::sort(level, {}, &PageRef::blob);
+    std::vector<PageRef> below;
+    readPages(level,
+              [&](const PageRef& page, std::span<const std::byte> bytes) { addPage(page, bytes, below); });
+    level = std::move(below);
   }
   std::sort(nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.key < b.key; });
+}
+
+void Reader::State::checkPageRef(const PageRef& ref, std::vector<bool>& seen) const {
+  if (seen[ref.blob - 1]) failReading("blob " + std::to_string(ref.blob) + ": two nodes refer to this page");
+  seen[ref.blob - 1] = true;
+  if (blobs[ref.blob - 1].bytes > kMaxPageBytes)
+    throw Error(ErrorCode::kLimit, "blob " + std::to_string(ref.blob) + ": a page larger than the limit of " +
+                                       std::to_string(kMaxPageBytes) + " bytes");
+}
+
+/// Adds the nodes of a page. @param below  receives the pages to which the nodes refer.
+void Reader::State::addPage(const PageRef& ref, std::span<const std::byte> bytes,
+                            std::vector<PageRef>& below) {
+  HierarchyPage page = decodePage(bytes, ref.owner, ref.owner == kRootKey);
+  for (Node& node : page.nodes) {
+    if (pageOwner(node.key) != ref.owner)
+      failReading("node " + describeKey(node.key) + ": is in the wrong page");
+    if (ownsPage(node) != static_cast<bool>(node.child_page))
+      failReading("node " + describeKey(node.key) + ": has an unnecessary page, or its page is missing");
+    if (node.child_page) {
+      resolve(node.child_page, "node " + describeKey(node.key));
+      below.push_back({node.key, node.child_page.number});
+    }
+    nodes.push_back(std::move(node));
+  }
+  if (nodes.size() > summary.nodes) failReading("the pages hold more nodes than the header says");
+}
+
+/// Reads pages and calls `action` with the bytes of each. Reads neighbouring blobs together, because on
+/// network storage a read costs a round trip.
+/// @param pages  pages in the order of their blobs, each at most kMaxPageBytes.
+template <typename Action>
+void Reader::State::readPages(std::span<const PageRef> pages, Action&& action) const {
+  std::vector<std::byte> run;
+  for (size_t begin = 0, end = 0; begin < pages.size(); begin = end) {
+    const BlobEntry& first = blobs[pages[begin].blob - 1];
+    size_t run_bytes = 0;
+    for (; end < pages.size(); ++end) {
+      const BlobEntry& next = blobs[pages[end].blob - 1];
+      if (next.offset != first.offset + run_bytes || run_bytes + next.bytes > kMaxRunBytes) break;
+      run_bytes += next.bytes;
+    }
+    run.resize(run_bytes);
+    file.readAt(first.offset, run);
+    auto rest = std::span<const std::byte>(run);
+    for (const PageRef& page : pages.subspan(begin, end - begin)) {
+      const auto bytes = rest.first(blobs[page.blob - 1].bytes);
+      checkBlob(page.blob, bytes);
+      action(page, bytes);
+      rest = rest.subspan(bytes.size());
+    }
+  }
 }
 
 void Reader::State::readTextures() {
@@ -240,13 +297,18 @@ void Reader::State::resolve(const BlobRef& ref, const std::string& user) const {
                 " does not match the blob table");
 }
 
+void Reader::State::checkBlob(uint32_t number, std::span<const std::byte> bytes) const {
+  const BlobEntry& entry = blobs[number - 1];
+  if (checksum(bytes) != entry.checksum)
+    failReading("blob " + std::to_string(number) + " at byte " + std::to_string(entry.offset) +
+                ": the checksum does not match");
+}
+
 std::vector<std::byte> Reader::State::readBlob(uint32_t number) const {
   const BlobEntry& entry = blobs[number - 1];
   std::vector<std::byte> bytes(entry.bytes);
   file.readAt(entry.offset, bytes);
-  if (checksum(bytes) != entry.checksum)
-    failReading("blob " + std::to_string(number) + " at byte " + std::to_string(entry.offset) +
-                ": the checksum does not match");
+  checkBlob(number, bytes);
   return bytes;
 }
 

@@ -1,5 +1,7 @@
 // Stores with valid checksums but invalid content, as an attacker can write them.
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -105,6 +107,38 @@ TEST_F(HostileIndex, isAcceptedUnchanged) {
   EXPECT_EQ(openWithRootPage([](HierarchyPage&) {}), "");
 }
 
+TEST_F(HostileIndex, pagesAreAcceptedInAnyOrder) {
+  constexpr std::array<uint32_t, 9> kOrder{8, 7, 6, 5, 0, 4, 3, 2, 1};  // 0: the root's page
+  const std::string message = open([&](Parts& parts) {
+    const uint32_t root = parts.header.summary.root_page.number;
+    ASSERT_EQ(parts.header.blobs, root + 8) << "the root's page and eight more come last";
+    size_t pages_at = 0;
+    for (uint32_t i = 0; i + 1 < root; ++i) pages_at += parts.table[i].bytes;
+    std::vector<std::vector<std::byte>> pages;
+    size_t at = pages_at;
+    for (uint32_t i = root - 1; i < parts.header.blobs; at += parts.table[i++].bytes)
+      pages.emplace_back(&parts.blobs[at], &parts.blobs[at] + parts.table[i].bytes);
+    const auto numberOf = [&](uint32_t page) {
+      return root + static_cast<uint32_t>(std::find(kOrder.begin(), kOrder.end(), page) - kOrder.begin());
+    };
+    HierarchyPage root_page = decodePage(pages[0], kRootKey, true);
+    for (Node& node : root_page.nodes)
+      if (node.child_page) node.child_page.number = numberOf(node.child_page.number - root);
+    pages[0] = encodePage(root_page);
+    parts.blobs.resize(pages_at);
+    for (size_t i = 0; i < kOrder.size(); ++i) {
+      const std::vector<std::byte>& page = pages[kOrder[i]];
+      parts.blobs.insert(parts.blobs.end(), page.begin(), page.end());
+      parts.table[root - 1 + i] = {static_cast<uint32_t>(page.size()), checksum(page), digestOf(page)};
+    }
+    parts.header.summary.root_page.number = numberOf(0);
+    const uint64_t behind = parts.header.summary.bytes - parts.header.table_offset;
+    parts.header.table_offset = kHeaderBytes + parts.blobs.size();
+    parts.header.summary.bytes = parts.header.table_offset + behind;
+  });
+  EXPECT_EQ(message, "");
+}
+
 TEST_F(HostileIndex, stepsMustHaveThreeBitsAndBeInRange) {
   for (const double step :
        {0.0, -1.0, 9.0, 0.3, std::nan(""), std::numeric_limits<double>::infinity(), 0x1p-101, 0x1p61})
@@ -196,7 +230,7 @@ TEST_F(HostileIndex, payloadsThatAreNotInTheBlobTableAreRefused) {
 }
 
 TEST_F(HostileIndex, pagesThatTwoNodesNameAreRefused) {
-  const auto twice = [](HierarchyPage& page) {  // the last node's page is read first
+  const auto twice = [](HierarchyPage& page) {
     BlobRef last;
     for (const Node& node : page.nodes)
       if (node.child_page) last = node.child_page;
