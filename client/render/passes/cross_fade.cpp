@@ -182,8 +182,9 @@ void CrossFade::endFadesInSight(const core::ViewFrustum& frustum, double now_s) 
   endFadesAt(seen);
 }
 
-/// Fills items_. The dither range of a part ends at the progress of its own fade. The range of a leaving part
-/// begins at the progress of its replacements; other ranges begin at 0.
+/// Fills items_. Each part is drawn for a range of dither values. The range ends at the fraction to which the
+/// part has faded in. For a part that is being replaced, the range begins at the fraction to which its
+/// replacements have faded in; for other parts, it begins at 0.
 void CrossFade::list(double now_s) {
   items_.clear();
   items_.reserve(live_.size() + leaving_.size());

@@ -57,8 +57,9 @@ struct BuiltNode {
   NodeMesh coarsest;                ///< mesh of the coarsest LOD except far LODs; part of the parent's input
   uint64_t original_triangles = 0;  ///< number of triangles in the leaves below
   LodError inherited;               ///< largest error of the children's LODs that form this node's input
-  ReferenceBoundaries references;   ///< references whose `near` are positions of `coarsest`
-  /// Samples whose `near` are positions of `coarsest`; empty in a leaf, whose vertices serve as samples.
+  ReferenceBoundaries references;   ///< each one's `near` is a position of `coarsest`
+  /// Samples; each one's `near` is a position of `coarsest`. Empty in a leaf, whose vertices serve as
+  /// samples.
   std::vector<SurfaceSample> samples;
 };
 

@@ -17,7 +17,7 @@ struct PickedPoint {
   glm::dvec3 position_model;  ///< position in the frame of ViewedScene::summary()
   glm::dvec3 position;        ///< position in the coordinates of the model's or the scene's file
   bool is_ground = false;     ///< the point is on the scene's ground, which has no node, LOD or error
-  bool is_on_cut = false;     ///< the point is inside a solid, on a section; it has no node, LOD or error
+  bool is_on_cut = false;     ///< the point lies on a cut face of the section; it has no node, LOD or error
   NodeKey node;
   uint32_t lod = 0;
   float error_px = 0;

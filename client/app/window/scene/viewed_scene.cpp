@@ -75,8 +75,8 @@ ViewedScene::ViewedScene(const CommonOptions& options, MissingModels missing_mod
 
 ViewedScene::~ViewedScene() = default;
 
-/// Begins to open a model's target. Needs no OpenGL. Only a single model is shown by its preview, because the
-/// models of a scene are built one after another.
+/// Begins to open a model's target. Needs no OpenGL. Shows a preview only if the scene has one model, because
+/// several models are built one after another.
 std::unique_ptr<RetryingOpener> ViewedScene::openerOf(size_t number) const {
   const bool shows_previews = missing_models_ == MissingModels::kAllowed && scene_.models.size() == 1;
   return std::make_unique<RetryingOpener>(
