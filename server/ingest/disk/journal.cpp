@@ -82,7 +82,8 @@ Journal Journal::open(const std::filesystem::path& path, const Sink& sink) {
 }
 
 void Journal::read(const std::filesystem::path& path, const Sink& sink) {
-  Journal(path, O_RDONLY).readEntries(sink);
+  Journal journal(path, O_RDONLY);
+  if (journal.fileBytes() > 0) journal.readEntries(sink);  // else it was just created
 }
 
 uint64_t Journal::fileBytes() const {

@@ -45,6 +45,19 @@ class NearestPlace {
   std::unordered_multimap<uint64_t, size_t> cells_;
 };
 
+struct Box {
+  glm::dvec3 min{std::numeric_limits<double>::max()}, max{std::numeric_limits<double>::lowest()};
+
+  void add(glm::dvec3 place) {
+    min = glm::min(min, place);
+    max = glm::max(max, place);
+  }
+  bool isWithin(double reach, const Box& other) const {
+    return glm::all(glm::lessThanEqual(min - reach, other.max)) &&
+           glm::all(glm::lessThanEqual(other.min - reach, max));
+  }
+};
+
 void addPlaces(std::span<const glm::dvec3> places, const NearestPlace& others, BorderGap& gap) {
   for (const glm::dvec3& place : places) {
     const std::optional<double> distance = others.distance(place);
@@ -58,12 +71,15 @@ void addPlaces(std::span<const glm::dvec3> places, const NearestPlace& others, B
 }  // namespace
 
 std::vector<BorderGap> compareBorders(std::span<const OpenBorder> borders) {
+  std::vector<Box> boxes(borders.size());
+  for (size_t i = 0; i < borders.size(); ++i)
+    for (const glm::dvec3& place : borders[i].places) boxes[i].add(place);
   std::vector<BorderGap> gaps;
   for (size_t i = 0; i < borders.size(); ++i)
     for (size_t k = i + 1; k < borders.size(); ++k) {
       const OpenBorder &first = borders[i], &second = borders[k];
       const double reach = std::max(first.edge_model, second.edge_model) / 2;
-      if (!(reach > 0) || first.places.empty() || second.places.empty()) continue;
+      if (!(reach > 0) || !boxes[i].isWithin(reach, boxes[k])) continue;
       BorderGap gap{.first = i, .second = k};
       addPlaces(first.places, NearestPlace(second.places, reach), gap);
       if (gap.places > 0) addPlaces(second.places, NearestPlace(first.places, reach), gap);

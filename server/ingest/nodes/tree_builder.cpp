@@ -133,6 +133,7 @@ class Scheduler {
     for (uint32_t i = 0; i < treelets_.size(); ++i) {
       const Treelet& treelet = treelets_[i];
       if (is_wanted[i]) finished_[i] = folder_.find(treelet.name);
+      if (finished_[i] && finished_[i]->nodes().size() != treelet.nodes) finished_[i].reset();
       if (is_wanted[i] && !finished_[i]) continue;
       if (finished_[i]) tree_.add(*finished_[i]);
       done_ += treelet.nodes;

@@ -29,14 +29,6 @@ struct Footer {
 };
 constexpr size_t kCheckedOfFooter = offsetof(Footer, checksum);
 
-/// Returns the path of an unfinished file. The name differs between processes and machines.
-std::filesystem::path temporaryPathFor(const std::filesystem::path& path) {
-  std::array<char, 65> host{};
-  ::gethostname(host.data(), host.size() - 1);
-  return path.parent_path() /
-         (".new-" + path.filename().string() + "-" + host.data() + "-" + std::to_string(::getpid()));
-}
-
 bool isSound(const Spool& spool, uint64_t end, const Footer& footer) {
   RunningChecksum checksum;
   SpoolCursor cursor(spool, 0, end + kCheckedOfFooter);
@@ -49,6 +41,12 @@ bool isInside(RecordPlace place, uint64_t end) {
 }
 
 }  // namespace
+
+std::string temporaryEnding() {
+  std::array<char, 65> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  return std::string(".new-") + host.data() + "-" + std::to_string(::getpid());
+}
 
 std::optional<TreeletFile> TreeletFile::open(const std::filesystem::path& path) {
   std::error_code error;
@@ -81,7 +79,7 @@ BuiltNode TreeletFile::readRoot() const {
 }
 
 TreeletWriter::TreeletWriter(std::filesystem::path path)
-    : temporary_path_(temporaryPathFor(path)), spool_(TemporaryFile{temporary_path_, false}) {
+    : temporary_path_(path.string() + temporaryEnding()), spool_(TemporaryFile{temporary_path_, false}) {
   file_.path_ = std::move(path);
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/codec/running_checksum.h"
@@ -72,6 +73,9 @@ class TreeletWriter {
   Spool spool_;
   RunningChecksum checksum_;
 };
+
+/// Returns the end of a temporary file's name, which no other process on any machine uses.
+std::string temporaryEnding();
 
 /// Reads records from treelets. Keeps the last file open, because neighbouring nodes often share a treelet.
 /// Not thread safe. @throws Error kIo.

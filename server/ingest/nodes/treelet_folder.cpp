@@ -1,13 +1,17 @@
 #include "server/ingest/nodes/treelet_folder.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include <fcntl.h>
 #include <unistd.h>
 
+#include "common/error.h"
+#include "common/io/file_io.h"
 #include "common/io/own_folder.h"
 
 namespace lode::ingest {
@@ -15,7 +19,13 @@ namespace {
 
 constexpr FolderUse kOwn{"finished parts of the build", "name another output"};
 constexpr FolderUse kShared{"finished parts of builds", "name another folder with --reuse"};
-constexpr size_t kNameLength = 2 * sizeof(Digest);
+constexpr size_t kDigits = 2 * sizeof(Digest);
+constexpr const char* kSharedSubfolder = "treelets";
+
+bool isTreelet(std::string_view file_name) {
+  return file_name.size() == kDigits + kTreeletEnding.size() && file_name.ends_with(kTreeletEnding) &&
+         file_name.find_first_not_of("0123456789abcdef") == kDigits;
+}
 
 /// Gives a file a second name, or copies it if the names lie on different file systems. Another process may
 /// do the same at the same time. @return false on failure.
@@ -24,7 +34,7 @@ bool linkOrCopy(const std::filesystem::path& from, const std::filesystem::path& 
   std::filesystem::create_hard_link(from, to, error);
   if (!error || error == std::errc::file_exists) return true;
   std::filesystem::path copy = to;
-  copy += ".new-" + std::to_string(::getpid());
+  copy += temporaryEnding();
   std::filesystem::copy_file(from, copy, std::filesystem::copy_options::overwrite_existing, error);
   if (!error) std::filesystem::rename(copy, to, error);
   std::error_code ignored;
@@ -34,8 +44,8 @@ bool linkOrCopy(const std::filesystem::path& from, const std::filesystem::path& 
 
 }  // namespace
 
-TreeletFolder::TreeletFolder(std::filesystem::path own, std::filesystem::path shared)
-    : own_(std::move(own)), shared_(std::move(shared)) {
+TreeletFolder::TreeletFolder(std::filesystem::path own, const std::filesystem::path& shared)
+    : own_(std::move(own)), shared_(shared.empty() ? shared : shared / kSharedSubfolder) {
   makeOwnFolder(own_, kOwn);
   if (!shared_.empty()) makeOwnFolders(shared_, kShared);
 }
@@ -59,6 +69,15 @@ bool TreeletFolder::has(const Digest& name) const {
   return std::filesystem::exists(ownPath(name), ignored);
 }
 
+void TreeletFolder::sync() const {
+  const int folder = ::open(own_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const bool is_synced = folder >= 0 && ::syncfs(folder) == 0;
+  const int error = errno;
+  if (folder >= 0) ::close(folder);
+  if (!is_synced)
+    throw Error(ErrorCode::kIo, "cannot sync folder " + own_.string() + ": " + fileErrorInWords(error));
+}
+
 void TreeletFolder::share(const Digest& name) const noexcept {
   if (!shared_.empty()) linkOrCopy(ownPath(name), sharedPath(name));
 }
@@ -72,9 +91,8 @@ void trimSharedTreelets(const std::filesystem::path& shared, uint64_t limit_byte
   std::vector<File> files;
   uint64_t bytes = 0;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(shared, error)) {
-    const std::string name = entry.path().filename().string();
-    if (name.size() < kNameLength || name.find_first_not_of("0123456789abcdef") < kNameLength) continue;
+  for (const auto& entry : std::filesystem::directory_iterator(shared / kSharedSubfolder, error)) {
+    if (!isTreelet(entry.path().filename().string())) continue;
     std::error_code gone;
     const File file{entry.last_write_time(gone), entry.path(), entry.file_size(gone)};
     if (gone) continue;
@@ -86,8 +104,7 @@ void trimSharedTreelets(const std::filesystem::path& shared, uint64_t limit_byte
   });
   for (const File& file : files) {
     if (bytes <= limit_bytes) return;
-    std::filesystem::remove(file.path, error);
-    bytes -= file.bytes;
+    if (std::filesystem::remove(file.path, error)) bytes -= file.bytes;
   }
 }
 

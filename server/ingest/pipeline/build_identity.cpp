@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <link.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -118,7 +119,17 @@ FileFingerprint fingerprint(const std::filesystem::path& path) {
   return result;
 }
 
-uint64_t programContent() { return fingerprint("/proc/self/exe").content; }
+uint64_t programContent() {
+  std::vector<uint64_t> contents{fingerprint("/proc/self/exe").content};
+  const auto add = [](dl_phdr_info* info, size_t, void* all) {
+    const std::string name = std::filesystem::path(info->dlpi_name).filename().string();
+    if (name.starts_with("libdraco.") || name.starts_with("libm."))
+      static_cast<std::vector<uint64_t>*>(all)->push_back(fingerprint(info->dlpi_name).content);
+    return 0;
+  };
+  ::dl_iterate_phdr(add, &contents);
+  return checksum(std::as_bytes(std::span(contents)));
+}
 
 BuildIdentity BuildIdentity::of(const BuildOptions& options) {
   BuildIdentity identity;

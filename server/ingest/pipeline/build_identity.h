@@ -25,7 +25,7 @@ struct FileFingerprint {
 /// that reads the file reports the error.
 FileFingerprint fingerprint(const std::filesystem::path& path);
 
-/// Returns FileFingerprint::content of the running program.
+/// Returns a hash of the running program and of the libraries that determine a store's bytes: Draco and libm.
 uint64_t programContent();
 
 /// All inputs and options that determine a store's bytes. A build resumes only if its identity is unchanged.

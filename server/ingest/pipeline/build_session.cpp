@@ -32,6 +32,10 @@ void BuildSession::resume() {
     if (options_.resume && !options_.restart_if_changed) throw;
     is_damaged = true;
   }
+  if (recorded_.tasks > 0 && options_.part == BuildPart::kWhole && !options_.resume)
+    throw Error(ErrorCode::kInput, options_.output.string() +
+                                       ": is being built in parts; finish it, or delete " +
+                                       folder_.journal().parent_path().string());
   if (options_.resume && recorded_.identity && !is_damaged) {
     const std::string difference = recorded_.identity->difference(identity_);
     if (!difference.empty() && !options_.restart_if_changed) {

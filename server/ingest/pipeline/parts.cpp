@@ -1,5 +1,6 @@
 #include "server/ingest/pipeline/parts.h"
 
+#include <chrono>
 #include <string>
 #include <utility>
 
@@ -16,6 +17,9 @@
 namespace lode::ingest {
 namespace {
 
+/// Time within which a scheduler repeats a `finish` whose machine is lost.
+constexpr auto kRepeatedFinish = std::chrono::hours(1);
+
 /// Reads the journal of the prepared build. @throws Error kInput if this part belongs to another build.
 RecordedBuild readPrepared(const BuildOptions& options, const BuildFiles& files) {
   const std::string output = options.output.string();
@@ -27,8 +31,10 @@ RecordedBuild readPrepared(const BuildOptions& options, const BuildFiles& files)
                 [&](uint32_t kind, std::span<const std::byte> bytes) { recorded.add(kind, bytes); });
   if (!recorded.identity || recorded.tasks == 0)
     throw Error(ErrorCode::kIo, output + ": --part prepare has not finished; run it again");
-  const std::string difference =
-      recorded.identity->difference(BuildIdentity::of(options), "run --part prepare again");
+  const BuildIdentity now = BuildIdentity::of(options);
+  for (const FileFingerprint& input : now.inputs)
+    if (input.bytes == 0) throw Error(ErrorCode::kIo, input.path + ": cannot be read; restore it");
+  const std::string difference = recorded.identity->difference(now, "run --part prepare again");
   if (!difference.empty())
     throw Error(ErrorCode::kInput, "this part does not belong to the build of " + output + ": " + difference);
   if (recorded.tasks != options.tasks)
@@ -47,7 +53,9 @@ std::optional<ModelSummary> finishedBefore(const BuildOptions& options) {
       !std::filesystem::is_regular_file(options.output, error))
     return std::nullopt;
   const auto built = std::filesystem::last_write_time(options.output, error);
-  if (error || std::filesystem::last_write_time(options.input, error) > built || error) return std::nullopt;
+  if (error || std::filesystem::file_time_type::clock::now() - built > kRepeatedFinish) return std::nullopt;
+  for (const std::filesystem::path& input : inputsOf(options))
+    if (std::filesystem::last_write_time(input, error) > built || error) return std::nullopt;
   ModelSummary summary = store::Reader(options.output).summary();
   if (summary.triangles_per_node != options.triangles_per_node) return std::nullopt;
   return summary;
@@ -56,6 +64,11 @@ std::optional<ModelSummary> finishedBefore(const BuildOptions& options) {
 BuildReport runTask(const BuildOptions& options, const BuildProgress& progress) {
   const BuildFiles files = BuildFiles::of(options.output);
   const RecordedBuild recorded = readPrepared(options, files);
+  if (recorded.isPast(BuildEntry::kSimplified)) {  // only pack is left, which needs no task
+    BuildReport finished;
+    finished.warnings.push_back(options.output.string() + ": all tasks are finished already");
+    return finished;
+  }
   RecordReader record(recorded.stages.at(BuildEntry::kPartitioned));
   const auto facts = record.get<BuildFacts>();
   record.getTexts();  // warnings, which `finish` reports

@@ -11,8 +11,9 @@
 /// store.
 namespace lode::ingest {
 
-/// Returns the summary of the store if nothing is prepared, but the store exists and is newer than the input:
-/// a scheduler may run `finish` again after it has succeeded on a machine that is lost since.
+/// Returns the summary of the store if nothing is prepared, but the store is less than an hour old and newer
+/// than the inputs: a scheduler may run `finish` again after it has succeeded on a machine that is lost
+/// since.
 /// @throws Error if the file at the output's path is no readable store.
 std::optional<ModelSummary> finishedBefore(const BuildOptions& options);
 

@@ -65,6 +65,7 @@ Stage::Work SimplifyStage::run() {
              .folder = folder,
              .scratch = session_.files()},
             {session_.plan().threads, session_.plan().node_bytes}, session_.progress(), tree_);
+  folder.sync();
   for (const Treelet& treelet : work.treelets.all()) treelets_.push_back(treelet.name);
   if (!options.reuse_folder.empty()) trimSharedTreelets(options.reuse_folder, options.reuse_bytes);
   partition_.release();

@@ -9,23 +9,23 @@ namespace lode::ingest {
 namespace {
 
 constexpr double kUpperBound = 1.0001;  ///< factor that keeps an error an upper bound despite rounding
-constexpr int kErrorBits = 16;
+constexpr double kErrorsPerStep = 64;
+const float kMostError = errorOfSnapping(std::sqrt(0.75));  ///< half of a lattice cell's diagonal
 constexpr double kMostCoarser = 1.5;
 
 }  // namespace
 
 float errorOfSnapping(double measured_steps) noexcept {
-  int exponent = 0;
-  const double fraction = std::frexp(kUpperBound * measured_steps, &exponent);
-  return static_cast<float>(std::ldexp(std::ceil(std::ldexp(fraction, kErrorBits)), exponent - kErrorBits));
+  return static_cast<float>(std::ceil(kUpperBound * measured_steps * kErrorsPerStep) / kErrorsPerStep);
 }
 
 FormerLattice FormerLattice::of(const std::filesystem::path& store) {
   const store::Reader reader(store);
   const ModelSummary& summary = reader.summary();
   const auto leaf = std::ranges::find_if(reader.nodes(), [](const Node& node) { return node.isLeaf(); });
-  return {summary.lattice, summary.box.max,
-          static_cast<float>(leaf->lods.front().error_model / summary.lattice.step)};
+  const auto error_steps = static_cast<float>(leaf->lods.front().error_model / summary.lattice.step);
+  // The leaf of a preview has a larger error, because its vertices are clustered.
+  return {summary.lattice, summary.box.max, error_steps <= kMostError ? error_steps : 0};
 }
 
 bool FormerLattice::reaches(const LatticeChoice& chosen) const noexcept {

@@ -27,8 +27,9 @@ struct FormerLattice {
   LatticeChoice chosenFor(const LatticeChoice& chosen) const noexcept;
 };
 
-/// Returns the error of a leaf's finest LOD, rounded up to 16 significant bits. Its product with a lattice
-/// step is exact in float, so that FormerLattice can read it from a store.
+/// Returns the error of a leaf's finest LOD, rounded up to a multiple of 1/64. Its product with a lattice
+/// step is exact in float, so that FormerLattice can read it from a store. An edited model nearly always has
+/// the same error, so that most of its nodes stay the same.
 /// @param measured_steps  largest distance by which rounding to the lattice moved a vertex.
 float errorOfSnapping(double measured_steps) noexcept;
 

@@ -61,23 +61,29 @@ Inputs openInputs(const BuildOptions& options) {
   return inputs;
 }
 
-/// Makes the faces of one file refer to the vertices and images of the whole model.
+/// Makes the faces of one of several files refer to the vertices and images of the whole model.
 class FacesOfModel {
  public:
-  FacesOfModel(uint64_t first_vertex, std::span<const uint16_t> images)
-      : first_vertex_(first_vertex), images_(images) {}
+  /// @param images  numbers of the file's images in the model. @param has_textures  true if faces have
+  /// texture coordinates, so that each face needs the number of its image.
+  FacesOfModel(uint64_t first_vertex, std::span<const uint16_t> images, bool has_textures)
+      : first_vertex_(first_vertex), images_(images), has_textures_(has_textures) {}
 
   const PlyFaces& renumbered(const PlyFaces& faces) {
     faces_ = faces;
     for (uint64_t& corner : faces_.corners) corner += first_vertex_;
+    if (!has_textures_) return faces_;
+    // In a file without numbers, all faces have the first image.
+    if (faces_.materials.empty()) faces_.materials.resize(faces_.corner_counts.size());
     for (uint16_t& material : faces_.materials)
-      if (material < images_.size()) material = images_[material];
+      material = material < images_.size() ? images_[material] : kNoMaterial;
     return faces_;
   }
 
  private:
   const uint64_t first_vertex_;
   const std::span<const uint16_t> images_;
+  const bool has_textures_;
   PlyFaces faces_;
 };
 
@@ -101,9 +107,10 @@ ScannedModel pack(Inputs& inputs, AttributeSet attributes, const TemporaryFolder
       inputs.images.images};
   const size_t files = inputs.readers.size();
   for (size_t i = 0; i < files; ++i) {
-    FacesOfModel of_model(model.input.vertexCount(), inputs.images.of_file[i]);
+    FacesOfModel of_model(model.input.vertexCount(), inputs.images.of_file[i],
+                          attributes.has(AttributeSet::kTexture));
     const auto addFaces = [&](const PlyFaces& faces) {
-      model.input.addFaces(i == 0 ? faces : of_model.renumbered(faces));
+      model.input.addFaces(files == 1 ? faces : of_model.renumbered(faces));
     };
     add(model.counts,
         inputs.readers[i].read(
@@ -120,7 +127,8 @@ ScannedModel pack(Inputs& inputs, AttributeSet attributes, const TemporaryFolder
 }
 
 ScannedModel packTaken(Inputs& inputs, const TemporaryFolder& folder, const BuildProgress& progress) {
-  const AttributeSet all = inputs.first().attributes();
+  AttributeSet all = inputs.first().attributes();
+  if (inputs.readers.size() > 1 && all.has(AttributeSet::kTexture)) all.bits |= AttributeSet::kMaterial;
   AttributeSet taken;
   {
     ScannedModel model = pack(inputs, all, folder, progress);

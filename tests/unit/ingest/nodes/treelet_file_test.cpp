@@ -141,10 +141,10 @@ TEST_F(SharedTreelets, areRemovedFromBothFoldersIfDamaged) {
   const TreeletFolder first = build("first"), second = build("second");
   write(first.create(name_));
   first.share(name_);
-  writeText(shared_ / toHex(name_), "damaged");
+  writeText(shared_ / "treelets" / (toHex(name_) + ".treelet"), "damaged");
   EXPECT_FALSE(second.find(name_));
   EXPECT_FALSE(second.has(name_));
-  EXPECT_TRUE(std::filesystem::is_empty(shared_));
+  EXPECT_TRUE(std::filesystem::is_empty(shared_ / "treelets"));
 }
 
 TEST_F(SharedTreelets, areSharedByCopyBetweenFileSystems) {
@@ -166,16 +166,17 @@ TEST_F(SharedTreelets, areTrimmedFromTheLongestUnused) {
   for (const char* text : {"a", "b", "c"}) {
     write(own.create(test::digest(text)));
     own.share(test::digest(text));
-    files.push_back(shared_ / toHex(test::digest(text)));
+    files.push_back(shared_ / "treelets" / (toHex(test::digest(text)) + ".treelet"));
     std::filesystem::last_write_time(files.back(), now - std::chrono::hours(10 - files.size()));
   }
-  writeText(shared_ / "notes.txt", std::string(5000, 'x'));
+  const std::string foreign = std::string(32, 'a') + ".jpg";
+  writeText(shared_ / "treelets" / foreign, std::string(5000, 'x'));
   ASSERT_TRUE(build("reader").find(test::digest("a")));  // used again
   trimSharedTreelets(shared_, 2 * std::filesystem::file_size(files[0]));
   EXPECT_TRUE(std::filesystem::exists(files[0]));
   EXPECT_FALSE(std::filesystem::exists(files[1]));
   EXPECT_TRUE(std::filesystem::exists(files[2]));
-  EXPECT_TRUE(std::filesystem::exists(shared_ / "notes.txt"));
+  EXPECT_TRUE(std::filesystem::exists(shared_ / "treelets" / foreign));
   trimSharedTreelets(shared_, 0);
   EXPECT_FALSE(std::filesystem::exists(files[0]));
   EXPECT_TRUE(own.find(test::digest("b"))) << "builds keep what they use";

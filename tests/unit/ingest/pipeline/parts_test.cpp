@@ -160,6 +160,35 @@ TEST_F(Parts, continueFinishAfterInterruptionsInEachStage) {
   expectDone();
 }
 
+TEST_F(Parts, runAgainFromTheBeginningWhenOnlyPackIsLeft) {
+  prepare(2);
+  simplifyAll(2);
+  interruptAt(part(BuildPart::kFinish, 2), "pack", 1);
+  prepare(2);
+  simplifyAll(2);
+  finish(2);
+  expectDone();
+}
+
+TEST_F(Parts, areNotRemovedByAWholeBuild) {
+  prepare(2);
+  simplify(0, 2);
+  expectRefusal(options_, ErrorCode::kInput, "is being built in parts; finish it, or delete");
+  simplify(1, 2);
+  finish(2);
+  expectDone();
+}
+
+TEST_F(Parts, askForARetryIfTheInputCannotBeRead) {
+  prepare(1);
+  std::filesystem::rename(options_.input, folder_ / "away.ply");
+  expectRefusal(part(BuildPart::kSimplify, 1), ErrorCode::kIo, "cannot be read; restore it");
+  std::filesystem::rename(folder_ / "away.ply", options_.input);
+  simplify(0, 1);
+  finish(1);
+  expectDone();
+}
+
 TEST_F(Parts, continuePrepareAfterAnInterruption) {
   options_.memory_bytes = 2 * kMega;  // small enough to sort on disk
   interruptAt(part(BuildPart::kPrepare, 2), "partition", 1);

@@ -15,6 +15,7 @@
 #include "server/ingest/pipeline/build.h"
 #include "server/ingest/soup/input_images.h"
 #include "server/sample/sample.h"
+#include "server/store/export.h"
 #include "server/store/reader.h"
 #include "server/store/verify.h"
 #include "tests/support/bytes.h"
@@ -209,16 +210,52 @@ TEST_F(SeveralInputs, areComparedWhenABuildResumes) {
 }
 
 /// A square of two triangles from x to x + 1, with an image.
-void writeTextured(const std::filesystem::path& path, int x, const std::string& image) {
+void writeTextured(const std::filesystem::path& path, int x, const std::string& image, bool has_number) {
   const std::string left = std::to_string(x), right = std::to_string(x + 1);
   std::ofstream(path) << "ply\nformat ascii 1.0\ncomment TextureFile " << image
                       << "\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
                          "property float s\nproperty float t\nelement face 2\n"
-                         "property list uchar int vertex_indices\nproperty int texnumber\nend_header\n"
+                         "property list uchar int vertex_indices\n"
+                      << (has_number ? "property int texnumber\n" : "") << "end_header\n"
                       << left << " 0 0 0 0\n"
                       << right << " 0 0 1 0\n"
                       << right << " 1 0 1 1\n"
-                      << left << " 1 0 0 1\n3 0 1 2 0\n3 0 2 3 0\n";
+                      << left << " 1 0 0 1\n3 0 1 2" << (has_number ? " 0" : "") << "\n3 0 2 3"
+                      << (has_number ? " 0" : "") << "\n";
+}
+
+/// Returns the number of the image of a triangle whose corners lie between x and x + 1, or -1.
+int imageAt(const store::Reader& store, double x) {
+  const Mesh mesh = store::readLod(store, store.nodes().front(), 0);
+  for (const glm::u32vec3& corners : mesh.triangles) {
+    bool is_inside = true;
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3 at = store.summary().lattice.toWorld(unpackPosition(mesh.positions[corners[k]]));
+      is_inside = is_inside && at.x > x - 0.01 && at.x < x + 1.01;
+    }
+    const uint16_t material = mesh.vertex_attributes[corners.x].material;
+    if (is_inside) return material == kNoMaterial ? -1 : material;
+  }
+  return -1;
+}
+
+TEST_F(SeveralInputs, showEachFaceWithTheImageOfItsFile) {
+  for (const bool has_number : {true, false}) {
+    for (const int side : {64, 32, 16})
+      test::writeBytes(folder_ / (std::to_string(side) + ".png"), test::pngOf(test::makePhoto(side, side)));
+    std::vector<std::filesystem::path> inputs;
+    for (const int side : {64, 32, 64, 16}) {
+      inputs.push_back(folder_ / ("i" + std::to_string(inputs.size()) + ".ply"));
+      writeTextured(inputs.back(), static_cast<int>(inputs.size()) - 1, std::to_string(side) + ".png",
+                    has_number);
+    }
+    build(options(inputs, "m.lode"));
+    const store::Reader store(folder_ / "m.lode");
+    EXPECT_EQ(imageAt(store, 0), 0);
+    EXPECT_EQ(imageAt(store, 1), 1);
+    EXPECT_EQ(imageAt(store, 2), 0);
+    EXPECT_EQ(imageAt(store, 3), 2);
+  }
 }
 
 TEST_F(SeveralInputs, shareTheirImages) {
@@ -226,10 +263,10 @@ TEST_F(SeveralInputs, shareTheirImages) {
   test::writeBytes(folder_ / "two.png", test::pngOf(test::makePhoto(32, 32)));
   std::filesystem::create_directory(folder_ / "other");
   test::writeBytes(folder_ / "other/one.png", test::pngOf(test::makePhoto(16, 16)));
-  writeTextured(folder_ / "a.ply", 0, "one.png");
-  writeTextured(folder_ / "b.ply", 1, "two.png");
-  writeTextured(folder_ / "c.ply", 2, "one.png");
-  writeTextured(folder_ / "other/d.ply", 3, "one.png");
+  writeTextured(folder_ / "a.ply", 0, "one.png", true);
+  writeTextured(folder_ / "b.ply", 1, "two.png", true);
+  writeTextured(folder_ / "c.ply", 2, "one.png", true);
+  writeTextured(folder_ / "other/d.ply", 3, "one.png", true);
   const std::vector<std::filesystem::path> inputs{folder_ / "a.ply", folder_ / "b.ply", folder_ / "c.ply",
                                                   folder_ / "other/d.ply"};
   const InputImages images = listImages(inputs, {});
