@@ -7,7 +7,9 @@ NODE_PATH may name, the GLB files are validated too: npm install gltf-validator@
 import array
 import collections
 import filecmp
+import functools
 import json
+import operator
 import os
 import pathlib
 import shutil
@@ -22,6 +24,7 @@ import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "tiles"))
 from tileset import Tileset, violations  # noqa: E402
+from tileset_form import faults_of_tileset, parse  # noqa: E402
 
 BIN, MODELS = pathlib.Path(), pathlib.Path()
 CLOSED = ("painted", "gyroid")
@@ -131,6 +134,14 @@ class Export(TilesTest):
                     sizes[name[-4:]] += (folder / name).stat().st_size
                 self.assertEqual((report["json_bytes"], report["glb_bytes"]), (sizes["json"], sizes[".glb"]))
 
+    def test_has_json_of_the_form_of_3d_tiles(self):
+        for store in stores():
+            for number, options in enumerate(([], ["--up", "z"], ["--at", "8.5,47.4,400"])):
+                folder = self.folder / f"{store.stem}.{number}"
+                export(store, folder, *options)
+                for page in folder.rglob("*.json"):
+                    self.assertEqual(list(faults_of_tileset(parse(page.read_text()))), [], page)
+
     def test_has_all_triangles_of_the_leaves(self):
         for store in stores():
             info = json.loads(lodestreamd("info", store, "--json").stdout)
@@ -183,6 +194,49 @@ class Export(TilesTest):
         self.assertEqual(list(self.folder.iterdir()), [])
 
 
+class Form(unittest.TestCase):
+    """The check of a tileset's JSON finds each fault."""
+
+    GOOD = {"asset": {"version": "1.1", "tilesetVersion": "a"}, "geometricError": 8, "root": {
+        "boundingVolume": {"box": [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]}, "geometricError": 4.5, "refine": "REPLACE",
+        "transform": [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 5, 6, 7, 1], "content": {"uri": "../g/a.1.glb"},
+        "children": [{"boundingVolume": {"box": [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]}, "geometricError": 0, "content": {"uri": "p/1.json"}}]}}
+
+    def test_a_tileset_without_faults_has_none(self):
+        self.assertEqual(list(faults_of_tileset(self.GOOD)), [])
+
+    def test_each_fault_is_named(self):
+        for said, place, value in (
+                ("no asset", "asset", None), ("asset: version '1.0'", "asset version", "1.0"),
+                ("asset: the foreign member gltfUpAxis", "asset gltfUpAxis", "Z"),
+                ("tileset: no geometricError", "geometricError", None), ("negative", "geometricError", -1),
+                ("geometricError: '8'", "geometricError", "8"), ("geometricError: True", "geometricError", True),
+                ("foreign member properties", "properties", {}), ("root: no refine", "root refine", None),
+                ("refine 'replace'", "root refine", "replace"), ("no boundingVolume", "root boundingVolume", None),
+                ("no box", "root boundingVolume", {"sphere": [0, 0, 0, 1]}), ("no box", "root boundingVolume box", [0] * 11),
+                ("without volume", "root boundingVolume box", [0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 1]),
+                ("sixteen", "root transform", [1] * 15), ("affine", "root transform 7", 1), ("mirrors", "root transform 0", -1),
+                ("uri '/g/a.glb'", "root content uri", "/g/a.glb"), ("uri 'http://a/b.glb'", "root content uri", "http://a/b.glb"),
+                ("uri 'a b.glb'", "root content uri", "a b.glb"), ("uri 'a.b3dm'", "root content uri", "a.b3dm"),
+                ("no uri", "root content uri", None), ("foreign member url", "root content url", "a.glb"),
+                ("empty list", "root children", []), ("children: {}", "root children", {}), ("no object", "root children 0", "a"),
+                ("children[0]: no geometricError", "root children 0 geometricError", None),
+                ("external tileset", "root children 0 children", [self.GOOD["root"]])):
+            document = json.loads(json.dumps(self.GOOD))
+            *path, last = (int(part) if part.isdigit() else part for part in place.split())
+            parent = functools.reduce(operator.getitem, path, document)
+            if value is None:
+                del parent[last]
+            else:
+                parent[last] = value
+            faults = list(faults_of_tileset(document))
+            self.assertTrue(any(said in fault for fault in faults), f"{place} = {value}: {faults}")
+
+    def test_json_that_viewers_refuse_is_no_json(self):
+        for text in ('{"a": NaN}', '{"a": -Infinity}', '{"a": 1, "a": 2}', '{"a": 1,}'):
+            self.assertRaises(ValueError, parse, text)
+
+
 class Textures(TilesTest):
     """Tiles of models with images."""
 
@@ -214,6 +268,8 @@ class Textures(TilesTest):
             folder = self.folder / store.stem
             report = export(store, folder)
             tileset, named = Tileset(folder), set()
+            for page in folder.rglob("*.json"):
+                self.assertEqual(list(faults_of_tileset(parse(page.read_text()))), [], page)
             for path in sorted((folder / "g").iterdir()):
                 glb = tileset.glb(f"g/{path.name}")
                 for image in glb.json.get("images", []):
