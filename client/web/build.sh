@@ -52,18 +52,20 @@ list_sources() {  # BUILD
 }
 
 build() {
-  local build="$root/build/web"
+  local build="$root/build/web" draco
   "$root/docker/install-packages.sh" web
   command -v emcc > /dev/null || fail "there is no emscripten; use Debian 13, or --root FOLDER"
-  emcmake cmake -S "$web/module" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None -DDRACO_SOURCE="$(draco_source "$build")"
+  draco="$(draco_source "$build")"
+  emcmake cmake -S "$web/module" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None -DDRACO_SOURCE="$draco"
   ninja -C "$build"
-  (cd "$web" && npm ci --no-audit --no-fund && npm run check && npm test)
+  (cd "$web" && npm ci --no-audit --no-fund && npm run check)
   local dist="$web/dist"
   rm -rf "$dist"
   mkdir -p "$dist"
   install -m 644 "$build/core.js" "$build/core.wasm" "$dist/"
   "$web/page/bundle.sh" "$dist"
   list_sources "$build" > "$web/dist.sha256"
+  (cd "$web" && npm test)
 }
 
 case "${1:-}" in
