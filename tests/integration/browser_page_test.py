@@ -147,6 +147,28 @@ class Page(unittest.TestCase):
         self.assertGreater(math.dist(before, after["eye"]), 0.1)
         self.assertAlmostEqual(math.hypot(*before), math.hypot(*after["eye"]), delta=0.5)
 
+    def test_keeps_its_canvas_for_the_next_model(self):
+        self.show("far")
+        self.browser.run("window.kept = window.lodestream.viewer().session.canvas")
+        self.browser.run("location.hash = '#model=nothing'")
+        self.browser.wait_for("window.lodestream.viewer()?.session?.stream.failure")
+        self.assertEqual(self.browser.run("return getComputedStyle(window.kept).visibility"), "hidden")
+        self.browser.run(f"location.hash = {link_to(self.server, 'painted', VIEWS['near']).partition('#')[2]!r}")
+        self.browser.wait_for(CONVERGED)
+        self.assertEqual(self.browser.run("const {canvas} = window.lodestream.viewer().session;"
+                                          "return [canvas === window.kept, getComputedStyle(canvas).visibility]"), [True, "visible"])
+
+    def test_shows_the_same_picture_after_its_context_is_lost(self):
+        self.show("far", embed="")
+        self.browser.picture(self.folder / "before.png")
+        self.browser.run("window.lost = window.lodestream.viewer().session.canvas;"
+                         "window.lost.getContext('webgl2').getExtension('WEBGL_lose_context').loseContext()")
+        self.browser.wait_for(f"window.lodestream.viewer().session.canvas !== window.lost && {CONVERGED}")
+        self.browser.picture(self.folder / "after.png")
+        pictures = [base64.b64encode((self.folder / name).read_bytes()).decode() for name in ("before.png", "after.png")]
+        self.assertGreater(self.browser.run(COMPARE, *pictures), 50)
+        self.assertEqual(self.browser.run("return window.lodestream.state().errors"), [])
+
     def test_says_what_is_wrong_with_a_model_that_is_not_there(self):
         self.browser.open("about:blank")
         self.browser.open(f"http://{self.server.address}/#model=nothing")

@@ -45,6 +45,8 @@ bool has(const Json& json, const char* name) {
   return found != json.end() && !found->is_null();
 }
 
+float thresholdOf(const Json& json) { return std::clamp(json.value("threshold_px", 1.0f), 0.1f, 1000.0f); }
+
 uint32_t sideOf(const Json& json, const char* name) {
   return static_cast<uint32_t>(std::clamp(json.value(name, 1.0), 1.0, double{kMaxSidePx}));
 }
@@ -174,6 +176,7 @@ CameraStart parseCameraStart(std::string_view text) {
     CameraStart start;
     start.width_px = sideOf(json, "width_px");
     start.height_px = sideOf(json, "height_px");
+    start.threshold_px = thresholdOf(json);
     if (has(json, "up")) start.up = parseAxis(json.at("up").get<std::string>());
     if (!has(json, "camera")) return start;
     const Json& camera = json.at("camera");
@@ -190,7 +193,7 @@ FrameInput parseFrame(std::string_view text) {
     FrameInput frame;
     frame.width_px = sideOf(json, "width_px");
     frame.height_px = sideOf(json, "height_px");
-    frame.threshold_px = std::clamp(json.value("threshold_px", 1.0f), 0.1f, 1000.0f);
+    frame.threshold_px = thresholdOf(json);
     frame.seconds = std::clamp(json.value("seconds", 0.0), 0.0, 0.25);
     frame.show = render::colorModeNamed(json.value("show", "surface")).value_or(render::ColorMode::kSurface);
     frame.input = inputOf(json);

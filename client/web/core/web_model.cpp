@@ -159,10 +159,17 @@ bool WebModel::startCamera(const CameraStart& start) {
     framing.coarse = engine_.cut()->parts.front().mesh;
   }
   rig_.emplace(framed_, framing, start.path, start.width_px, start.height_px);
+  engine_.setView(rig_->view(), start.threshold_px);
   return true;
 }
 
+const app::CameraRig& WebModel::rig() const {
+  if (!rig_) throw Error(ErrorCode::kUsage, "the model has no camera yet");
+  return *rig_;
+}
+
 void WebModel::frame(const FrameInput& frame) {
+  rig();  // throws without a camera
   followBuild();
   rig_->resize(frame.width_px, frame.height_px);
   app::Input input = frame.input;
@@ -295,11 +302,12 @@ const core::CutProbe* WebModel::probe() {
 std::optional<core::Hit> WebModel::hit(const glm::dvec2& place_px) {
   const core::CutProbe* const cut = probe();
   if (cut == nullptr) return std::nullopt;
-  const core::View& view = rig_->view();
+  const core::View& view = rig().view();
   return cut->cast(core::rayThrough(view, place_px), core::shownParts(*cut->cut(), view));
 }
 
 std::optional<WebPick> WebModel::pick(const glm::dvec2& place_px) {
+  rig();  // throws without a camera
   const std::optional<core::Hit> found = hit(place_px);
   if (!found) return std::nullopt;
   const double step = framed_.lattice.step;

@@ -29,6 +29,7 @@ struct CameraStart {
   uint32_t width_px = 1, height_px = 1;
   std::optional<glm::dvec3> up;
   std::optional<core::CameraPath> path;  ///< the first key is the camera; without it, the model is framed
+  float threshold_px = 1;
 };
 
 /// User input since the last frame, and the state of the page.
@@ -74,14 +75,15 @@ class WebModel {
   /// Returns the next blob to cache, or nothing.
   std::optional<core::Engine::Arrival> takeArrival();
 
-  /// Starts the camera. @return false if the camera must frame the model and its coarsest mesh is not
-  /// resident; call again after later steps.
+  /// Starts the camera, so that the next step requests the meshes of its view. @return false if the camera
+  /// must frame the model and its coarsest mesh is not resident; call again after later steps.
   bool startCamera(const CameraStart& start);
   bool hasCamera() const noexcept { return rig_.has_value(); }
-  /// Moves the camera, and selects the meshes to draw. Requires hasCamera().
+  /// Moves the camera, and selects the meshes to draw. @throws Error kUsage without hasCamera().
   void frame(const FrameInput& frame);
 
-  const app::CameraRig& rig() const noexcept { return *rig_; }
+  /// @throws Error kUsage without hasCamera().
+  const app::CameraRig& rig() const;
   const glm::dvec3& origin() const noexcept { return framed_.lattice.origin; }
   const std::shared_ptr<const core::Cut>& cut() const noexcept { return engine_.cut(); }
   const std::vector<DrawnPart>& parts() const noexcept { return parts_; }
@@ -108,7 +110,7 @@ class WebModel {
   /// Returns the next image to copy, or nothing.
   std::optional<TileUpload> takeTileUpload();
 
-  /// Returns the nearest point at a pixel. Requires hasCamera().
+  /// Returns the nearest point at a pixel. @throws Error kUsage without hasCamera().
   std::optional<WebPick> pick(const glm::dvec2& place_px);
 
  private:

@@ -226,6 +226,7 @@ EMSCRIPTEN_KEEPALIVE int lode_start_camera(int handle, const char* json, int byt
   return is_set;
 }
 
+/// Answers with the frame, or an error.
 EMSCRIPTEN_KEEPALIVE int lode_frame(int handle, double /*now_ms*/, const char* json, int bytes) {
   guarded([&] {
     Opened& shown = opened(handle);
@@ -292,11 +293,17 @@ EMSCRIPTEN_KEEPALIVE int lode_take_texture_upload(int handle) {
   return answerWith(std::move(bytes));
 }
 
+/// Answers with the point at a pixel, or an error. @return 0 if there is no surface.
 EMSCRIPTEN_KEEPALIVE int lode_pick(int handle, double x_px, double y_px) {
-  const std::optional<web::WebPick> pick = opened(handle).model.pick({x_px, y_px});
-  return pick ? answerWith(web::pickJson(*pick)) : 0;
+  answer.clear();
+  guarded([&] {
+    const std::optional<web::WebPick> pick = opened(handle).model.pick({x_px, y_px});
+    return pick ? answerWith(web::pickJson(*pick)) : 0;
+  });
+  return static_cast<int>(answer.size());
 }
 
+/// Answers with pixels, or an error.
 EMSCRIPTEN_KEEPALIVE int lode_project(int handle, const char* json, int bytes) {
   guarded([&] { return answerWith(web::projectJson(opened(handle).model, textOf(json, bytes))); });
   return static_cast<int>(answer.size());

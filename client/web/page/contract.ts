@@ -60,6 +60,7 @@ export interface Summary {
 export interface StartCamera {
   width_px: number;
   height_px: number;
+  threshold_px: number;
   up: "x" | "y" | "z" | "-x" | "-y" | "-z" | null;
   camera: CameraView | null;
 }

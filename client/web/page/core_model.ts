@@ -150,9 +150,7 @@ export class CoreModel {
     this.core.withText(JSON.stringify(request), (pointer, size) =>
       this.core.module._lode_frame(this.handle, now_ms, pointer, size),
     );
-    const answer = this.core.answerJson<FrameAnswer | { error: string }>();
-    if ("error" in answer) throw new Error(answer.error);
-    return answer;
+    return this.answerOrThrow<FrameAnswer>();
   }
 
   /** Returns the words of a mesh's vertices, or null if the mesh is not resident any more. */
@@ -169,17 +167,18 @@ export class CoreModel {
     return this.core.module._lode_mesh_stride(this.handle, id);
   }
 
+  /** @throws Error if the model has no camera. */
   pick(x_px: number, y_px: number): Pick | null {
-    return this.core.module._lode_pick(this.handle, x_px, y_px) ? this.core.answerJson() : null;
+    return this.core.module._lode_pick(this.handle, x_px, y_px) ? this.answerOrThrow<Pick>() : null;
   }
 
-  /** Projects true coordinates to pixels of the last frame. */
+  /** Projects true coordinates to pixels of the last frame. @throws Error if the model has no camera. */
   project(points: Vec3[]): [x_px: number, y_px: number, visible: 0 | 1][] {
     if (points.length === 0) return [];
     this.core.withText(JSON.stringify(points), (pointer, size) =>
       this.core.module._lode_project(this.handle, pointer, size),
     );
-    return this.core.answerJson();
+    return this.answerOrThrow();
   }
 
   /** Returns the state of the texture tiles, or null without textures. */
@@ -204,6 +203,12 @@ export class CoreModel {
 
   private answerWords(): Uint32Array<ArrayBuffer> {
     return new Uint32Array(this.core.answer().buffer);
+  }
+
+  private answerOrThrow<T extends object>(): T {
+    const answer = this.core.answerJson<T | { error: string }>();
+    if ("error" in answer) throw new Error(answer.error);
+    return answer;
   }
 
   private errorText(): string {

@@ -1,12 +1,31 @@
+import type { WebGLRenderer } from "three";
 import { BlobCache } from "./blob_cache";
 import { compileCore, Core } from "./core";
 import { DecodePool } from "./decode_pool";
+import { makeRenderer, Screen } from "./screen";
 
 /** Objects that all models of the page share. */
-export interface Host {
-  core: Core;
-  pool: DecodePool;
-  cache: BlobCache;
+export class Host {
+  readonly cache = new BlobCache();
+  private screen_: Screen | null = null;
+
+  /** @param renderer  for the first screen, if it exists already. */
+  constructor(
+    readonly core: Core,
+    readonly pool: DecodePool,
+    renderer: WebGLRenderer | null,
+  ) {
+    if (!renderer) return;
+    this.screen_ = new Screen(core, renderer);
+    this.screen_.prepare(this.screen_.programs.featuresOf("surface", false, false));
+  }
+
+  /** The screen; a new one if the last has lost its context. @throws Error if the browser has no WebGL 2. */
+  get screen(): Screen {
+    if (this.screen_ && !this.screen_.isLost) return this.screen_;
+    this.screen_?.dispose();
+    return (this.screen_ = new Screen(this.core, makeRenderer()));
+  }
 }
 
 let host: Promise<Host> | null = null;
@@ -18,7 +37,18 @@ export function startHost(): Promise<Host> {
 }
 
 async function start(): Promise<Host> {
-  const compiled = await compileCore();
+  const compiling = compileCore();
+  const renderer = tryRenderer(); // while the core arrives
+  const compiled = await compiling;
   const pool = new DecodePool(compiled);
-  return { core: await Core.create(compiled), pool, cache: new BlobCache() };
+  return new Host(await Core.create(compiled), pool, renderer);
+}
+
+/** Returns null if the browser has no WebGL 2: Host.screen says so once a model needs it. */
+function tryRenderer(): WebGLRenderer | null {
+  try {
+    return makeRenderer();
+  } catch {
+    return null;
+  }
 }

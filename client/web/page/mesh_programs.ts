@@ -5,16 +5,15 @@ import { shaderText } from "./core_model";
 
 /** The materials of meshes: one per combination of the shaders' features. They share their uniforms. */
 export class MeshPrograms {
+  private readonly uniforms: Record<string, IUniform> = { draw_flags: { value: 0 }, draw_tint: { value: 0 } };
   private readonly materials = new Map<number, RawShaderMaterial>();
   private readonly has_samples: boolean;
 
   constructor(
     private readonly core: Core,
     renderer: WebGLRenderer,
-    readonly uniforms: Record<string, IUniform>,
   ) {
-    const gl = renderer.getContext();
-    this.has_samples = (gl.getParameter(gl.SAMPLES) as number) > 1;
+    this.has_samples = renderer.getContext().getContextAttributes()?.antialias ?? false;
   }
 
   /**
@@ -42,6 +41,13 @@ export class MeshPrograms {
     });
     this.materials.set(features, material);
     return material;
+  }
+
+  /** Sets a uniform. three.js finds the uniforms of a material when it draws it first: set all of them before. */
+  set(name: string, value: unknown): void {
+    const uniform = this.uniforms[name];
+    if (uniform) uniform.value = value;
+    else this.uniforms[name] = { value };
   }
 
   /** Makes three.js upload all uniforms for the next picture. */

@@ -1,28 +1,25 @@
-import type { WebGLRenderer } from "three";
 import type { CameraView, FrameAnswer, FrameInput, Status, Summary } from "./contract";
 import { CoreModel } from "./core_model";
 import { find } from "./dom";
 import type { Host } from "./host";
-import { makeRenderer, Picture } from "./picture";
+import { Picture } from "./picture";
+import { pictureSize, type Screen } from "./screen";
 import { token } from "./server";
 import type { Settings } from "./settings";
 import { Stream } from "./stream";
-
-/** Largest number of picture pixels per CSS pixel, because more cost time and are hardly visible. */
-const kMostPxPerCss = 2;
 
 export interface SessionListener {
   contextLost(): void;
   contextRestored(): void;
 }
 
-/** One view of a model: stream, canvas and picture. After a lost WebGL context, a new session is needed. */
+/** One view of a model: stream and picture. After a lost WebGL context, a new session is needed. */
 export class Session {
   readonly model: CoreModel;
   readonly stream: Stream;
-  readonly canvas = document.createElement("canvas");
-  private readonly renderer: WebGLRenderer;
+  private readonly screen: Screen;
   private readonly picture: Picture;
+  private readonly ending = new AbortController(); // ends the listeners
   private summary_: Summary | null = null;
   private is_started = false;
   private is_lost = false;
@@ -32,20 +29,10 @@ export class Session {
   constructor(
     host: Host,
     name: string,
-    settings: Settings,
+    private readonly settings: Settings,
     private readonly camera: CameraView | null,
     listener: SessionListener,
   ) {
-    this.canvas.addEventListener("webglcontextlost", (event) => {
-      event.preventDefault();
-      if (!this.model.isOpen) return;
-      this.is_lost = true;
-      this.release(); // objects of a lost context are invalid in the restored one
-      listener.contextLost();
-    });
-    this.canvas.addEventListener("webglcontextrestored", () => {
-      if (this.model.isOpen) listener.contextRestored();
-    });
     this.model = new CoreModel(host.core, {
       model: name,
       token: token(),
@@ -53,17 +40,23 @@ export class Session {
       seed: Math.floor(Math.random() * 2 ** 32),
       has_cache: host.cache.canKeep,
     });
-    this.stream = new Stream(this.model, host.pool, host.cache);
-    this.stream.pump(); // connects while the browser creates the context
+    this.stream = new Stream(this.model, host.pool, host.cache, () => this.startEarly());
+    this.stream.pump(); // connects first
     try {
-      this.renderer = makeRenderer(this.canvas);
+      this.screen = host.screen;
     } catch (error) {
       this.stream.close();
       this.model.close();
       throw error;
     }
-    this.picture = new Picture(this.model, this.renderer);
+    this.picture = new Picture(this.model, this.screen);
+    this.watchContext(listener);
+    this.canvas.style.visibility = "hidden"; // it shows the last model until the first picture
     find("#stage").prepend(this.canvas);
+  }
+
+  get canvas(): HTMLCanvasElement {
+    return this.screen.canvas;
   }
 
   get summary(): Summary | null {
@@ -91,21 +84,31 @@ export class Session {
   /** Adjusts the picture to the window. @returns true if its size has changed. */
   resize(): boolean {
     const stage = find("#stage");
-    const scale = Math.min(devicePixelRatio || 1, kMostPxPerCss);
-    const width = Math.max(1, Math.round(stage.clientWidth * scale));
-    const height = Math.max(1, Math.round(stage.clientHeight * scale));
-    if (width === this.canvas.width && height === this.canvas.height) return false;
-    this.renderer.setSize(width, height, false);
-    return true;
+    return this.screen.resize(...pictureSize(stage.clientWidth, stage.clientHeight));
   }
 
   /** Sets the camera once the core can. @returns true if frames may be drawn. */
   start(): boolean {
     if (this.is_started) return true;
-    this.summary_ ??= this.model.summary();
-    if (!this.summary_) return false;
-    this.is_started = this.model.startCamera({ ...this.size(), up: null, camera: this.camera });
+    this.screen.check();
+    if (!this.summary_) {
+      this.summary_ = this.model.summary();
+      if (!this.summary_) return false;
+      this.screen.prepare(this.screen.programs.featuresOf(this.settings.show, this.summary_.has_textures, false));
+    }
+    const { threshold_px } = this.settings;
+    this.is_started = this.model.startCamera({ ...this.size(), threshold_px, up: null, camera: this.camera });
     return this.is_started;
+  }
+
+  /** Starts as soon as the model is known, to request meshes before the next frame. */
+  private startEarly(): void {
+    if (this.is_started || !this.model.isOpen) return;
+    try {
+      if (this.start()) this.stream.pump();
+    } catch {
+      // The next frame reports the error.
+    }
   }
 
   /** Advances the core by a frame, and draws what it describes. @returns null if nothing was drawn. */
@@ -115,6 +118,7 @@ export class Session {
     const answer = this.model.frame(performance.now(), request);
     this.stream.pump(); // sends requests before a long picture
     const drawn = this.picture.draw(answer, show, has_changed);
+    if (drawn) this.canvas.style.visibility = "";
     return { ...answer, status: this.statusOfPicture(answer.status), drawn };
   }
 
@@ -128,13 +132,24 @@ export class Session {
   }
 
   close(): void {
+    this.ending.abort();
     this.stream.close();
     this.model.close();
-    if (!this.is_lost) {
-      this.release();
-      this.renderer.forceContextLoss();
-    }
+    if (!this.is_lost) this.picture.dispose();
     this.canvas.remove();
+  }
+
+  private watchContext(listener: SessionListener): void {
+    const { signal } = this.ending;
+    const lost = (event: Event) => {
+      event.preventDefault();
+      this.is_lost = true;
+      this.picture.dispose(); // objects of a lost context are invalid in the restored one
+      this.screen.dispose();
+      listener.contextLost();
+    };
+    this.canvas.addEventListener("webglcontextlost", lost, { signal });
+    this.canvas.addEventListener("webglcontextrestored", () => listener.contextRestored(), { signal });
   }
 
   /** Returns the status with the error of the shown parts, which may be an earlier and coarser list. */
@@ -145,11 +160,6 @@ export class Session {
     }
     const error_px = Math.max(status.error_px, this.shown_error_px);
     return { ...status, error_px, converged: false, settled: false };
-  }
-
-  private release(): void {
-    this.picture.dispose();
-    this.renderer.dispose();
   }
 
   private size() {

@@ -15,7 +15,7 @@ const kDecoderStopped =
 
 /**
  * Connects a model of the core to its server, the decode workers and the cache. Call pump() once per frame;
- * it also runs when a message or result arrives.
+ * it also runs when a message or result arrives. Calls `arrived` when the core has taken a message.
  */
 export class Stream {
   private socket: WebSocket | null = null;
@@ -32,6 +32,7 @@ export class Stream {
     private readonly model: CoreModel,
     private readonly pool: DecodePool,
     private readonly cache: BlobCache,
+    private readonly arrived: () => void = () => {},
   ) {}
 
   /** The reason why the stream has ended for good, or null. */
@@ -92,6 +93,7 @@ export class Stream {
     this.changed_ = true;
     this.waiting.push(bytes);
     this.pump();
+    this.arrived();
   }
 
   /** Passes received bytes to the core, which accepts none while its own bytes wait to be sent. */

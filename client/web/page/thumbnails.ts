@@ -1,7 +1,7 @@
-import type { WebGLRenderer } from "three";
 import { CoreModel } from "./core_model";
 import type { Host } from "./host";
-import { makeRenderer, Picture } from "./picture";
+import { Picture } from "./picture";
+import type { Screen } from "./screen";
 import type { ListedModel } from "./server";
 import { Stream } from "./stream";
 import { token } from "./server";
@@ -19,7 +19,6 @@ export class Thumbnails {
   private readonly queue: { model: ListedModel; done: (url: string | null) => void }[] = [];
   private is_working = false;
   private is_stopped = false;
-  private renderer: WebGLRenderer | null = null;
   private readonly urls: string[] = [];
 
   constructor(private readonly host: () => Promise<Host>) {}
@@ -36,9 +35,6 @@ export class Thumbnails {
   stop(): void {
     this.is_stopped = true;
     for (const { done } of this.queue.splice(0)) done(null);
-    this.renderer?.dispose();
-    this.renderer?.forceContextLoss();
-    this.renderer = null;
     for (const url of this.urls) URL.revokeObjectURL(url);
   }
 
@@ -66,9 +62,8 @@ export class Thumbnails {
   private async draw(listed: ListedModel): Promise<{ blob: Blob; is_final: boolean } | null> {
     const host = await this.host();
     if (this.is_stopped) return null;
-    this.renderer ??= makeRenderer(document.createElement("canvas"));
-    const renderer = this.renderer;
-    renderer.setSize(kWidthPx, kHeightPx, false);
+    const screen = host.screen;
+    screen.resize(kWidthPx, kHeightPx);
     const model = new CoreModel(host.core, {
       model: listed.name,
       token: token(),
@@ -77,9 +72,9 @@ export class Thumbnails {
       has_cache: host.cache.canKeep,
     });
     const stream = new Stream(model, host.pool, host.cache);
-    const picture = new Picture(model, renderer);
+    const picture = new Picture(model, screen);
     try {
-      return await this.untilSharp(model, stream, picture, renderer.domElement);
+      return await this.untilSharp(model, stream, picture, screen);
     } finally {
       stream.close();
       picture.dispose();
@@ -87,19 +82,20 @@ export class Thumbnails {
     }
   }
 
-  private async untilSharp(model: CoreModel, stream: Stream, picture: Picture, canvas: HTMLCanvasElement) {
+  private async untilSharp(model: CoreModel, stream: Stream, picture: Picture, screen: Screen) {
     const from_ms = performance.now();
     const size = { width_px: kWidthPx, height_px: kHeightPx };
     let is_started = false;
     let has_parts = false;
-    while (!this.is_stopped) {
+    for (;;) {
       await nextFrame();
+      if (this.is_stopped || screen.isLost) return null; // a stopped one may not draw: the screen has another user
       stream.pump();
       const now = performance.now();
       const is_late = now - from_ms > kDeadlineMs;
       if (stream.failure !== null || (is_late && !has_parts)) return null;
       if (!is_started) {
-        if (model.summary()) is_started = model.startCamera({ ...size, up: null, camera: null });
+        if (model.summary()) is_started = model.startCamera({ ...size, threshold_px: kThresholdPx, up: null, camera: null });
         continue;
       }
       const request = { ...size, threshold_px: kThresholdPx, seconds: 0, show: "surface" as const };
@@ -108,10 +104,9 @@ export class Thumbnails {
       picture.draw(answer, request.show, is_final || is_late);
       has_parts = picture.partCount > 0;
       if (!has_parts || (!(is_final && !picture.isWaiting) && !is_late)) continue;
-      const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/webp", 0.85));
+      const blob = await new Promise<Blob | null>((done) => screen.canvas.toBlob(done, "image/webp", 0.85));
       return blob ? { blob, is_final } : null;
     }
-    return null;
   }
 }
 

@@ -1,6 +1,7 @@
-import { ExternalTexture, type WebGLRenderer } from "three";
+import { ExternalTexture } from "three";
 import type { TextureState } from "./contract";
 import type { CoreModel } from "./core_model";
+import type { Screen } from "./screen";
 
 const kTilePx = 512;
 const kTableWidth = 1024; // words per row of the table, as in the shader
@@ -19,9 +20,9 @@ export class TileTextures {
 
   constructor(
     private readonly model: CoreModel,
-    private readonly renderer: WebGLRenderer,
+    private readonly screen: Screen,
   ) {
-    this.gl = renderer.getContext() as WebGL2RenderingContext;
+    this.gl = screen.gl;
   }
 
   /** True if the model has textures. */
@@ -44,7 +45,7 @@ export class TileTextures {
     const table = this.model.textureTable();
     if (table) this.setTable(table);
     if (!is_new && !has_tiles && !table) return false;
-    this.renderer.resetState();
+    this.screen.resetState();
     return true;
   }
 

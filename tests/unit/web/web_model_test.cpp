@@ -61,6 +61,24 @@ TEST_F(WebModelTest, framesTheModelByItsCoarsestMesh) {
   EXPECT_NEAR(middle->point.z, 0, 1e-9);
 }
 
+TEST_F(WebModelTest, refusesFramesAndPicksBeforeTheCamera) {
+  EXPECT_THROW(model_.frame(frame()), Error) << "nothing is known of the model";
+  openAndReceive();
+  EXPECT_FALSE(model_.startCamera({400, 300, std::nullopt, std::nullopt}));
+  EXPECT_THROW(model_.frame(frame()), Error);
+  EXPECT_THROW(model_.pick({200, 150}), Error);
+  EXPECT_THROW(model_.rig(), Error);
+}
+
+TEST_F(WebModelTest, requestsMeshesOfTheViewBeforeTheFirstFrame) {
+  openAndReceive();
+  model_.engine().takeOutgoing();
+  ASSERT_TRUE(model_.startCamera(
+      {400, 300, std::nullopt, core::CameraPath{45, {{0, {10, 0, 4}, {10, 0, 0}, {0, 1, 0}}}}}));
+  model_.engine().step(kStart);
+  EXPECT_FALSE(model_.engine().takeOutgoing().empty());
+}
+
 TEST_F(WebModelTest, listsTheMeshesOfTheCutUntilAnotherCutReplacesThem) {
   openAndReceive();
   CameraStart start{400, 300, std::nullopt, core::CameraPath{45, {{0, {10, 0, 40}, {10, 0, 0}, {0, 1, 0}}}}};
