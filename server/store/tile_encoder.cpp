@@ -14,13 +14,12 @@
 namespace lode::store {
 namespace {
 
-constexpr int kQuality = 90;
 constexpr size_t kDrawingColours = 256;
 
 /// Encodes a tile as JPEG. libjpeg reports errors by longjmp(), which skips destructors, so this function
 /// must not create an object that has one.
 /// @param bytes  receives memory that the caller must free().
-bool compressJpeg(const Image& tile, unsigned char*& bytes, unsigned long& size) {
+bool compressJpeg(const Image& tile, int quality, unsigned char*& bytes, unsigned long& size) {
   jpeg_compress_struct info{};
   JpegErrors errors;
   info.err = errors.install(false);
@@ -35,7 +34,7 @@ bool compressJpeg(const Image& tile, unsigned char*& bytes, unsigned long& size)
   info.input_components = 4;
   info.in_color_space = JCS_EXT_RGBX;
   jpeg_set_defaults(&info);
-  jpeg_set_quality(&info, kQuality, TRUE);
+  jpeg_set_quality(&info, quality, TRUE);
   info.optimize_coding = TRUE;
   info.comp_info[0].h_samp_factor = info.comp_info[0].v_samp_factor = 1;
   jpeg_start_compress(&info, TRUE);
@@ -49,10 +48,10 @@ bool compressJpeg(const Image& tile, unsigned char*& bytes, unsigned long& size)
   return true;
 }
 
-std::vector<std::byte> encodeJpeg(const Image& tile) {
+std::vector<std::byte> encodeJpeg(const Image& tile, int quality) {
   unsigned char* bytes = nullptr;
   unsigned long size = 0;
-  const bool done = compressJpeg(tile, bytes, size);
+  const bool done = compressJpeg(tile, quality, bytes, size);
   std::vector<std::byte> file;
   if (done) file.assign(reinterpret_cast<std::byte*>(bytes), reinterpret_cast<std::byte*>(bytes) + size);
   std::free(bytes);  // NOLINT(cppcoreguidelines-no-malloc,cppcoreguidelines-owning-memory): libjpeg took it
@@ -67,11 +66,12 @@ int appendTo(const uint8_t* data, size_t size, const WebPPicture* picture) {
   return 1;
 }
 
-std::vector<std::byte> encodeWebp(const Image& tile, bool lossless) {
+std::vector<std::byte> encodeWebp(const Image& tile, bool lossless, int quality) {
   std::vector<std::byte> file;
   WebPConfig config;
   WebPPicture picture;
-  if (WebPConfigPreset(&config, WEBP_PRESET_DEFAULT, kQuality) == 0 || WebPPictureInit(&picture) == 0)
+  if (WebPConfigPreset(&config, WEBP_PRESET_DEFAULT, static_cast<float>(quality)) == 0 ||
+      WebPPictureInit(&picture) == 0)
     throw Error(ErrorCode::kInternal, "libwebp has another version than its headers");
   if (lossless) WebPConfigLosslessPreset(&config, 6);
   config.exact = 1;  // keep the colours of transparent texels, because filters mix them with their neighbours
@@ -107,8 +107,9 @@ TileCodec chooseCodec(const Image& image) {
   return opaque ? TileCodec::kJpeg : TileCodec::kWebp;
 }
 
-std::vector<std::byte> encodeTile(const Image& tile, TileCodec codec) {
-  return codec == TileCodec::kJpeg ? encodeJpeg(tile) : encodeWebp(tile, codec == TileCodec::kLossless);
+std::vector<std::byte> encodeTile(const Image& tile, TileCodec codec, int quality) {
+  if (codec == TileCodec::kJpeg) return encodeJpeg(tile, quality);
+  return encodeWebp(tile, codec == TileCodec::kLossless, quality);
 }
 
 }  // namespace lode::store

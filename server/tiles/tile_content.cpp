@@ -54,7 +54,7 @@ GlbPart encodedPart(const Mesh& mesh, double step, const GltfCoordinates* coordi
 
 GlbImage insideImage(const Atlas& atlas) {
   const store::TileCodec codec = store::chooseCodec(atlas.image);
-  return {.inside = store::encodeTile(atlas.image, codec),
+  return {.inside = store::encodeTile(atlas.image, codec, kImageQuality),
           .is_webp = codec != store::TileCodec::kJpeg,
           .cuts_out = atlas.is_clear};
 }

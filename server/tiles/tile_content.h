@@ -11,6 +11,10 @@
 
 namespace lode::tiles {
 
+/// Quality of the lossy images of a tileset. Lower than a store's, because a tileset has more texels than a
+/// view needs (docs/decisions/0032-tile-textures.md).
+constexpr int kImageQuality = 85;
+
 /// Returns the GLB of an LOD without images. The Draco stream is the payload itself, except for LODs with
 /// colours: glTF requires linear colours, so their streams are encoded again (encodeForGltf()). If the stream
 /// has no normals, the GLB stores them after the stream. The result depends only on the payload.

@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 
 /// Version of the files that TileWriter makes. Increment it when the bytes of a file change, because caches
 /// assume that a name's bytes never change.
-constexpr uint32_t kWriterVersion = 1;
+constexpr uint32_t kWriterVersion = 2;
 
 Json boundingVolume(const LatticeBox& lattice_box, double step) {
   const ModelBox box = toModelBox(lattice_box, step);
@@ -207,9 +207,10 @@ std::vector<std::byte> TileWriter::image(SharedImage image) const {
   TextureLevels levels(reader_);
   const Image whole =
       levels.part(image.texture, image.level, {0, 0}, levels.size(image.texture, image.level));
-  if (levels.isJpeg(image.texture)) return store::encodeTile(whole, store::TileCodec::kJpeg);
+  if (levels.isJpeg(image.texture)) return store::encodeTile(whole, store::TileCodec::kJpeg, kImageQuality);
   const bool is_drawing = store::chooseCodec(whole) == store::TileCodec::kLossless;
-  return store::encodeTile(whole, is_drawing ? store::TileCodec::kLossless : store::TileCodec::kWebp);
+  return store::encodeTile(whole, is_drawing ? store::TileCodec::kLossless : store::TileCodec::kWebp,
+                           kImageQuality);
 }
 
 std::string TileWriter::imageName(SharedImage image) const {

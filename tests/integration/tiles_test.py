@@ -104,6 +104,23 @@ class TilesTest(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
 
+    def camera(self, store, distance):
+        """Writes a camera that sees the whole model. The distance is in model diagonals. Returns the eye."""
+        box = json.loads(lodestreamd("info", store, "--json").stdout)["box"]
+        diagonal = sum((b - a) ** 2 for a, b in zip(box["min"], box["max"])) ** 0.5
+        target = [(a + b) / 2 for a, b in zip(box["min"], box["max"])]
+        eye = [t + distance * diagonal * d for t, d in zip(target, (0.48, 0.36, 0.8))]
+        (self.folder / "camera.json").write_text(json.dumps(
+            {"fov_y_deg": FOV_Y_DEG, "keys": [{"t": 0, "eye": eye, "target": target, "up": [0, 1, 0]}]}))
+        return eye
+
+    def fetched(self, store, pixels):
+        """Returns the summary of `lodestream fetch` after it has converged at the camera."""
+        fetched = json.loads(run(BIN / "lodestream", "fetch", store, "--camera", self.folder / "camera.json", "--pixels", pixels,
+                                 "--size", f"1280x{HEIGHT_PX}", "--cache", "off", "--json").stdout)
+        self.assertTrue(fetched["converged"])
+        return fetched
+
     def validate(self, stores):
         """Validates all GLB files of stores. Skips the test without gltf-validator."""
         if not shutil.which("node") or run("node", "-e", "require('gltf-validator')").returncode != 0:
@@ -283,6 +300,18 @@ class Textures(TilesTest):
                              (len(beside), sum((folder / name).stat().st_size for name in beside)))
         self.assertGreaterEqual(kinds, {("shared", False), ("atlas", False)})
 
+    def test_have_at_most_half_more_bytes_than_the_client_receives_from_near(self):
+        scan = pathlib.Path(os.environ.get("LODESTREAM_TEST_DATA", "/nonexistent"), "c_jungle_multitex_le.ply")
+        if not scan.exists():
+            self.skipTest("LODESTREAM_TEST_DATA has no jungle")
+        store = self.folder / "jungle.lode"
+        lodestreamd("build", scan, "-o", store, "--quiet")
+        report = export(store, self.folder / "tiles")
+        self.camera(store, 0.7)
+        fetched = self.fetched(store, 1)
+        self.assertEqual(fetched["triangles"], json.loads(lodestreamd("info", store, "--json").stdout)["triangles"])
+        self.assertLessEqual(report["glb_bytes"] + report["json_bytes"] + report["image_bytes"], 1.5 * fetched["bytes_received"])
+
     def test_are_valid(self):
         self.validate(self.stores())
 
@@ -331,25 +360,13 @@ class Cuts(TilesTest):
                 self.assertEqual(self.cut_of_tileset(Tileset(folder), self.camera(store, distance), pixels),
                                  self.cut_of_fetch(store, pixels))
 
-    def camera(self, store, distance):
-        """Writes a camera that sees the whole model. The distance is in model diagonals. Returns the eye."""
-        box = json.loads(lodestreamd("info", store, "--json").stdout)["box"]
-        diagonal = sum((b - a) ** 2 for a, b in zip(box["min"], box["max"])) ** 0.5
-        target = [(a + b) / 2 for a, b in zip(box["min"], box["max"])]
-        eye = [t + distance * diagonal * d for t, d in zip(target, (0.48, 0.36, 0.8))]
-        (self.folder / "camera.json").write_text(json.dumps(
-            {"fov_y_deg": FOV_Y_DEG, "keys": [{"t": 0, "eye": eye, "target": target, "up": [0, 1, 0]}]}))
-        return eye
-
     def cut_of_tileset(self, tileset, eye, pixels):
         in_model = tileset.to_model([eye[0], -eye[2], eye[1]])  # the tileset's root turns y up to z up
         cut = tileset.cut(lambda tile: tile.error_px(in_model, FOV_Y_DEG, HEIGHT_PX) <= pixels)
         return len(cut), sum(tileset.glb(tile.glb).triangles for tile in cut if tile.glb)
 
     def cut_of_fetch(self, store, pixels):
-        fetched = json.loads(run(BIN / "lodestream", "fetch", store, "--camera", self.folder / "camera.json", "--pixels", pixels,
-                                 "--size", f"1280x{HEIGHT_PX}", "--cache", "off", "--json").stdout)
-        self.assertTrue(fetched["converged"])
+        fetched = self.fetched(store, pixels)
         return fetched["nodes"], fetched["triangles"]
 
 
