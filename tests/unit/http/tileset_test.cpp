@@ -78,7 +78,7 @@ TEST_F(TilesetTest, hasNoOtherFiles) {
   const Tileset tileset(store_);
   const std::string hex = toHex(store_->nodes().front().lods.front().payload.digest);
   for (const std::string& name :
-       {std::string("g/") + std::string(32, '0') + ".1.glb", "p/" + hex + ".json", "g/" + hex + ".2.glb",
+       {std::string("g/") + std::string(32, '0') + ".2.glb", "p/" + hex + ".json", "g/" + hex + ".1.glb",
         "g/" + hex, std::string("p/"), std::string("models.json")})
     EXPECT_FALSE(tileset.has(name)) << name;
 }
