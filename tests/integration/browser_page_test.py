@@ -63,6 +63,14 @@ return Promise.all([texels(arguments[0]), texels(arguments[1])]).then(([a, b]) =
 """
 
 
+REFUSE_SHADERS = """
+const {prototype} = WebGL2RenderingContext, get = prototype.getProgramParameter;
+prototype.getProgramParameter = function(program, name) {
+  return name !== this.LINK_STATUS && get.call(this, program, name);
+};
+"""
+
+
 def link_to(server, model, camera, **more):
     """Returns the page's link to a view. @param camera  with eye, target, up and fov."""
     fields = {"model": model, **{name: ",".join(map(repr, camera[name])) for name in ("eye", "target", "up")},
@@ -168,6 +176,13 @@ class Page(unittest.TestCase):
         pictures = [base64.b64encode((self.folder / name).read_bytes()).decode() for name in ("before.png", "after.png")]
         self.assertGreater(self.browser.run(COMPARE, *pictures), 50)
         self.assertEqual(self.browser.run("return window.lodestream.state().errors"), [])
+
+    def test_says_that_the_driver_refuses_a_shader(self):
+        script = self.browser.tool("Page.addScriptToEvaluateOnNewDocument", source=REFUSE_SHADERS)
+        self.addCleanup(self.browser.tool, "Page.removeScriptToEvaluateOnNewDocument", **script)
+        self.browser.open("about:blank")
+        self.browser.open(link_to(self.server, "painted", VIEWS["far"]))
+        self.browser.wait_for("document.body.innerText.includes('WebGL cannot run a shader')")
 
     def test_says_what_is_wrong_with_a_model_that_is_not_there(self):
         self.browser.open("about:blank")

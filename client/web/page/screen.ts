@@ -111,12 +111,12 @@ export class Screen {
     const gl = this.gl;
     for (const shader of (this.renderer.info.programs ?? []) as unknown as CompiledProgram[]) {
       if (this.checked.has(shader) || !shader.isReady()) continue;
-      this.checked.add(shader);
       const { program } = shader;
       if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
         throw new Error(`WebGL cannot run a shader: ${gl.getProgramInfoLog(program) ?? ""}`);
       shader.getUniforms();
       shader.getAttributes();
+      this.checked.add(shader);
     }
   }
 
