@@ -194,7 +194,7 @@ std::string BuildIdentity::difference(const BuildIdentity& now, const std::strin
   for (size_t i = 0; i < inputs.size(); ++i) {
     const FileFingerprint &then = inputs[i], &today = now.inputs[i];
     const std::string the_input = "the input " + then.path;
-    if (then.path != today.path) return begun + the_input + same;
+    if (then.path != today.path) return std::string(begun).append(the_input).append(same);
     if (today.bytes == 0) return the_input + " cannot be read; restore it";
     if (then != today)
       return (inputs.size() > 1 ? the_input : std::string("the input")) + " has changed since it began; " +
