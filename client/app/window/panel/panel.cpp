@@ -156,6 +156,15 @@ bool hasPanel(const PanelContent& content) {
          content.recording || !content.message.empty();
 }
 
+// ImDrawData has an array of lists up to ImGui 1.89.7, and a vector since then.
+[[maybe_unused]] void setLists(ImDrawList**& of_data, std::vector<ImDrawList*>& lists) {
+  of_data = lists.data();
+}
+[[maybe_unused]] void setLists(ImVector<ImDrawList*>& of_data, const std::vector<ImDrawList*>& lists) {
+  of_data.resize(static_cast<int>(lists.size()));
+  std::copy(lists.begin(), lists.end(), of_data.begin());
+}
+
 }  // namespace
 
 /// Draws the parts of the panel that fit into the window, then the other parts, which the user can scroll to.
@@ -239,9 +248,9 @@ void Panel::drawLists(bool marks) {
   ImDrawData data = *ImGui::GetDrawData();
   const ImDrawList* const background = ImGui::GetBackgroundDrawList();
   std::vector<ImDrawList*> lists;
-  for (ImDrawList* const list : std::span(data.CmdLists, static_cast<size_t>(data.CmdListsCount)))
-    if ((list == background) == marks) lists.push_back(list);
-  data.CmdLists = lists.data();
+  for (int i = 0; i < data.CmdListsCount; ++i)
+    if ((data.CmdLists[i] == background) == marks) lists.push_back(data.CmdLists[i]);
+  setLists(data.CmdLists, lists);
   data.CmdListsCount = static_cast<int>(lists.size());
   ImGui_ImplOpenGL3_RenderDrawData(&data);
 }
