@@ -36,7 +36,7 @@ TEST(RemedyWords, endTheFailuresInReports) {
   EXPECT_EQ(json["failure"], "no model 'a'; lodestream list shows what it has");
   LoadCounts counts;
   counts.noteError(Error(ErrorCode::kInput, status.failure, status.failure_remedy));
-  EXPECT_EQ(counts.first_error, json["failure"]);
+  EXPECT_EQ(counts.first_error, json["failure"].get<std::string>());
 }
 
 TEST(RemedyWords, endTheReasonWhyAViewDidNotConverge) {
