@@ -35,9 +35,9 @@ class Files(unittest.TestCase):
         cls.stores.mkdir()
         for name in ("painted", "gyroid"):
             shutil.copy(MODELS / f"{name}.lode", cls.stores)
-        shutil.copy(MODELS / "bunny.lode", cls.stores / "a b&ü.lode")
+        shutil.copy(MODELS / "painted_in_small_nodes.lode", cls.stores / "a b&ü.lode")
         cls.files = {name: export(MODELS / f"{store}.lode", cls.folder / name)
-                     for name, store in (("painted", "painted"), ("gyroid", "gyroid"), ("a b&ü", "bunny"))}
+                     for name, store in (("painted", "painted"), ("gyroid", "gyroid"), ("a b&ü", "painted_in_small_nodes"))}
         cls.server = cls.stack.enter_context(Served(cls.stores))
 
     @classmethod
